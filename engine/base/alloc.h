@@ -1,0 +1,36 @@
+/// Memory from the host: single blocks and a buffer that grows.
+#pragma once
+
+#include "wisp/base.h"
+
+/// Every buffer starts on a cache line, which also satisfies the widest vector load.
+#define BASE_BUFFER_ALIGNMENT 64
+
+/// a * b
+/// @return false when the product does not fit into a size_t; *out is then left alone
+bool base_size_multiply( size_t a, size_t b, size_t* out );
+
+/// A block from the host's hooks, or from aligned_alloc where there are none.
+/// @param allocator may be null, which means no hooks
+/// @param alignment a power of two
+/// @return null when size is 0 or memory is short; sizes near PTRDIFF_MAX never reach the hooks
+void* base_allocate( const wisp_allocator* allocator, size_t size, size_t alignment );
+
+/// Give a block back. A null block is ignored.
+/// @param size as it was asked for
+void base_release( const wisp_allocator* allocator, void* block, size_t size );
+
+/// A block that grows and keeps its contents. Zero-initialised means empty.
+typedef struct base_buffer
+{
+    void* data;  ///< aligned to BASE_BUFFER_ALIGNMENT; null while empty
+    size_t size; ///< bytes that may be used, at least as many as were ever reserved
+} base_buffer;
+
+/// Make room for at least so many bytes. Grows by half its size or more, so that repeated small requests copy little.
+/// New bytes are not initialised.
+/// @return false when memory is short; the buffer is then as it was
+bool base_buffer_reserve( const wisp_allocator* allocator, base_buffer* buffer, size_t bytes );
+
+/// Give the memory back; the buffer is empty and may be used again.
+void base_buffer_release( const wisp_allocator* allocator, base_buffer* buffer );

@@ -1,0 +1,121 @@
+#include "arena.h"
+
+// Written at the start of an overflow block; the piece follows at the first aligned byte.
+struct base_arena_overflow
+{
+    base_arena_overflow* next;
+    size_t size; // of the whole block
+};
+
+// Round up to a multiple of a power of two; SIZE_MAX when that overflows, which no host can allocate.
+static size_t align_up( size_t value, size_t alignment )
+{
+    return value > SIZE_MAX - ( alignment - 1 ) ? SIZE_MAX : ( value + alignment - 1 ) & ~( alignment - 1 );
+}
+
+static size_t add_saturating( size_t a, size_t b )
+{
+    return a > SIZE_MAX - b ? SIZE_MAX : a + b;
+}
+
+static void release_overflow( base_arena* arena )
+{
+    base_arena_overflow* link = arena->overflow;
+    while ( link != NULL )
+    {
+        base_arena_overflow* next = link->next;
+        base_release( &arena->allocator, link, link->size );
+        link = next;
+    }
+    arena->overflow = NULL;
+}
+
+static void* push_overflow( base_arena* arena, size_t size, size_t alignment )
+{
+    size_t header = align_up( sizeof( base_arena_overflow ), alignment );
+    size_t whole = add_saturating( header, size );
+    size_t block_alignment = alignment > BASE_BUFFER_ALIGNMENT ? alignment : BASE_BUFFER_ALIGNMENT;
+    base_arena_overflow* link = base_allocate( &arena->allocator, whole, block_alignment );
+    if ( link == NULL )
+    {
+        return NULL;
+    }
+    *link = ( base_arena_overflow ){ .next = arena->overflow, .size = whole };
+    arena->overflow = link;
+    return (unsigned char*)link + header;
+}
+
+// The new block comes before the old one goes, so that a failure leaves the arena with what it had.
+static bool replace_block( base_arena* arena, size_t capacity )
+{
+    void* block = base_allocate( &arena->allocator, capacity, BASE_BUFFER_ALIGNMENT );
+    if ( block == NULL )
+    {
+        return false;
+    }
+    base_release( &arena->allocator, arena->block, arena->capacity );
+    arena->block = block;
+    arena->capacity = capacity;
+    return true;
+}
+
+// How large a single block would have had to be. Padding to more than a cache line depends on where that block will
+// lie, so the worst case is counted.
+static void record_wanted( base_arena* arena, size_t size, size_t alignment )
+{
+    bool coarse = alignment > BASE_BUFFER_ALIGNMENT;
+    size_t begin = align_up( arena->wanted, coarse ? BASE_BUFFER_ALIGNMENT : alignment );
+    size_t padding = coarse ? alignment - BASE_BUFFER_ALIGNMENT : 0;
+    arena->wanted = add_saturating( begin, add_saturating( padding, size ) );
+    arena->high_water = arena->wanted > arena->high_water ? arena->wanted : arena->high_water;
+}
+
+void base_arena_init( base_arena* arena, const wisp_allocator* allocator, size_t capacity )
+{
+    *arena = ( base_arena ){ 0 };
+    if ( allocator != NULL )
+    {
+        arena->allocator = *allocator;
+    }
+    replace_block( arena, capacity );
+}
+
+void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
+{
+    WISP_ASSERT( alignment != 0 && ( alignment & ( alignment - 1 ) ) == 0 );
+    if ( size == 0 )
+    {
+        return NULL;
+    }
+    record_wanted( arena, size, alignment );
+
+    // Aligned by address, because the block itself promises no more than a cache line.
+    uintptr_t base = (uintptr_t)arena->block;
+    size_t begin = (size_t)( align_up( base + arena->used, alignment ) - base );
+    if ( begin > arena->capacity || size > arena->capacity - begin )
+    {
+        return push_overflow( arena, size, alignment );
+    }
+    arena->used = begin + size;
+    return (unsigned char*)arena->block + begin;
+}
+
+void base_arena_reset( base_arena* arena )
+{
+    release_overflow( arena );
+
+    // A size that the host cannot give is forgotten: one absurd request must not keep the arena from growing later.
+    if ( arena->high_water > arena->capacity && !replace_block( arena, arena->high_water ) )
+    {
+        arena->high_water = arena->capacity;
+    }
+    arena->used = 0;
+    arena->wanted = 0;
+}
+
+void base_arena_release( base_arena* arena )
+{
+    release_overflow( arena );
+    base_release( &arena->allocator, arena->block, arena->capacity );
+    *arena = ( base_arena ){ .allocator = arena->allocator };
+}

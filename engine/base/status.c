@@ -1,0 +1,40 @@
+#include "sentence.h"
+
+#include "wisp/base.h"
+
+_Static_assert( sizeof( ( (wisp_error*)0 )->sentence ) <= BASE_SENTENCE_CAPACITY, "a sentence of an error fits" );
+
+const char* wisp_status_name( wisp_status status )
+{
+    switch ( status )
+    {
+        case WISP_OK:
+            return "ok";
+        case WISP_NO_MEMORY:
+            return "no memory";
+        case WISP_BAD_INPUT:
+            return "bad input";
+        case WISP_STALE_ID:
+            return "stale id";
+        case WISP_CONFLICT:
+            return "conflict";
+        case WISP_IO_ERROR:
+            return "io error";
+    }
+
+    // A number that no enumerator names can still arrive from a host.
+    return "unknown status";
+}
+
+wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... )
+{
+    if ( error != NULL )
+    {
+        error->status = status;
+        va_list arguments;
+        va_start( arguments, format );
+        base_sentence( error->sentence, sizeof error->sentence, format, arguments );
+        va_end( arguments );
+    }
+    return status;
+}

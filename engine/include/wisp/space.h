@@ -1,0 +1,80 @@
+/// Who is near whom: a uniform grid by counting sort, and neighbour lists in a fixed order.
+#pragma once
+
+#include "wisp/jobs.h"
+#include "wisp/kernels.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+/// A buffer that keeps its memory between uses.
+typedef struct wisp_buffer
+{
+    void* data;
+    size_t size; ///< bytes
+} wisp_buffer;
+
+/// Items sorted by cell. A slot is an item's place in that order: by cell (x fastest, then y, then z), within a cell
+/// by item number. Zero-initialised is empty; arrays belong to the grid and stay valid until it is built again.
+typedef struct wisp_grid
+{
+    int count;
+    float origin[3];
+    float cell, inverse_cell; ///< m, 1/m
+    int dims[3];
+    float slack;               ///< m, how far rounding can carry a coordinate across a cell's border
+    bool coarse;               ///< cells were widened: the items are too far spread for cells of the wanted size
+    const int32_t* cell_begin; ///< [dims product + 1] first slot
+    const int32_t* item;       ///< [slot] item number, padded by 16
+    const float *x, *y, *z;    ///< [slot] m, padded by 16
+    const int32_t* owner;      ///< [slot], padded by 16
+    wisp_buffer buffers[4];
+} wisp_grid;
+
+/// Sort items into cells.
+/// @param quads [count][4] x, y, z in m, finite; owner as int bits
+/// @param cell m, > 0: the wanted edge; wider if the grid would need more than 4 cells an item
+/// @return WISP_NO_MEMORY
+WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
+                                      float cell );
+WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
+
+/// Neighbours of queries in slices of eight: entry k of slice s is entries[8 (begin[s] + k) ..], one query a lane.
+/// Zero-initialised is empty.
+typedef struct wisp_neighbours
+{
+    int slice_count;
+    const int32_t* slice_begin;
+    const int32_t* slice_length;
+    const int32_t* entries;
+    size_t entry_count; ///< entries of all slices, padding included
+    uint64_t capped;    ///< queries that ran into the limit
+    wisp_buffer buffers[4];
+} wisp_neighbours;
+
+/// What to look for.
+typedef struct wisp_neighbour_query
+{
+    const float* quads;    ///< [query_count][4] x, y, z, owner as int bits
+    int query_count;
+    float radius;          ///< m
+    int limit;             ///< at most so many a query, the first in slot order
+    const int32_t* rename; ///< [slot] number to report for a slot; null: the slot
+} wisp_neighbour_query;
+
+/// Find all items of other owners within the radius of each query.
+/// @return WISP_NO_MEMORY
+WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_parallel* parallel,
+                                            const wisp_kernels* kernels, const wisp_grid* grid,
+                                            const wisp_neighbour_query* query );
+WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator );
+
+/// Make room, keeping nothing. @return false without memory: the buffer is as it was
+WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
+WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,275 @@
+// The only room that knows OpenMP.
+//
+// A step opens one parallel region. Thread 0 drives; the others wait for waves. A wave is a list of blocks, cut into
+// one contiguous range a worker so that a worker meets the same data in every wave; who is done early takes blocks
+// from the others. Which worker runs a block never shows in a result.
+#include "jobs.h"
+
+#include "alloc.h"
+
+#include <omp.h>
+#include <sched.h>
+#include <stdatomic.h>
+#include <string.h>
+
+struct wisp_parallel
+{
+    jobs_pool* pool;
+    int worker;
+    bool alone;
+};
+
+// Epoch, next block and end of a worker's range in one word. The epoch makes a late thief of an old wave fail its
+// exchange instead of taking a block of the new one.
+enum
+{
+    JOBS_BLOCK_BITS = 20,
+    JOBS_BLOCK_MASK = ( 1 << JOBS_BLOCK_BITS ) - 1,
+    JOBS_EPOCH_MASK = ( 1 << ( 64 - 2 * JOBS_BLOCK_BITS ) ) - 1,
+    JOBS_SPINS_BEFORE_YIELD = 4000,
+};
+
+typedef struct jobs_range
+{
+    _Alignas( 64 ) _Atomic uint64_t word;
+} jobs_range;
+
+struct jobs_pool
+{
+    jobs_range ranges[WISP_MAX_WORKERS];
+    _Alignas( 64 ) _Atomic uint32_t epoch;
+    _Alignas( 64 ) _Atomic int pending;
+    _Atomic bool leaving;
+    wisp_block_fn* run;
+    void* context;
+    int workers;
+    bool inside; // workers stand by
+    wisp_parallel_for_fn* host;
+    void* host_user;
+    const wisp_allocator* allocator;
+    wisp_parallel everyone;
+    wisp_parallel alone[WISP_MAX_WORKERS];
+};
+
+static uint64_t pack( uint32_t epoch, int next, int end )
+{
+    return (uint64_t)( epoch & JOBS_EPOCH_MASK ) << ( 2 * JOBS_BLOCK_BITS ) | (uint64_t)next << JOBS_BLOCK_BITS |
+           (uint64_t)end;
+}
+
+jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_parallel_for_fn* host, void* host_user )
+{
+    jobs_pool* pool = base_allocate( allocator, sizeof( jobs_pool ), 64 );
+    if ( pool == NULL )
+    {
+        return NULL;
+    }
+    memset( (void*)pool, 0, sizeof( *pool ) );
+    pool->workers = workers;
+    pool->host = host;
+    pool->host_user = host_user;
+    pool->allocator = allocator;
+    pool->everyone = ( wisp_parallel ){ .pool = pool };
+    for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
+    {
+        pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
+    }
+    return pool;
+}
+
+void jobs_destroy( jobs_pool* pool )
+{
+    if ( pool != NULL )
+    {
+        base_release( pool->allocator, pool, sizeof( *pool ) );
+    }
+}
+
+int jobs_workers( const jobs_pool* pool )
+{
+    return pool->workers;
+}
+
+int jobs_default_workers( void )
+{
+    cpu_set_t set;
+    int count = sched_getaffinity( 0, sizeof( set ), &set ) == 0 ? CPU_COUNT( &set ) : 1;
+    return count < 1 ? 1 : ( count > WISP_MAX_WORKERS ? WISP_MAX_WORKERS : count );
+}
+
+// Take a block of one worker's range, or -1 if this wave has none left there.
+static int take( jobs_range* range, uint32_t epoch )
+{
+    uint64_t word = atomic_load_explicit( &range->word, memory_order_acquire );
+    for ( ;; )
+    {
+        int next = (int)( word >> JOBS_BLOCK_BITS ) & JOBS_BLOCK_MASK;
+        int end = (int)word & JOBS_BLOCK_MASK;
+        if ( word >> ( 2 * JOBS_BLOCK_BITS ) != ( epoch & JOBS_EPOCH_MASK ) || next >= end )
+        {
+            return -1;
+        }
+        if ( atomic_compare_exchange_weak_explicit( &range->word, &word, pack( epoch, next + 1, end ),
+                                                    memory_order_acq_rel, memory_order_acquire ) )
+        {
+            return next;
+        }
+    }
+}
+
+static void work( jobs_pool* pool, uint32_t epoch, int worker )
+{
+    // own range first, then the neighbours' in turn
+    for ( int i = 0; i < pool->workers; ++i )
+    {
+        jobs_range* range = pool->ranges + ( worker + i ) % pool->workers;
+        for ( int block = take( range, epoch ); block >= 0; block = take( range, epoch ) )
+        {
+            // A block was taken, so the wave cannot end before it is done: run and context are this wave's.
+            pool->run( pool->context, block, worker );
+            atomic_fetch_sub_explicit( &pool->pending, 1, memory_order_release );
+        }
+    }
+}
+
+// More workers than cores is allowed, so a wait must let others run.
+static void wait_a_little( int* spins )
+{
+    if ( ++*spins > JOBS_SPINS_BEFORE_YIELD )
+    {
+        sched_yield();
+    }
+}
+
+static void stand_by( jobs_pool* pool, int worker, uint32_t epoch )
+{
+    for ( int spins = 0;; )
+    {
+        uint32_t now = atomic_load_explicit( &pool->epoch, memory_order_acquire );
+        if ( now != epoch )
+        {
+            epoch = now;
+            spins = 0;
+            work( pool, epoch, worker );
+        }
+        else if ( atomic_load_explicit( &pool->leaving, memory_order_acquire ) )
+        {
+            return;
+        }
+        else
+        {
+            wait_a_little( &spins );
+        }
+    }
+}
+
+void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
+{
+    if ( pool->workers == 1 || pool->host != NULL )
+    {
+        driver( context );
+        return;
+    }
+    uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed );
+    atomic_store_explicit( &pool->leaving, false, memory_order_relaxed );
+    pool->inside = true;
+#pragma omp parallel num_threads( pool->workers ) default( none ) shared( pool, driver, context, epoch )
+    {
+        int worker = omp_get_thread_num();
+        if ( worker == 0 )
+        {
+            driver( context );
+            pool->inside = false;
+            atomic_store_explicit( &pool->leaving, true, memory_order_release );
+        }
+        else
+        {
+            stand_by( pool, worker, epoch );
+        }
+    }
+}
+
+void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
+{
+    if ( pool->host != NULL && block_count > 1 )
+    {
+        pool->host( pool->host_user, block_count, run, context );
+        return;
+    }
+    if ( pool->inside == false || block_count <= 1 || block_count > JOBS_BLOCK_MASK )
+    {
+        for ( int block = 0; block < block_count; ++block )
+        {
+            run( context, block, 0 );
+        }
+        return;
+    }
+    uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed ) + 1;
+    pool->run = run;
+    pool->context = context;
+    atomic_store_explicit( &pool->pending, block_count, memory_order_relaxed );
+    for ( int i = 0; i < pool->workers; ++i )
+    {
+        int begin = (int)( (int64_t)block_count * i / pool->workers );
+        int end = (int)( (int64_t)block_count * ( i + 1 ) / pool->workers );
+        atomic_store_explicit( &pool->ranges[i].word, pack( epoch, begin, end ), memory_order_release );
+    }
+    atomic_store_explicit( &pool->epoch, epoch, memory_order_release );
+
+    work( pool, epoch, 0 );
+    for ( int spins = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
+    {
+        wait_a_little( &spins );
+    }
+}
+
+const wisp_parallel* jobs_everyone( const jobs_pool* pool )
+{
+    return &pool->everyone;
+}
+
+const wisp_parallel* jobs_alone( const jobs_pool* pool, int worker )
+{
+    return pool->alone + worker;
+}
+
+int wisp_parallel_workers( const wisp_parallel* parallel )
+{
+    return parallel->pool->workers;
+}
+
+const wisp_allocator* wisp_parallel_allocator( const wisp_parallel* parallel )
+{
+    return parallel->pool->allocator;
+}
+
+typedef struct jobs_loop
+{
+    wisp_range_fn* run;
+    void* context;
+    int count, grain;
+} jobs_loop;
+
+static void run_loop_block( void* context, int block, int worker )
+{
+    const jobs_loop* loop = context;
+    int begin = block * loop->grain;
+    int end = loop->count - begin > loop->grain ? begin + loop->grain : loop->count;
+    loop->run( loop->context, begin, end, worker );
+}
+
+void wisp_parallel_for( const wisp_parallel* parallel, int count, int grain, wisp_range_fn* run, void* context )
+{
+    WISP_ASSERT( grain > 0 );
+    jobs_loop loop = { run, context, count, grain };
+    int block_count = count / grain + ( count % grain > 0 ? 1 : 0 );
+    if ( parallel->alone == false )
+    {
+        jobs_run_wave( parallel->pool, block_count, run_loop_block, &loop );
+        return;
+    }
+    for ( int block = 0; block < block_count; ++block )
+    {
+        run_loop_block( &loop, block, parallel->worker );
+    }
+}

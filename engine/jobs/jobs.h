@@ -1,0 +1,28 @@
+/// Workers of a world: persistent OpenMP threads, the host's own parallel loop, or the calling thread alone.
+#pragma once
+
+#include "wisp/jobs.h"
+
+typedef struct jobs_pool jobs_pool;
+
+/// @param workers 1 .. WISP_MAX_WORKERS @param host may be null
+/// @return null without memory
+jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_parallel_for_fn* host, void* host_user );
+void jobs_destroy( jobs_pool* pool );
+
+int jobs_workers( const jobs_pool* pool );
+
+/// Cores this process may run on; at least 1, at most WISP_MAX_WORKERS. Does not touch OpenMP.
+int jobs_default_workers( void );
+
+/// Run driver( context ) on the calling thread while the workers stand by; waves inside it wake them. One parallel
+/// region, none with one worker or a host's loop.
+void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
+
+/// One wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are done.
+void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
+
+/// All workers: valid on the driver thread while no wave runs.
+const wisp_parallel* jobs_everyone( const jobs_pool* pool );
+/// Only this worker.
+const wisp_parallel* jobs_alone( const jobs_pool* pool, int worker );

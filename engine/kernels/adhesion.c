@@ -1,0 +1,182 @@
+// Pairwise adhesion with a gap-keeping brake, eight vertices at once (FRZ, eq. 14-19).
+//
+//   f_i = sum g(r) (q - p_i) / r,  g(r) = (1 - r/h)^2        Dp_i = sigma f_i, held back by the guard
+//   delta_i = sum g(r0) clamp( change(r0, r1) / h ) / sum g(r0)
+//   p_i <- p_i + lambda_i Dp_i,  lambda = (1 - delta) zeta + delta floor
+//
+// Lane = vertex; every lane adds its neighbours one after another in list order, so the sums are those of a plain loop.
+// Padding and pairs beyond h add an exact zero. A pair at distance 0 has no direction and is left out.
+#include "kernel_isa.h"
+
+#include "lane_random.h"
+
+static lane8v load_slice( const float* quads, int slice )
+{
+    static const int32_t own[WISP_SLICE] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    lane8v p;
+    lane8_load_xyz( quads + (size_t)slice * WISP_SLICE * 4, own, &p.x, &p.y, &p.z );
+    return p;
+}
+
+static void store_slice( float* quads, int slice, lane8v p )
+{
+    lane8_store_xyzw_contiguous( quads + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
+}
+
+static lane8v load_entry( const float* quads, const int32_t* entries )
+{
+    lane8v q;
+    lane8_load_xyz( quads, entries, &q.x, &q.y, &q.z );
+    return q;
+}
+
+// g(r) of eq. 14 where 0 < r < h, else 0.
+static lane8 kernel_weight( lane8 r, lane8 h, lane8 inverse_h )
+{
+    lane8 u = lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) );
+    lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) );
+    return lane8_select( inside, lane8_mul( u, u ), lane8_zero() );
+}
+
+static float largest( lane8 squared )
+{
+    float lanes[WISP_SLICE], most = 0.0f;
+    lane8_storeu( lanes, squared );
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        most = lanes[l] > most ? lanes[l] : most;
+    }
+    float length;
+    lane8_storeu( lanes, lane8_sqrt( lane8_set1( most ) ) );
+    length = lanes[0];
+    return length;
+}
+
+// No vertex moves further than half of what its nearest neighbour leaves above r_min, so no pair gets closer than that.
+static lane8v guarded( const wisp_adhesion_job* job, lane8v move, lane8 nearest )
+{
+    lane8 room = lane8_mul( lane8_sub( nearest, lane8_set1( job->distance_min ) ), lane8_set1( 0.5f ) );
+    room = lane8_max( room, lane8_zero() );
+    lane8 length = lane8v_length( move );
+    lane8m too_far = lane8_gt( length, room );
+    lane8 scale = lane8_select( too_far, lane8_div( room, length ), lane8_set1( 1.0f ) );
+    return lane8v_scale( move, scale );
+}
+
+float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+{
+    const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
+    const lane8 epsilon = lane8_set1( job->epsilon ), step = lane8_set1( job->step );
+    const lane8 far = lane8_set1( 3e38f ), zero = lane8_zero();
+    lane8 most = zero;
+    for ( int slice = slice_first; slice < slice_last; ++slice )
+    {
+        const lane8v p = load_slice( job->current, slice );
+        const int32_t* entries = job->entries + (size_t)job->slice_begin[slice] * WISP_SLICE;
+        lane8v force = { zero, zero, zero };
+        lane8 nearest = far;
+        for ( int k = 0; k < job->slice_length[slice]; ++k )
+        {
+            lane8v d = lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p );
+            lane8 r = lane8v_length( d );
+            lane8 u = lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) );
+            lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
+            lane8 pull = lane8_div( lane8_mul( u, u ), lane8_add( r, epsilon ) );
+            force = lane8v_mul_add( force, lane8_select( inside, pull, zero ), d );
+            nearest = lane8_min( nearest, lane8_select( inside, r, far ) );
+        }
+        lane8v move = lane8v_scale( force, step );
+        move = job->guard ? guarded( job, move, nearest ) : move;
+
+        // roots stay
+        lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( job->vertex + slice * WISP_SLICE ) );
+        move = lane8v_select( moves, move, ( lane8v ){ zero, zero, zero } );
+        lane8v_store( job->displacement + (size_t)slice * 3 * WISP_SLICE, move );
+        store_slice( job->tentative, slice, lane8v_add( p, move ) );
+        most = lane8_max( most, lane8v_dot( move, move ) );
+    }
+    return largest( most );
+}
+
+// delta of eq. 17, weighted over the reference neighbours. `gap` is a constant where this is inlined.
+LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, int gap, bool by_iteration )
+{
+    const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
+    const size_t first = (size_t)job->reference_begin[slice] * WISP_SLICE;
+    const int32_t* entries = job->reference_entries + first;
+    lane8 weights = zero, changes = zero;
+    for ( int k = 0; k < job->reference_length[slice]; ++k )
+    {
+        lane8 r1 = lane8v_length( lane8v_sub( load_entry( job->tentative, entries + k * WISP_SLICE ), moved ) );
+        lane8 r0 = by_iteration
+                       ? lane8v_length( lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p ) )
+                       : lane8_load( job->reference_distance + first + (size_t)k * WISP_SLICE );
+        lane8 change = gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
+        change = gap == WISP_GAP_PROSE ? lane8_abs( change ) : change;
+        change = lane8_min( lane8_max( lane8_mul( change, inverse_h ), zero ), one );
+        lane8 weight = kernel_weight( r0, h, inverse_h );
+        weights = lane8_add( weights, weight );
+        changes = lane8_mul_add( weight, change, changes );
+    }
+    return lane8_select( lane8_gt( weights, zero ), lane8_div( changes, weights ), zero );
+}
+
+LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, int gap,
+                                bool by_iteration )
+{
+    const lane8 floor = lane8_set1( gap == WISP_GAP_PROSE ? job->lambda_min : 1.0f );
+    lane8 most = lane8_zero();
+    for ( int slice = slice_first; slice < slice_last; ++slice )
+    {
+        lane8 delta = change_share( job, slice, gap, by_iteration );
+        lane8 zeta = lane8_random_unit( job->key, lane8i_loadu( job->owner + slice * WISP_SLICE ),
+                                        lane8i_loadu( job->vertex + slice * WISP_SLICE ),
+                                        lane8i_set1( (int32_t)job->iteration ) );
+        lane8 rest = lane8_sub( lane8_set1( 1.0f ), delta );
+        lane8 lambda = lane8_mul_add( rest, zeta, lane8_mul( delta, floor ) );
+        lane8v move = lane8v_scale( lane8v_load( job->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
+        store_slice( job->next, slice, lane8v_add( load_slice( job->current, slice ), move ) );
+        most = lane8_max( most, lane8v_dot( move, move ) );
+    }
+    return largest( most );
+}
+
+float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+{
+    bool by_iteration = job->reference_distance == NULL;
+    switch ( job->gap )
+    {
+        case WISP_GAP_PRINTED:
+            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_PRINTED, true )
+                                : brake_slices( job, slice_first, slice_last, WISP_GAP_PRINTED, false );
+        case WISP_GAP_CLOSING:
+            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_CLOSING, true )
+                                : brake_slices( job, slice_first, slice_last, WISP_GAP_CLOSING, false );
+        default:
+            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_PROSE, true )
+                                : brake_slices( job, slice_first, slice_last, WISP_GAP_PROSE, false );
+    }
+}
+
+int64_t KERNEL( pair_distance )( const float* quads, const int32_t* slice_begin, const int32_t* slice_length,
+                                 const int32_t* entries, float radius, float* distance, int slice_first,
+                                 int slice_last )
+{
+    const lane8 h = lane8_set1( radius );
+    int64_t count = 0;
+    for ( int slice = slice_first; slice < slice_last; ++slice )
+    {
+        const lane8v p = load_slice( quads, slice );
+        const size_t first = (size_t)slice_begin[slice] * WISP_SLICE;
+        for ( int k = 0; k < slice_length[slice]; ++k )
+        {
+            size_t at = first + (size_t)k * WISP_SLICE;
+            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, entries + at ), p ) );
+            lane8_store( distance + at, r );
+            count += __builtin_popcount( lane8m_bits( lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) ) ) );
+        }
+    }
+    return count;
+}

@@ -1,0 +1,83 @@
+/// Eight and sixteen floats at once: lane8 and lane16, with int32 lanes (lane8i, lane16i) and masks (lane8m, lane16m).
+/// This header and the lane_*.h files it includes are the one place with intrinsics.
+///
+/// Every operation gives the same bits on every backend: each is a single correctly rounded IEEE operation, or a
+/// fixed sequence of them. (Only which NaN comes out of arithmetic on NaNs is left open.) That holds when the
+/// compiler does not fuse a multiplication with an addition: build with -ffp-contract=off.
+///
+/// For P = lane8 or lane16, Pi = lane8i or lane16i, Pm = lane8m or lane16m, l a lane:
+///
+///   P_set1( f ) P_zero()              the same number in every lane
+///   P_load P_store                    aligned to 32 bytes (lane8) or 64 bytes (lane16); P_loadu P_storeu: to 4 bytes
+///   P_add P_sub P_mul P_div P_sqrt    IEEE, round to nearest
+///   P_mul_add( a, b, c )              a * b + c with two roundings, never fused
+///   P_min P_max                       a < b ? a : b and a > b ? a : b: the second operand if one is NaN
+///   P_neg P_abs P_floor               neg and abs touch the sign bit only; floor keeps -0
+///   P_lt P_le P_gt P_ge P_eq          -> Pm, false if one is NaN
+///   P_select( m, a, b )               m ? a : b
+///   P_truncate                        -> Pi, towards zero; INT32_MIN for NaN and for what does not fit
+///   P_from_int( i )                   -> P, nearest
+///   P_cast_int P_cast_float           the same bits seen as the other type: P -> Pi and Pi -> P
+///   P_sum_ordered                     -> float; adds lane l and l + half, and again, until one is left
+///   Pi_set1 Pi_load Pi_store Pi_loadu Pi_storeu
+///   Pi_add Pi_sub Pi_mul              modulo 2^32
+///   Pi_and Pi_or Pi_xor
+///   Pi_shift_left Pi_shift_right      by a constant in 0..31; right fills with zeros
+///   Pi_eq Pi_lt                       -> Pm, signed
+///   Pi_select( m, a, b )              m ? a : b
+///   Pi_iota()                         0, 1, 2 ...
+///   Pm_and Pm_or Pm_not Pm_and_not    and_not( a, b ) is a & ~b
+///   Pm_any Pm_all                     -> bool
+///   Pm_bits                           -> uint32_t, bit l is lane l
+///   Pm_first( n )                     the lanes l < n; n may be negative or beyond the last lane
+///
+/// and for eight lanes only
+///
+///   lane8_load_xyz( quads, index, &x, &y, &z )          lane l gets quads[4 * index[l] + 0..2]
+///   lane8_load_xyzw( quads, index, &x, &y, &z, &w )     likewise with w
+///   lane8_store_xyzw_contiguous( quads, x, y, z, w )    quad l gets lane l of x, y, z, w
+///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;
+///                                                       out has room for eight, the rest may be overwritten
+///
+/// Quads are aligned to 16 bytes. They are read by whole 128-bit loads and transposed in registers, which was
+/// measured to be faster than gathers.
+///
+/// LANE_PLAIN forces the backend without intrinsics. LANE_EMULATE_AVX512 compiles the AVX-512 backend over SIMDe,
+/// so that its source is tested on a processor that does not have it.
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#define LANE_INLINE static inline __attribute__( ( always_inline ) )
+
+#define LANE_JOIN_NOW( a, b ) a##b
+#define LANE_JOIN( a, b ) LANE_JOIN_NOW( a, b )
+
+#if defined( LANE_PLAIN )
+#include "lane_plain.h"
+#elif defined( LANE_EMULATE_AVX512 )
+#include "lane_avx512.h"
+#elif defined( __AVX512F__ ) && defined( __AVX512VL__ ) && defined( __AVX512BW__ ) && defined( __AVX512DQ__ )
+#include "lane_avx512.h"
+#elif defined( __AVX2__ )
+#include "lane_avx2.h"
+#elif defined( __SSE2__ )
+#include "lane_sse2.h"
+#else
+#include "lane_plain.h"
+#endif
+
+#define LANE_P lane8
+#define LANE_COUNT 8
+#include "lane_derived.h"
+#undef LANE_P
+#undef LANE_COUNT
+
+#define LANE_P lane16
+#define LANE_COUNT 16
+#include "lane_derived.h"
+#undef LANE_P
+#undef LANE_COUNT

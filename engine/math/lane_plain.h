@@ -1,0 +1,194 @@
+// Lanes as plain C arrays: the backend of any other processor, and the oracle of the ones with intrinsics.
+#pragma once
+
+#include <math.h>
+
+#define LANE_BACKEND "plain"
+
+typedef struct lane8
+{
+    float v[8];
+} lane8;
+
+typedef struct lane8i
+{
+    int32_t v[8];
+} lane8i;
+
+// All bits of a lane set, or none.
+typedef struct lane8m
+{
+    int32_t v[8];
+} lane8m;
+
+// A conversion that does not fit is undefined in C; x86 answers INT32_MIN, so every backend does.
+LANE_INLINE int32_t lane_plain_truncate( float a )
+{
+    return a >= -0x1p31f && a < 0x1p31f ? (int32_t)a : INT32_MIN;
+}
+
+#define PLAIN_EACH( R, parameters, name, expression )                                                                \
+    LANE_INLINE R name parameters                                                                                    \
+    {                                                                                                                \
+        R r;                                                                                                         \
+        for ( int l = 0; l < 8; ++l )                                                                                \
+        {                                                                                                            \
+            r.v[l] = expression;                                                                                     \
+        }                                                                                                            \
+        return r;                                                                                                    \
+    }
+
+#define PLAIN_FLOAT_2( name, expression ) PLAIN_EACH( lane8, ( lane8 a, lane8 b ), name, expression )
+#define PLAIN_INT_2( name, expression ) PLAIN_EACH( lane8i, ( lane8i a, lane8i b ), name, expression )
+#define PLAIN_COMPARE( T, name, expression ) PLAIN_EACH( lane8m, ( T a, T b ), name, ( expression ) ? -1 : 0 )
+#define PLAIN_MASK_2( name, expression ) PLAIN_EACH( lane8m, ( lane8m a, lane8m b ), name, expression )
+
+PLAIN_EACH( lane8, ( float value ), lane8_set1, value )
+PLAIN_EACH( lane8, ( const float* from ), lane8_loadu, from[l] )
+PLAIN_EACH( lane8, ( const float* from ), lane8_load, from[l] )
+PLAIN_FLOAT_2( lane8_add, a.v[l] + b.v[l] )
+PLAIN_FLOAT_2( lane8_sub, a.v[l] - b.v[l] )
+PLAIN_FLOAT_2( lane8_mul, a.v[l] * b.v[l] )
+PLAIN_FLOAT_2( lane8_div, a.v[l] / b.v[l] )
+PLAIN_FLOAT_2( lane8_min, a.v[l] < b.v[l] ? a.v[l] : b.v[l] )
+PLAIN_FLOAT_2( lane8_max, a.v[l] > b.v[l] ? a.v[l] : b.v[l] )
+PLAIN_EACH( lane8, ( lane8 a ), lane8_sqrt, sqrtf( a.v[l] ) )
+PLAIN_EACH( lane8, ( lane8 a ), lane8_floor, floorf( a.v[l] ) )
+PLAIN_COMPARE( lane8, lane8_lt, a.v[l] < b.v[l] )
+PLAIN_COMPARE( lane8, lane8_le, a.v[l] <= b.v[l] )
+PLAIN_COMPARE( lane8, lane8_eq, a.v[l] == b.v[l] )
+PLAIN_EACH( lane8, ( lane8m m, lane8 a, lane8 b ), lane8_select, m.v[l] ? a.v[l] : b.v[l] )
+PLAIN_EACH( lane8i, ( lane8 a ), lane8_truncate, lane_plain_truncate( a.v[l] ) )
+PLAIN_EACH( lane8, ( lane8i a ), lane8_from_int, (float)a.v[l] )
+
+PLAIN_EACH( lane8i, ( int32_t value ), lane8i_set1, value )
+PLAIN_EACH( lane8i, ( const int32_t* from ), lane8i_loadu, from[l] )
+PLAIN_EACH( lane8i, ( const int32_t* from ), lane8i_load, from[l] )
+// Unsigned arithmetic wraps; signed overflow would be undefined.
+PLAIN_INT_2( lane8i_add, (int32_t)( (uint32_t)a.v[l] + (uint32_t)b.v[l] ) )
+PLAIN_INT_2( lane8i_sub, (int32_t)( (uint32_t)a.v[l] - (uint32_t)b.v[l] ) )
+PLAIN_INT_2( lane8i_mul, (int32_t)( (uint32_t)a.v[l] * (uint32_t)b.v[l] ) )
+PLAIN_INT_2( lane8i_and, a.v[l] & b.v[l] )
+PLAIN_INT_2( lane8i_or, a.v[l] | b.v[l] )
+PLAIN_INT_2( lane8i_xor, a.v[l] ^ b.v[l] )
+PLAIN_EACH( lane8i, ( lane8i a, int count ), lane8i_shift_left, (int32_t)( (uint32_t)a.v[l] << count ) )
+PLAIN_EACH( lane8i, ( lane8i a, int count ), lane8i_shift_right, (int32_t)( (uint32_t)a.v[l] >> count ) )
+PLAIN_COMPARE( lane8i, lane8i_eq, a.v[l] == b.v[l] )
+PLAIN_COMPARE( lane8i, lane8i_lt, a.v[l] < b.v[l] )
+PLAIN_EACH( lane8i, ( lane8m m, lane8i a, lane8i b ), lane8i_select, m.v[l] ? a.v[l] : b.v[l] )
+PLAIN_EACH( lane8i, (void), lane8i_iota, l )
+
+PLAIN_MASK_2( lane8m_and, a.v[l] & b.v[l] )
+PLAIN_MASK_2( lane8m_or, a.v[l] | b.v[l] )
+PLAIN_MASK_2( lane8m_and_not, a.v[l] & ~b.v[l] )
+PLAIN_EACH( lane8m, ( lane8m a ), lane8m_not, ~a.v[l] )
+
+#undef PLAIN_EACH
+#undef PLAIN_FLOAT_2
+#undef PLAIN_INT_2
+#undef PLAIN_COMPARE
+#undef PLAIN_MASK_2
+
+LANE_INLINE void lane8_storeu( float* to, lane8 a )
+{
+    memcpy( to, a.v, sizeof a.v );
+}
+
+LANE_INLINE void lane8_store( float* to, lane8 a )
+{
+    memcpy( to, a.v, sizeof a.v );
+}
+
+LANE_INLINE void lane8i_storeu( int32_t* to, lane8i a )
+{
+    memcpy( to, a.v, sizeof a.v );
+}
+
+LANE_INLINE void lane8i_store( int32_t* to, lane8i a )
+{
+    memcpy( to, a.v, sizeof a.v );
+}
+
+LANE_INLINE lane8i lane8_cast_int( lane8 a )
+{
+    lane8i r;
+    memcpy( r.v, a.v, sizeof r.v );
+    return r;
+}
+
+LANE_INLINE lane8 lane8_cast_float( lane8i a )
+{
+    lane8 r;
+    memcpy( r.v, a.v, sizeof r.v );
+    return r;
+}
+
+LANE_INLINE uint32_t lane8m_bits( lane8m a )
+{
+    uint32_t bits = 0;
+    for ( int l = 0; l < 8; ++l )
+    {
+        bits |= ( (uint32_t)a.v[l] & 1u ) << l;
+    }
+    return bits;
+}
+
+LANE_INLINE float lane8_sum_ordered( lane8 a )
+{
+    for ( int half = 4; half > 0; half /= 2 )
+    {
+        for ( int l = 0; l < half; ++l )
+        {
+            a.v[l] += a.v[l + half];
+        }
+    }
+    return a.v[0];
+}
+
+LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+{
+    for ( int l = 0; l < 8; ++l )
+    {
+        const float* quad = quads + 4 * (ptrdiff_t)index[l];
+        x->v[l] = quad[0];
+        y->v[l] = quad[1];
+        z->v[l] = quad[2];
+        w->v[l] = quad[3];
+    }
+}
+
+LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+{
+    lane8 w;
+    lane8_load_xyzw( quads, index, x, y, z, &w );
+}
+
+LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+{
+    for ( int l = 0; l < 8; ++l )
+    {
+        quads[4 * l + 0] = x.v[l];
+        quads[4 * l + 1] = y.v[l];
+        quads[4 * l + 2] = z.v[l];
+        quads[4 * l + 3] = w.v[l];
+    }
+}
+
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+{
+    int count = 0;
+    for ( int l = 0; l < 8; ++l )
+    {
+        out[count] = v.v[l];
+        count -= m.v[l];
+    }
+    return count;
+}
+
+#define LANE_WIDE lane16
+#define LANE_HALF lane8
+#define LANE_HALF_COUNT 8
+#include "lane_pair.h"
+#undef LANE_WIDE
+#undef LANE_HALF
+#undef LANE_HALF_COUNT

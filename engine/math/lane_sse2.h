@@ -1,0 +1,321 @@
+// The baseline of every x86-64: lane4 in one 128-bit register, lane8 as two of them, lane16 as four.
+// lane4 is a building block of this file and no part of lane.h's promise.
+#pragma once
+
+#include <emmintrin.h>
+
+#define LANE_BACKEND "sse2"
+
+typedef __m128 lane4;
+typedef __m128i lane4i;
+typedef __m128 lane4m; // all bits of a lane set, or none
+
+LANE_INLINE lane4 lane4_set1( float value )
+{
+    return _mm_set1_ps( value );
+}
+
+LANE_INLINE lane4 lane4_load( const float* from )
+{
+    return _mm_load_ps( from );
+}
+
+LANE_INLINE lane4 lane4_loadu( const float* from )
+{
+    return _mm_loadu_ps( from );
+}
+
+LANE_INLINE void lane4_store( float* to, lane4 a )
+{
+    _mm_store_ps( to, a );
+}
+
+LANE_INLINE void lane4_storeu( float* to, lane4 a )
+{
+    _mm_storeu_ps( to, a );
+}
+
+LANE_INLINE lane4 lane4_add( lane4 a, lane4 b )
+{
+    return _mm_add_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_sub( lane4 a, lane4 b )
+{
+    return _mm_sub_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_mul( lane4 a, lane4 b )
+{
+    return _mm_mul_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_div( lane4 a, lane4 b )
+{
+    return _mm_div_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_min( lane4 a, lane4 b )
+{
+    return _mm_min_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_max( lane4 a, lane4 b )
+{
+    return _mm_max_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_sqrt( lane4 a )
+{
+    return _mm_sqrt_ps( a );
+}
+
+LANE_INLINE lane4m lane4_lt( lane4 a, lane4 b )
+{
+    return _mm_cmplt_ps( a, b );
+}
+
+LANE_INLINE lane4m lane4_le( lane4 a, lane4 b )
+{
+    return _mm_cmple_ps( a, b );
+}
+
+LANE_INLINE lane4m lane4_eq( lane4 a, lane4 b )
+{
+    return _mm_cmpeq_ps( a, b );
+}
+
+LANE_INLINE lane4 lane4_select( lane4m m, lane4 a, lane4 b )
+{
+    return _mm_or_ps( _mm_and_ps( m, a ), _mm_andnot_ps( m, b ) );
+}
+
+LANE_INLINE lane4i lane4_truncate( lane4 a )
+{
+    return _mm_cvttps_epi32( a );
+}
+
+LANE_INLINE lane4 lane4_from_int( lane4i a )
+{
+    return _mm_cvtepi32_ps( a );
+}
+
+LANE_INLINE lane4i lane4_cast_int( lane4 a )
+{
+    return _mm_castps_si128( a );
+}
+
+LANE_INLINE lane4 lane4_cast_float( lane4i a )
+{
+    return _mm_castsi128_ps( a );
+}
+
+// SSE2 cannot round to an integral float. Below 2^23 truncation goes through int32 and is put right for negative
+// fractions; from there on (and for NaN) a float is its own floor. The sign bit is carried over for the sake of -0.
+LANE_INLINE lane4 lane4_floor( lane4 a )
+{
+    const lane4 sign_bit = _mm_set1_ps( -0.0f );
+    lane4 truncated = _mm_cvtepi32_ps( _mm_cvttps_epi32( a ) );
+    lane4 below = _mm_sub_ps( truncated, _mm_and_ps( _mm_cmplt_ps( a, truncated ), _mm_set1_ps( 1.0f ) ) );
+    lane4 is_small = _mm_cmplt_ps( _mm_andnot_ps( sign_bit, a ), _mm_set1_ps( 0x1p23f ) );
+    return lane4_select( is_small, _mm_or_ps( below, _mm_and_ps( sign_bit, a ) ), a );
+}
+
+LANE_INLINE float lane4_sum_ordered( lane4 a )
+{
+    lane4 two = _mm_add_ps( a, _mm_movehl_ps( a, a ) );
+    return _mm_cvtss_f32( _mm_add_ss( two, _mm_shuffle_ps( two, two, 1 ) ) );
+}
+
+LANE_INLINE lane4i lane4i_set1( int32_t value )
+{
+    return _mm_set1_epi32( value );
+}
+
+LANE_INLINE lane4i lane4i_load( const int32_t* from )
+{
+    return _mm_load_si128( (const __m128i*)from );
+}
+
+LANE_INLINE lane4i lane4i_loadu( const int32_t* from )
+{
+    return _mm_loadu_si128( (const __m128i*)from );
+}
+
+LANE_INLINE void lane4i_store( int32_t* to, lane4i a )
+{
+    _mm_store_si128( (__m128i*)to, a );
+}
+
+LANE_INLINE void lane4i_storeu( int32_t* to, lane4i a )
+{
+    _mm_storeu_si128( (__m128i*)to, a );
+}
+
+LANE_INLINE lane4i lane4i_add( lane4i a, lane4i b )
+{
+    return _mm_add_epi32( a, b );
+}
+
+LANE_INLINE lane4i lane4i_sub( lane4i a, lane4i b )
+{
+    return _mm_sub_epi32( a, b );
+}
+
+// SSE2 multiplies only lanes 0 and 2, to 64 bits; the odd lanes are brought there and the low halves put back.
+LANE_INLINE lane4i lane4i_mul( lane4i a, lane4i b )
+{
+    lane4i even = _mm_mul_epu32( a, b );
+    lane4i odd = _mm_mul_epu32( _mm_srli_epi64( a, 32 ), _mm_srli_epi64( b, 32 ) );
+    lane4i even_low = _mm_shuffle_epi32( even, _MM_SHUFFLE( 0, 0, 2, 0 ) );
+    lane4i odd_low = _mm_shuffle_epi32( odd, _MM_SHUFFLE( 0, 0, 2, 0 ) );
+    return _mm_unpacklo_epi32( even_low, odd_low );
+}
+
+LANE_INLINE lane4i lane4i_and( lane4i a, lane4i b )
+{
+    return _mm_and_si128( a, b );
+}
+
+LANE_INLINE lane4i lane4i_or( lane4i a, lane4i b )
+{
+    return _mm_or_si128( a, b );
+}
+
+LANE_INLINE lane4i lane4i_xor( lane4i a, lane4i b )
+{
+    return _mm_xor_si128( a, b );
+}
+
+LANE_INLINE lane4i lane4i_shift_left( lane4i a, int count )
+{
+    return _mm_slli_epi32( a, count );
+}
+
+LANE_INLINE lane4i lane4i_shift_right( lane4i a, int count )
+{
+    return _mm_srli_epi32( a, count );
+}
+
+LANE_INLINE lane4m lane4i_eq( lane4i a, lane4i b )
+{
+    return _mm_castsi128_ps( _mm_cmpeq_epi32( a, b ) );
+}
+
+LANE_INLINE lane4m lane4i_lt( lane4i a, lane4i b )
+{
+    return _mm_castsi128_ps( _mm_cmplt_epi32( a, b ) );
+}
+
+LANE_INLINE lane4i lane4i_select( lane4m m, lane4i a, lane4i b )
+{
+    return _mm_castps_si128( lane4_select( m, _mm_castsi128_ps( a ), _mm_castsi128_ps( b ) ) );
+}
+
+LANE_INLINE lane4i lane4i_iota( void )
+{
+    return _mm_setr_epi32( 0, 1, 2, 3 );
+}
+
+LANE_INLINE lane4m lane4m_and( lane4m a, lane4m b )
+{
+    return _mm_and_ps( a, b );
+}
+
+LANE_INLINE lane4m lane4m_or( lane4m a, lane4m b )
+{
+    return _mm_or_ps( a, b );
+}
+
+LANE_INLINE lane4m lane4m_and_not( lane4m a, lane4m b )
+{
+    return _mm_andnot_ps( b, a );
+}
+
+LANE_INLINE lane4m lane4m_not( lane4m a )
+{
+    return _mm_xor_ps( a, _mm_castsi128_ps( _mm_set1_epi32( -1 ) ) );
+}
+
+LANE_INLINE uint32_t lane4m_bits( lane4m a )
+{
+    return (uint32_t)_mm_movemask_ps( a );
+}
+
+#define LANE_WIDE lane8
+#define LANE_HALF lane4
+#define LANE_HALF_COUNT 4
+#include "lane_pair.h"
+#undef LANE_WIDE
+#undef LANE_HALF
+#undef LANE_HALF_COUNT
+
+#define LANE_WIDE lane16
+#define LANE_HALF lane8
+#define LANE_HALF_COUNT 8
+#include "lane_pair.h"
+#undef LANE_WIDE
+#undef LANE_HALF
+#undef LANE_HALF_COUNT
+
+// Four quads in, their x, y, z and w out; applied twice it is the identity.
+LANE_INLINE void lane4_transpose( lane4 q[4] )
+{
+    lane4 xy01 = _mm_unpacklo_ps( q[0], q[1] );
+    lane4 xy23 = _mm_unpacklo_ps( q[2], q[3] );
+    lane4 zw01 = _mm_unpackhi_ps( q[0], q[1] );
+    lane4 zw23 = _mm_unpackhi_ps( q[2], q[3] );
+    q[0] = _mm_movelh_ps( xy01, xy23 );
+    q[1] = _mm_movehl_ps( xy23, xy01 );
+    q[2] = _mm_movelh_ps( zw01, zw23 );
+    q[3] = _mm_movehl_ps( zw23, zw01 );
+}
+
+LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+{
+    lane4 low[4], high[4];
+    for ( int l = 0; l < 4; ++l )
+    {
+        low[l] = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l] );
+        high[l] = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l + 4] );
+    }
+    lane4_transpose( low );
+    lane4_transpose( high );
+    *x = ( lane8 ){ low[0], high[0] };
+    *y = ( lane8 ){ low[1], high[1] };
+    *z = ( lane8 ){ low[2], high[2] };
+    *w = ( lane8 ){ low[3], high[3] };
+}
+
+LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+{
+    lane8 w;
+    lane8_load_xyzw( quads, index, x, y, z, &w );
+}
+
+LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+{
+    lane4 low[4] = { x.low, y.low, z.low, w.low };
+    lane4 high[4] = { x.high, y.high, z.high, w.high };
+    lane4_transpose( low );
+    lane4_transpose( high );
+    for ( int l = 0; l < 4; ++l )
+    {
+        _mm_store_ps( quads + 4 * l, low[l] );
+        _mm_store_ps( quads + 4 * ( l + 4 ), high[l] );
+    }
+}
+
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+{
+    int32_t values[8];
+    lane8i_storeu( values, v );
+    uint32_t bits = lane8m_bits( m );
+    int count = 0;
+    for ( int l = 0; l < 8; ++l )
+    {
+        out[count] = values[l];
+        count += (int)( bits >> l & 1u );
+    }
+    return count;
+}

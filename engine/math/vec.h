@@ -1,0 +1,93 @@
+/// Vectors of three floats and rotations of them. Rotations take sine and cosine, so that the caller decides where the
+/// angle comes from; trig.h has deterministic ones.
+#pragma once
+
+#include <float.h>
+#include <math.h>
+
+#include "wisp/base.h"
+
+static inline wisp_vec3 v3_add( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+static inline wisp_vec3 v3_sub( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+static inline wisp_vec3 v3_scale( wisp_vec3 a, float s )
+{
+    return ( wisp_vec3 ){ a.x * s, a.y * s, a.z * s };
+}
+
+/// a + s b
+static inline wisp_vec3 v3_mul_add( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline float v3_dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline wisp_vec3 v3_cross( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static inline float v3_length( wisp_vec3 a )
+{
+    return sqrtf( v3_dot( a, a ) );
+}
+
+/// The direction of v, or the fallback when v has none in single precision: shorter than 1.1e-19 or longer than
+/// 1.8e19, where the square leaves the range of normal floats, or not a number.
+static inline wisp_vec3 v3_normalize_or( wisp_vec3 v, wisp_vec3 fallback )
+{
+    float squared = v3_dot( v, v );
+    return squared >= FLT_MIN && squared <= FLT_MAX ? v3_scale( v, 1.0f / sqrtf( squared ) ) : fallback;
+}
+
+/// Turn v about a unit axis (Rodrigues): cos v + (1 - cos) (axis . v) axis + sin axis x v.
+static inline wisp_vec3 v3_rotate( wisp_vec3 axis, float sine, float cosine, wisp_vec3 v )
+{
+    wisp_vec3 along = v3_scale( axis, ( 1.0f - cosine ) * v3_dot( axis, v ) );
+    return v3_mul_add( v3_mul_add( along, cosine, v ), sine, v3_cross( axis, v ) );
+}
+
+/// Two unit vectors that complete the unit vector t to a right-handed orthonormal frame, without a branch that could
+/// divide by zero (Duff et al. 2017, "Building an Orthonormal Basis, Revisited"). b1 x b2 = t.
+static inline void v3_basis( wisp_vec3 t, wisp_vec3* b1, wisp_vec3* b2 )
+{
+    float sign = t.z >= 0.0f ? 1.0f : -1.0f;
+    float a = -1.0f / ( sign + t.z );
+    float b = t.x * t.y * a;
+    *b1 = ( wisp_vec3 ){ 1.0f + sign * t.x * t.x * a, sign * b, -sign * t.x };
+    *b2 = ( wisp_vec3 ){ b, sign + t.y * t.y * a, -t.y };
+}
+
+/// A 3 x 3 matrix by rows.
+typedef struct m3
+{
+    wisp_vec3 row[3];
+} m3;
+
+static inline wisp_vec3 m3_transform( m3 m, wisp_vec3 v )
+{
+    return ( wisp_vec3 ){ v3_dot( m.row[0], v ), v3_dot( m.row[1], v ), v3_dot( m.row[2], v ) };
+}
+
+/// The matrix of v3_rotate(): cheaper when one rotation serves many vectors.
+static inline m3 m3_rodrigues( wisp_vec3 axis, float sine, float cosine )
+{
+    wisp_vec3 w = v3_scale( axis, 1.0f - cosine );
+    wisp_vec3 s = v3_scale( axis, sine );
+    return ( m3 ){ {
+        { w.x * axis.x + cosine, w.x * axis.y - s.z, w.x * axis.z + s.y },
+        { w.y * axis.x + s.z, w.y * axis.y + cosine, w.y * axis.z - s.x },
+        { w.z * axis.x - s.y, w.z * axis.y + s.x, w.z * axis.z + cosine },
+    } };
+}

@@ -1,0 +1,388 @@
+#include "plan.h"
+
+#include "alloc.h"
+
+#include <string.h>
+
+bool plan_lists( const wisp_component* uses, wisp_component component )
+{
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        if ( uses[i] == component )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static uint64_t mask_of( const wisp_component* uses )
+{
+    uint64_t mask = 0;
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        mask |= store_bit( uses[i] );
+    }
+    return mask;
+}
+
+static bool conflicts( const wisp_pass* a, const wisp_pass* b )
+{
+    uint64_t a_writes = mask_of( a->writes ), b_writes = mask_of( b->writes );
+    return ( a_writes & ( b_writes | mask_of( b->reads ) ) ) != 0 || ( b_writes & mask_of( a->reads ) ) != 0;
+}
+
+// ---- demand: which passes live for one entity ----
+
+// A pass lives if the entity has all it needs and somebody wants what it writes: the entity's wishes, or the reads of a
+// pass that lives already. Grows to a fixed point.
+static uint64_t live_passes( const wisp_registry* r, const store_entity* e )
+{
+    uint64_t live = 0, wanted = e->alive ? e->wants : 0, components = e->components & ~e->derived;
+    for ( bool grew = true; grew; )
+    {
+        grew = false;
+        for ( int i = 0; i < r->pass_count; ++i )
+        {
+            const wisp_pass* pass = r->passes + i;
+            uint64_t needs = mask_of( pass->needs );
+            bool lives = ( live >> i & 1 ) != 0;
+            if ( lives == false && ( needs & ~components ) == 0 && ( mask_of( pass->writes ) & wanted ) != 0 )
+            {
+                live |= (uint64_t)1 << i;
+                wanted |= mask_of( pass->reads );
+                grew = true;
+            }
+        }
+    }
+    return live;
+}
+
+// Every wish and every read has a supplier: rows the entity was given, or a live pass that writes them.
+static wisp_status check_supply( const wisp_registry* r, uint64_t live, int slot, wisp_error* error )
+{
+    const store_entity* e = r->store->entities + slot;
+    uint64_t supplied = e->components & ~e->derived;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        supplied |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].writes ) : 0;
+    }
+    for ( int c = 1; c < r->store->component_count; ++c )
+    {
+        if ( ( e->wants & ~supplied & store_bit( (wisp_component)c ) ) != 0 )
+        {
+            return wisp_fail( error, WISP_CONFLICT, "'%s' is wanted of entity %d, but no pass can write it there",
+                              r->store->components[c].def.name, slot + 1 );
+        }
+    }
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        uint64_t missing = ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) & ~supplied : 0;
+        for ( int c = 1; c < r->store->component_count; ++c )
+        {
+            if ( ( missing & store_bit( (wisp_component)c ) ) != 0 )
+            {
+                return wisp_fail( error, WISP_CONFLICT,
+                                  "pass '%s' reads '%s', which entity %d lacks and no pass of this plan writes",
+                                  r->passes[i].name, r->store->components[c].def.name, slot + 1 );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- order: stage, then data dependency, then the order of declaration ----
+
+// a only produces what b consumes, so it goes first whatever the order of declaration.
+static bool must_precede( const wisp_pass* a, const wisp_pass* b )
+{
+    uint64_t produced = mask_of( a->writes ) & ~mask_of( a->reads );
+    uint64_t produced_by_b = mask_of( b->writes ) & ~mask_of( b->reads );
+    return ( produced & mask_of( b->reads ) & ~produced_by_b ) != 0;
+}
+
+static wisp_status order_stage( const wisp_registry* r, uint64_t live, wisp_stage stage, int* order, int* count,
+                                wisp_error* error )
+{
+    uint64_t waiting = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        waiting |= ( live >> i & 1 ) != 0 && r->passes[i].stage == stage ? (uint64_t)1 << i : 0;
+    }
+    while ( waiting != 0 )
+    {
+        int next = -1, first = -1;
+        for ( int i = 0; i < r->pass_count && next < 0; ++i )
+        {
+            if ( ( waiting >> i & 1 ) == 0 )
+            {
+                continue;
+            }
+            first = first < 0 ? i : first;
+            bool free = true;
+            for ( int j = 0; j < r->pass_count; ++j )
+            {
+                free = free && ( i == j || ( waiting >> j & 1 ) == 0 ||
+                                 must_precede( r->passes + j, r->passes + i ) == false );
+            }
+            next = free ? i : -1;
+        }
+        if ( next < 0 )
+        {
+            return wisp_fail( error, WISP_CONFLICT, "passes of one stage wait for each other in a circle, '%s' among them",
+                              r->passes[first].name );
+        }
+        order[( *count )++] = next;
+        waiting &= ~( (uint64_t)1 << next );
+    }
+    return WISP_OK;
+}
+
+static plan_section section_of( wisp_stage stage )
+{
+    switch ( stage )
+    {
+        case WISP_STAGE_INPUT:
+            return PLAN_BEFORE;
+        case WISP_STAGE_FORCE:
+        case WISP_STAGE_PREDICT:
+        case WISP_STAGE_CONTACT:
+            return PLAN_SUBSTEP;
+        case WISP_STAGE_PROJECT:
+            return PLAN_ITERATION;
+        case WISP_STAGE_VELOCITY:
+            return PLAN_AFTER_ITERATION;
+        default:
+            return PLAN_AFTER;
+    }
+}
+
+// ---- nodes: waves and fusion ----
+
+static bool node_conflicts( const wisp_registry* r, const plan_node* node, const wisp_pass* pass )
+{
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        if ( conflicts( r->passes + node->passes[i], pass ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static int default_grain( wisp_domain domain )
+{
+    return domain == WISP_DOMAIN_ENTITY ? 1 : 4;
+}
+
+// The pass goes right behind the last node it conflicts with. If that node is the only one so late, and both touch only
+// their own item of the same domain, it joins the node instead: A, B on item 0, then A, B on item 1.
+static void place_pass( plan* p, const wisp_registry* r, int number )
+{
+    const wisp_pass* pass = r->passes + number;
+    plan_section section = section_of( pass->stage );
+    int wave = 0, latest = -1, latest_count = 0;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        if ( node->section != section || node_conflicts( r, node, pass ) == false )
+        {
+            continue;
+        }
+        if ( latest < 0 || node->wave > p->nodes[latest].wave )
+        {
+            latest = n;
+            latest_count = 0;
+        }
+        latest_count += node->wave == p->nodes[latest].wave ? 1 : 0;
+        wave = p->nodes[latest].wave + 1;
+    }
+    plan_node* host = latest >= 0 ? p->nodes + latest : NULL;
+    bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY && host->domain == pass->domain &&
+                 host->pass_count < PLAN_MAX_FUSED;
+    if ( fuses )
+    {
+        host->passes[host->pass_count++] = number;
+        host->grain = pass->grain > host->grain ? pass->grain : host->grain;
+        return;
+    }
+    p->nodes[p->node_count++] = ( plan_node ){
+        .passes = { number },
+        .pass_count = 1,
+        .domain = pass->domain,
+        .section = section,
+        .wave = wave,
+        .grain = pass->grain > 0 ? pass->grain : default_grain( pass->domain ),
+    };
+    p->wave_count[section] = wave + 1 > p->wave_count[section] ? wave + 1 : p->wave_count[section];
+}
+
+// ---- targets and room for blocks ----
+
+static int item_count( const store_entity* e, wisp_domain domain )
+{
+    return domain == WISP_DOMAIN_ENTITY ? 1 : e->rows[WISP_TABLE_STRAND_GROUP].count;
+}
+
+static void fill_targets( plan* p, const wisp_registry* r )
+{
+    const store* s = r->store;
+    p->target_count = 0;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        plan_node* node = p->nodes + n;
+        node->first_target = p->target_count;
+        for ( int slot = 0; slot < s->entity_count; ++slot )
+        {
+            const store_entity* e = s->entities + slot;
+            uint64_t live = live_passes( r, e );
+            uint32_t passes = 0;
+            for ( int i = 0; i < node->pass_count; ++i )
+            {
+                passes |= ( live >> node->passes[i] & 1 ) != 0 ? 1u << i : 0;
+            }
+            if ( passes != 0 )
+            {
+                p->targets[p->target_count++] = ( plan_target ){ slot, passes };
+            }
+        }
+        node->target_count = p->target_count - node->first_target;
+    }
+}
+
+static int widest_wave( const plan* p, const store* s )
+{
+    int widest = 0;
+    for ( int section = 0; section < PLAN_SECTION_COUNT; ++section )
+    {
+        for ( int wave = 0; wave < p->wave_count[section]; ++wave )
+        {
+            int blocks = 0;
+            for ( int n = 0; n < p->node_count; ++n )
+            {
+                const plan_node* node = p->nodes + n;
+                for ( int i = 0; i < node->target_count && (int)node->section == section && node->wave == wave; ++i )
+                {
+                    int items = item_count( s->entities + p->targets[node->first_target + i].slot, node->domain );
+                    blocks += ( items + node->grain - 1 ) / node->grain;
+                }
+            }
+            widest = blocks > widest ? blocks : widest;
+        }
+    }
+    return widest;
+}
+
+// Grow one of the plan's arrays to `count` elements; what it held is not kept unless `kept` says so.
+static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element, int kept )
+{
+    if ( count <= *capacity )
+    {
+        return true;
+    }
+    void* grown = base_allocate( allocator, (size_t)count * element, 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    memset( grown, 0, (size_t)count * element );
+    if ( kept > 0 )
+    {
+        memcpy( grown, *array, (size_t)kept * element );
+    }
+    base_release( allocator, *array, (size_t)*capacity * element );
+    *array = grown;
+    *capacity = count;
+    return true;
+}
+
+static uint64_t hash_plan( const plan* p, const wisp_registry* r )
+{
+    uint64_t hash = 0;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        int place[3] = { (int)node->section, node->wave, node->target_count };
+        hash = store_hash_bytes( hash, place, sizeof( place ) );
+        for ( int i = 0; i < node->pass_count; ++i )
+        {
+            hash = store_hash_bytes( hash, r->passes[node->passes[i]].name, strlen( r->passes[node->passes[i]].name ) );
+        }
+    }
+    return hash;
+}
+
+static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
+{
+    const store* s = r->store;
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        uint64_t live = live_passes( r, s->entities + slot );
+        wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        p->live |= live;
+    }
+    return WISP_OK;
+}
+
+static void clear( plan* p )
+{
+    p->node_count = p->pass_count = p->target_count = 0;
+    p->live = 0;
+    memset( p->wave_count, 0, sizeof( p->wave_count ) );
+    p->structure = 0;
+}
+
+wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error )
+{
+    const store* s = r->store;
+    clear( p );
+    wisp_status status = find_live( p, r, error );
+    int order[PLAN_MAX_PASSES], count = 0;
+    for ( int stage = 0; stage < WISP_STAGE_COUNT && status == WISP_OK; ++stage )
+    {
+        status = order_stage( r, p->live, (wisp_stage)stage, order, &count, error );
+    }
+    if ( status != WISP_OK )
+    {
+        clear( p );
+        return status;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        place_pass( p, r, order[i] );
+    }
+    p->pass_count = count;
+
+    bool room = reserve( s->allocator, (void**)&p->targets, &p->target_capacity, p->node_count * s->entity_count,
+                         sizeof( plan_target ), 0 );
+    room = room && reserve( s->allocator, (void**)&p->seen, &p->seen_slots, s->entity_count,
+                            PLAN_MAX_PASSES * sizeof( uint64_t ), p->seen_slots );
+    if ( room )
+    {
+        fill_targets( p, r );
+        room = reserve( s->allocator, (void**)&p->blocks, &p->block_capacity, widest_wave( p, s ), sizeof( plan_block ),
+                        0 );
+    }
+    if ( room == false )
+    {
+        clear( p );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a plan of %d passes over %d entities", count,
+                          s->entity_count );
+    }
+    p->structure = s->structure;
+    p->hash = hash_plan( p, r );
+    return WISP_OK;
+}
+
+void plan_release( plan* p, const wisp_allocator* allocator )
+{
+    base_release( allocator, p->targets, (size_t)p->target_capacity * sizeof( plan_target ) );
+    base_release( allocator, p->blocks, (size_t)p->block_capacity * sizeof( plan_block ) );
+    base_release( allocator, p->seen, (size_t)p->seen_slots * PLAN_MAX_PASSES * sizeof( uint64_t ) );
+    *p = ( plan ){ 0 };
+}

@@ -1,0 +1,354 @@
+// Runs a compiled plan: section by section, wave by wave. A wave's blocks come from all of its nodes and entities, so
+// that two small entities fill two cores and a hundred small ones scale. The blocks never depend on the workers.
+#include "plan.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum
+{
+    // Waking a worker costs about as much as this many rows of sixteen lanes (bench case "paper", 100 strands).
+    PLAN_SMALL_WAVE_ROWS = 40,
+    // An entity with fewer rows shares its wave with others on one worker each.
+    PLAN_WIDE_ENTITY_ROWS = 256,
+};
+
+// ---- what a pass sees ----
+
+static store_entity* entity_of( const wisp_frame* frame, wisp_entity entity )
+{
+    return frame->registry->store->entities + entity.index - 1;
+}
+
+void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component component, int column )
+{
+    return store_column( frame->registry->store, entity_of( frame, entity ), component, column );
+}
+
+const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->strands;
+}
+
+const wisp_kernels* wisp_frame_kernels( wisp_frame* frame )
+{
+    return frame->kernels;
+}
+
+const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span )
+{
+    return frame->wide ? jobs_everyone( frame->pool ) : jobs_alone( frame->pool, span->worker );
+}
+
+void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker )
+{
+    const plan_workspace* w = frame->registry->workspaces + workspace;
+    return (char*)w->blocks + (size_t)worker * w->size;
+}
+
+uint64_t wisp_frame_step( wisp_frame* frame )
+{
+    return frame->step;
+}
+
+void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
+{
+    if ( atomic_flag_test_and_set( &frame->failing ) )
+    {
+        return; // the first one is kept
+    }
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( frame->error.sentence, sizeof( frame->error.sentence ), format, arguments );
+    va_end( arguments );
+    frame->error.status = status;
+    atomic_store( &frame->failed, true );
+}
+
+void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount )
+{
+    atomic_fetch_add_explicit( frame->counters + counter, amount, memory_order_relaxed );
+}
+
+// ---- blocks ----
+
+static bool is_due( wisp_frame* frame, int number, int slot )
+{
+    const wisp_pass* pass = frame->registry->passes + number;
+    store* s = frame->registry->store;
+    store_entity* e = s->entities + slot;
+    uint64_t* seen = frame->plan->seen + (size_t)slot * PLAN_MAX_PASSES + number;
+    if ( pass->on_change != 0 && *seen == e->versions[pass->on_change] )
+    {
+        return false;
+    }
+    if ( pass->is_due != NULL && pass->is_due( frame, store_handle( s, slot ), pass->user ) == false )
+    {
+        return false;
+    }
+    for ( int i = 0; i < WISP_MAX_USES && pass->writes[i] != 0; ++i )
+    {
+        store_touch( s, e, pass->writes[i] );
+    }
+    // taken after its own writes, so that a pass does not wake itself
+    *seen = e->versions[pass->on_change];
+    return true;
+}
+
+static uint16_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
+{
+    unsigned due = 0;
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        bool live = ( target->passes >> i & 1 ) != 0;
+        due |= live && is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;
+    }
+    return (uint16_t)due;
+}
+
+typedef struct wave_size
+{
+    int count; // blocks
+    int rows;  // of sixteen lanes
+} wave_size;
+
+static void add_blocks( wisp_frame* frame, int n, const plan_target* target, unsigned due, wave_size* size )
+{
+    plan* p = frame->plan;
+    const plan_node* node = p->nodes + n;
+    const store_entity* e = frame->registry->store->entities + target->slot;
+    int items = node->domain == WISP_DOMAIN_ENTITY ? 1 : e->rows[WISP_TABLE_STRAND_GROUP].count;
+    for ( int begin = 0; begin < items; begin += node->grain )
+    {
+        int end = items - begin > node->grain ? begin + node->grain : items;
+        p->blocks[size->count++] = ( plan_block ){ (int16_t)n, (uint16_t)due, target->slot, begin, end };
+    }
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        frame->pass_items[node->passes[i]] += ( due >> i & 1 ) != 0 ? items : 0;
+    }
+    size->rows += e->rows[WISP_TABLE_STRAND_ROW].count;
+}
+
+static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
+{
+    plan* p = frame->plan;
+    wave_size size = { 0 };
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        const plan_node* node = p->nodes + n;
+        for ( int i = 0; i < node->target_count && node->section == section && node->wave == wave; ++i )
+        {
+            const plan_target* target = p->targets + node->first_target + i;
+            unsigned due = due_passes( frame, node, target );
+            if ( due != 0 )
+            {
+                add_blocks( frame, n, target, due, &size );
+            }
+        }
+    }
+    return size;
+}
+
+// Move blocks that deserve all workers behind the others: large entities, and a lone one. @return how many stay
+static int part_wide_blocks( const wisp_frame* frame, int count )
+{
+    plan* p = frame->plan;
+    int entity_blocks = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        entity_blocks += p->nodes[p->blocks[i].node].domain == WISP_DOMAIN_ENTITY ? 1 : 0;
+    }
+    int narrow = count;
+    for ( int i = 0; i < narrow && entity_blocks > 0; )
+    {
+        const plan_block block = p->blocks[i];
+        const store_entity* e = frame->registry->store->entities + block.slot;
+        bool wide = p->nodes[block.node].domain == WISP_DOMAIN_ENTITY &&
+                    ( entity_blocks == 1 || e->rows[WISP_TABLE_STRAND_ROW].count >= PLAN_WIDE_ENTITY_ROWS );
+        if ( wide )
+        {
+            p->blocks[i] = p->blocks[--narrow];
+            p->blocks[narrow] = block;
+        }
+        else
+        {
+            ++i;
+        }
+    }
+    return narrow;
+}
+
+// ---- running ----
+
+static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span )
+{
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        if ( ( due >> i & 1 ) != 0 )
+        {
+            const wisp_pass* pass = frame->registry->passes + node->passes[i];
+            pass->run( frame, span, pass->user );
+        }
+    }
+}
+
+// As run_passes, and tells the passes' times apart; `scale` stretches the sample to its block.
+static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span, double scale )
+{
+    double last = wisp_clock_seconds();
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        if ( ( due >> i & 1 ) != 0 )
+        {
+            const wisp_pass* pass = frame->registry->passes + node->passes[i];
+            pass->run( frame, span, pass->user );
+            double now = wisp_clock_seconds();
+            frame->clocks[span->worker].seconds[node->passes[i]] += ( now - last ) * scale;
+            last = now;
+        }
+    }
+}
+
+static void run_block( void* context, int index, int worker )
+{
+    wisp_frame* frame = context;
+    const plan_block block = frame->wave[index];
+    const plan_node* node = frame->plan->nodes + block.node;
+    wisp_span span = { store_handle( frame->registry->store, block.slot ), block.begin, block.end, worker };
+    if ( frame->sampled == false && node->pass_count == 1 )
+    {
+        run_passes( frame, node, block.passes, &span );
+        return;
+    }
+    for ( int item = block.begin; item < block.end; ++item )
+    {
+        span.begin = item;
+        span.end = item + 1;
+        if ( item == block.begin && frame->sampled )
+        {
+            sample_passes( frame, node, block.passes, &span, block.end - block.begin );
+        }
+        else
+        {
+            run_passes( frame, node, block.passes, &span );
+        }
+    }
+}
+
+static unsigned passes_of_wave( const wisp_frame* frame, int count, int* only )
+{
+    uint64_t passes = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const plan_block* block = frame->wave + i;
+        const plan_node* node = frame->plan->nodes + block->node;
+        for ( int k = 0; k < node->pass_count; ++k )
+        {
+            passes |= ( block->passes >> k & 1 ) != 0 ? (uint64_t)1 << node->passes[k] : 0;
+        }
+    }
+    unsigned distinct = 0;
+    for ( int i = 0; i < PLAN_MAX_PASSES; ++i )
+    {
+        distinct += passes >> i & 1;
+        *only = ( passes >> i & 1 ) != 0 ? i : *only;
+    }
+    return distinct;
+}
+
+// Share the wave's wall time among its passes as the samples say.
+static void share_time( wisp_frame* frame, double seconds )
+{
+    double totals[PLAN_MAX_PASSES] = { 0 }, sum = 0.0;
+    for ( int w = 0; w < frame->registry->workers; ++w )
+    {
+        for ( int i = 0; i < frame->registry->pass_count; ++i )
+        {
+            totals[i] += frame->clocks[w].seconds[i];
+            sum += frame->clocks[w].seconds[i];
+            frame->clocks[w].seconds[i] = 0.0;
+        }
+    }
+    for ( int i = 0; i < frame->registry->pass_count && sum > 0.0; ++i )
+    {
+        frame->pass_seconds[i] += seconds * totals[i] / sum;
+    }
+}
+
+static void run_narrow( wisp_frame* frame, int count, int rows )
+{
+    int only = 0;
+    frame->sampled = passes_of_wave( frame, count, &only ) > 1;
+    double begin = wisp_clock_seconds();
+    if ( rows < PLAN_SMALL_WAVE_ROWS )
+    {
+        for ( int i = 0; i < count; ++i )
+        {
+            run_block( frame, i, 0 );
+        }
+    }
+    else
+    {
+        jobs_run_wave( frame->pool, count, run_block, frame );
+    }
+    double seconds = wisp_clock_seconds() - begin;
+    if ( frame->sampled )
+    {
+        share_time( frame, seconds );
+    }
+    else
+    {
+        frame->pass_seconds[only] += seconds;
+    }
+}
+
+static void run_wide( wisp_frame* frame, int index )
+{
+    frame->wide = true;
+    frame->sampled = false;
+    double begin = wisp_clock_seconds();
+    run_block( frame, index, 0 );
+    frame->pass_seconds[frame->plan->nodes[frame->wave[index].node].passes[0]] += wisp_clock_seconds() - begin;
+    frame->wide = false;
+}
+
+static void run_section( wisp_frame* frame, plan_section section )
+{
+    for ( int wave = 0; wave < frame->plan->wave_count[section]; ++wave )
+    {
+        wave_size size = collect_blocks( frame, section, wave );
+        int narrow = part_wide_blocks( frame, size.count );
+        frame->wave = frame->plan->blocks;
+        if ( narrow > 0 )
+        {
+            run_narrow( frame, narrow, size.rows );
+        }
+        for ( int i = narrow; i < size.count; ++i )
+        {
+            run_wide( frame, i );
+        }
+    }
+}
+
+void plan_execute( wisp_frame* frame )
+{
+    const plan* p = frame->plan;
+    memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
+    memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+
+    run_section( frame, PLAN_BEFORE );
+    bool iterates = p->wave_count[PLAN_ITERATION] > 0;
+    bool substeps = iterates || p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_AFTER_ITERATION] > 0;
+    for ( int substep = 0; substep < frame->substeps && substeps; ++substep )
+    {
+        run_section( frame, PLAN_SUBSTEP );
+        for ( int iteration = 0; iteration < frame->iterations && iterates; ++iteration )
+        {
+            run_section( frame, PLAN_ITERATION );
+        }
+        run_section( frame, PLAN_AFTER_ITERATION );
+    }
+    run_section( frame, PLAN_AFTER );
+}

@@ -1,0 +1,155 @@
+/// What a scene asks for, and the passes that answer it.
+///
+/// A registry holds what modules declared. Compiling picks, for every entity, the passes whose needs it has and whose
+/// writes somebody wants; orders them; lets those without a conflict share a wave; and fuses neighbours that touch only
+/// their own item. What is not picked does not exist: no branch, no barrier, no column, no line in the profile.
+#pragma once
+
+#include "jobs.h"
+#include "log.h"
+#include "store.h"
+
+#include "wisp/module.h"
+
+#include <stdatomic.h>
+
+enum
+{
+    PLAN_MAX_PASSES = 64, // one bit each in a mask
+    PLAN_MAX_FUSED = 8,
+    PLAN_MAX_STATES = 32,
+    PLAN_MAX_WORKSPACES = 16,
+};
+
+typedef struct plan_workspace
+{
+    size_t size; // bytes a worker, a multiple of 64
+    void ( *release )( void* workspace, const wisp_allocator* allocator );
+    void* blocks; // [workers]
+} plan_workspace;
+
+typedef struct plan_state
+{
+    const char* module;
+    void* memory;
+    size_t size;
+} plan_state;
+
+struct wisp_registry
+{
+    store* store;
+    int workers;
+    wisp_pass passes[PLAN_MAX_PASSES];
+    int pass_count;
+    plan_state states[PLAN_MAX_STATES];
+    int state_count;
+    plan_workspace workspaces[PLAN_MAX_WORKSPACES];
+    int workspace_count;
+    const char* module; // whose declare() runs
+    wisp_error error;   // the first thing a module declared wrongly
+};
+
+/// Declares the components and passes that every world has.
+void plan_registry_init( wisp_registry* r, store* s, int workers );
+void plan_registry_release( wisp_registry* r );
+/// @return the status of the first wrong declaration, its sentence in r->error
+wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
+void* plan_registry_state( const wisp_registry* r, const char* module );
+
+/// Where a node runs: loops are sections, and a section without nodes does not exist.
+typedef enum plan_section
+{
+    PLAN_BEFORE,
+    PLAN_SUBSTEP,        // once a substep, before the iterations
+    PLAN_ITERATION,      // once an iteration
+    PLAN_AFTER_ITERATION, // once a substep, after the iterations
+    PLAN_AFTER,
+    PLAN_SECTION_COUNT,
+} plan_section;
+
+/// Passes that run item by item together.
+typedef struct plan_node
+{
+    int passes[PLAN_MAX_FUSED]; // registry numbers in order
+    int pass_count;
+    wisp_domain domain;
+    plan_section section;
+    int wave; // within the section
+    int first_target, target_count;
+    int grain;
+} plan_node;
+
+/// An entity of a node, and which of the node's passes are live for it.
+typedef struct plan_target
+{
+    int slot;
+    uint32_t passes; // bit i: passes[i] of the node
+} plan_target;
+
+typedef struct plan_block
+{
+    int16_t node;
+    uint16_t passes; // live and due, bit i: passes[i] of the node
+    int slot;
+    int begin, end;
+} plan_block;
+
+typedef struct plan
+{
+    plan_node nodes[PLAN_MAX_PASSES];
+    int node_count;
+    int wave_count[PLAN_SECTION_COUNT];
+    uint64_t live; // bit p: pass p exists
+    int pass_count;
+    plan_target* targets;
+    int target_count, target_capacity;
+    plan_block* blocks; // room for the widest wave
+    int block_capacity;
+    uint64_t* seen; // [slot][pass] version of the watched component at the last run
+    int seen_slots;
+    uint32_t structure; // of the store it was compiled for
+    uint64_t hash;
+} plan;
+
+/// Compile for the store as it is. On failure the plan is empty and the sentence names pass and component.
+wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error );
+void plan_release( plan* p, const wisp_allocator* allocator );
+
+/// One line at a time: kept passes with their reasons, absent ones with what they lack.
+void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* user, const char* line ), void* user );
+
+/// Is the component in a zero-terminated list?
+bool plan_lists( const wisp_component* uses, wisp_component component );
+
+// execute.c
+
+/// Times and errors of a step; the other face of wisp_frame.
+struct wisp_frame
+{
+    wisp_registry* registry;
+    plan* plan;
+    jobs_pool* pool;
+    const wisp_kernels* kernels;
+    const base_log* log;
+    uint64_t step;
+    int substeps, iterations;
+    const plan_block* wave; // of the wave that runs
+    bool wide;              // one entity at a time, with all workers
+    bool sampled;           // passes of a wave are told apart by samples
+    _Atomic uint64_t counters[WISP_COUNTER_COUNT];
+    double pass_seconds[PLAN_MAX_PASSES]; // of this step
+    int pass_items[PLAN_MAX_PASSES];
+    struct plan_clock* clocks; // [workers][PLAN_MAX_PASSES]
+    atomic_flag failing;
+    _Atomic bool failed;
+    wisp_error error;
+};
+
+/// Samples of a worker: seconds that passes of fused nodes took on the first item of its blocks.
+typedef struct plan_clock
+{
+    _Alignas( 64 ) double seconds[PLAN_MAX_PASSES];
+} plan_clock;
+
+/// Run every section once as the loops say. The caller holds the pool open (jobs_enter).
+void plan_execute( wisp_frame* frame );

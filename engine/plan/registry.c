@@ -1,0 +1,134 @@
+#include "plan.h"
+
+#include "alloc.h"
+#include "wisp/components.h"
+
+#include <string.h>
+
+// One list makes the descriptors of the components that every world shares.
+#define SHARED_COLUMNS( name, text, table )                                                                           \
+    static const wisp_column_def name##_columns[] = { WISP_##name##_COLUMNS( WISP_COLUMN_DEF ) };
+WISP_SHARED_COMPONENTS( SHARED_COLUMNS )
+#undef SHARED_COLUMNS
+
+#define SHARED_COMPONENT( name, text, table ) { text, table, name##_columns, WISP_COUNT( name##_columns ) },
+static const wisp_component_def SHARED[] = { WISP_SHARED_COMPONENTS( SHARED_COMPONENT ) };
+#undef SHARED_COMPONENT
+
+_Static_assert( WISP_COUNT( SHARED ) == WISP_SHARED_COMPONENT_COUNT - 1, "wisp.h and components.h list the same" );
+
+static wisp_component fail_declaration( wisp_registry* r, const char* what, const char* name )
+{
+    if ( r->error.status == WISP_OK )
+    {
+        wisp_fail( &r->error, WISP_BAD_INPUT, "module '%s': %s '%s'", r->module, what, name );
+    }
+    return 0;
+}
+
+wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def )
+{
+    wisp_component c = store_declare( registry->store, def );
+    return c != 0 ? c
+                  : fail_declaration( registry, "too many components, or another module declared this one differently:",
+                                      def->name );
+}
+
+wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
+{
+    for ( int i = 0; i < registry->pass_count; ++i )
+    {
+        if ( strcmp( registry->passes[i].name, pass->name ) == 0 )
+        {
+            fail_declaration( registry, "there is already a pass", pass->name );
+            return WISP_BAD_INPUT;
+        }
+    }
+    if ( registry->pass_count == PLAN_MAX_PASSES || pass->run == NULL || pass->writes[0] == 0 )
+    {
+        fail_declaration( registry, "too many passes, or one that runs nothing or writes nothing:", pass->name );
+        return WISP_BAD_INPUT;
+    }
+    registry->passes[registry->pass_count++] = *pass;
+    return WISP_OK;
+}
+
+void* wisp_declare_state( wisp_registry* registry, size_t size )
+{
+    void* memory = registry->state_count < PLAN_MAX_STATES ? base_allocate( registry->store->allocator, size, 64 ) : NULL;
+    if ( memory == NULL )
+    {
+        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its state", registry->module );
+        return NULL;
+    }
+    memset( memory, 0, size );
+    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size };
+    return memory;
+}
+
+int wisp_declare_workspace( wisp_registry* registry, size_t size,
+                            void ( *release )( void* workspace, const wisp_allocator* allocator ) )
+{
+    size_t padded = ( size + 63 ) & ~(size_t)63, bytes = padded * (size_t)registry->workers;
+    void* blocks =
+        registry->workspace_count < PLAN_MAX_WORKSPACES ? base_allocate( registry->store->allocator, bytes, 64 ) : NULL;
+    if ( blocks == NULL )
+    {
+        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its workspace", registry->module );
+        return -1;
+    }
+    memset( blocks, 0, bytes );
+    registry->workspaces[registry->workspace_count] = ( plan_workspace ){ padded, release, blocks };
+    return registry->workspace_count++;
+}
+
+void plan_registry_init( wisp_registry* r, store* s, int workers )
+{
+    *r = ( wisp_registry ){ .store = s, .workers = workers, .module = "wisp" };
+    for ( int i = 0; i < WISP_COUNT( SHARED ); ++i )
+    {
+        wisp_declare_component( r, SHARED + i );
+    }
+}
+
+void plan_registry_release( wisp_registry* r )
+{
+    const wisp_allocator* allocator = r->store->allocator;
+    for ( int i = 0; i < r->workspace_count; ++i )
+    {
+        plan_workspace* w = r->workspaces + i;
+        for ( int worker = 0; worker < r->workers && w->release != NULL; ++worker )
+        {
+            w->release( (char*)w->blocks + (size_t)worker * w->size, allocator );
+        }
+        base_release( allocator, w->blocks, w->size * (size_t)r->workers );
+    }
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        base_release( allocator, r->states[i].memory, r->states[i].size );
+    }
+}
+
+wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module )
+{
+    r->module = module->name;
+    wisp_status status = module->declare( r );
+    if ( status != WISP_OK && r->error.status == WISP_OK )
+    {
+        wisp_fail( &r->error, status, "module '%s' could not declare itself: %s", module->name,
+                   wisp_status_name( status ) );
+    }
+    return r->error.status;
+}
+
+void* plan_registry_state( const wisp_registry* r, const char* module )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        if ( strcmp( r->states[i].module, module ) == 0 )
+        {
+            return r->states[i].memory;
+        }
+    }
+    return NULL;
+}

@@ -1,0 +1,254 @@
+#include "wisp/space.h"
+
+#include "alloc.h"
+
+#include <string.h>
+
+enum
+{
+    GRID_GRAIN = 4096,        // items a block
+    GRID_CELLS_PER_ITEM = 4,  // more cells than this are empty and cost more to clear than they save
+    GRID_PADDING = 16,        // slots behind the last one that a wide load may touch
+};
+
+bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes )
+{
+    if ( bytes <= buffer->size )
+    {
+        return true;
+    }
+    size_t wanted = bytes + bytes / 4; // the next frame may need a little more
+    void* data = base_allocate( allocator, wanted, 64 );
+    if ( data == NULL )
+    {
+        return false;
+    }
+    base_release( allocator, buffer->data, buffer->size );
+    *buffer = ( wisp_buffer ){ data, wanted };
+    return true;
+}
+
+void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator )
+{
+    base_release( allocator, buffer->data, buffer->size );
+    *buffer = ( wisp_buffer ){ NULL, 0 };
+}
+
+void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )
+{
+    for ( int i = 0; i < WISP_COUNT( grid->buffers ); ++i )
+    {
+        wisp_buffer_release( grid->buffers + i, allocator );
+    }
+    *grid = ( wisp_grid ){ 0 };
+}
+
+typedef struct grid_bounds
+{
+    float low[3], high[3];
+} grid_bounds;
+
+// What the loops of a build share.
+typedef struct grid_build
+{
+    wisp_grid* grid;
+    const float* quads;
+    grid_bounds* bounds; // [block]
+    int32_t* cell_of;    // [item]
+    int32_t* begin;      // [cell + 1]
+    int32_t* item;       // [slot]
+    float *x, *y, *z;
+    int32_t* owner;
+} grid_build;
+
+static void find_bounds( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const grid_build* b = context;
+    grid_bounds bounds;
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        float low = b->quads[4 * (size_t)begin + (size_t)axis], high = low;
+        for ( int i = begin + 1; i < end; ++i )
+        {
+            float c = b->quads[4 * (size_t)i + (size_t)axis];
+            low = c < low ? c : low;
+            high = c > high ? c : high;
+        }
+        bounds.low[axis] = low;
+        bounds.high[axis] = high;
+    }
+    b->bounds[begin / GRID_GRAIN] = bounds;
+}
+
+static grid_bounds join_bounds( const grid_bounds* bounds, int count )
+{
+    grid_bounds all = bounds[0];
+    for ( int i = 1; i < count; ++i )
+    {
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            all.low[axis] = bounds[i].low[axis] < all.low[axis] ? bounds[i].low[axis] : all.low[axis];
+            all.high[axis] = bounds[i].high[axis] > all.high[axis] ? bounds[i].high[axis] : all.high[axis];
+        }
+    }
+    return all;
+}
+
+// Widen cells by steps of a quarter until there are no more than the items can use.
+static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
+{
+    // Subtracting the origin and dividing round: together by less than 3 units in the last place of the extent.
+    double extent_most = 0.0;
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        double extent = (double)bounds.high[axis] - (double)bounds.low[axis];
+        extent_most = extent > extent_most ? extent : extent_most;
+    }
+    grid->slack = (float)( 4e-7 * extent_most );
+    cell = ( cell + grid->slack ) * 1.000001f;
+
+    const double most = (double)GRID_CELLS_PER_ITEM * grid->count + 64.0;
+    const float wanted = cell;
+    double dims[3];
+    for ( ;; cell *= 1.25f )
+    {
+        double cells = 1.0;
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            double extent = (double)bounds.high[axis] - (double)bounds.low[axis];
+            dims[axis] = 1.0 + (double)(int64_t)( extent / (double)cell );
+            cells *= dims[axis];
+        }
+        if ( cells <= most )
+        {
+            break;
+        }
+    }
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        grid->origin[axis] = bounds.low[axis];
+        grid->dims[axis] = (int)dims[axis];
+    }
+    grid->cell = cell;
+    grid->inverse_cell = 1.0f / cell;
+    grid->coarse = cell > 1.5f * wanted;
+}
+
+static int cell_along( const wisp_grid* grid, float coordinate, int axis )
+{
+    int cell = (int)( ( coordinate - grid->origin[axis] ) * grid->inverse_cell );
+    return cell < 0 ? 0 : ( cell >= grid->dims[axis] ? grid->dims[axis] - 1 : cell );
+}
+
+static void find_cells( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const grid_build* b = context;
+    const wisp_grid* g = b->grid;
+    for ( int i = begin; i < end; ++i )
+    {
+        const float* q = b->quads + 4 * (size_t)i;
+        int x = cell_along( g, q[0], 0 ), y = cell_along( g, q[1], 1 ), z = cell_along( g, q[2], 2 );
+        b->cell_of[i] = ( z * g->dims[1] + y ) * g->dims[0] + x;
+    }
+}
+
+// Counting sort, stable: within a cell items keep their order. One worker: it moves four bytes an item.
+static void sort_items( grid_build* b, int cells )
+{
+    const int count = b->grid->count;
+    memset( b->begin, 0, ( (size_t)cells + 1 ) * sizeof( int32_t ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        b->begin[b->cell_of[i] + 1] += 1;
+    }
+    for ( int c = 0; c < cells; ++c )
+    {
+        b->begin[c + 1] += b->begin[c];
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        b->item[b->begin[b->cell_of[i]]++] = i;
+    }
+    // every begin has moved on to its cell's end, which is where the next one begins
+    memmove( b->begin + 1, b->begin, (size_t)cells * sizeof( int32_t ) );
+    b->begin[0] = 0;
+}
+
+static void copy_slots( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const grid_build* b = context;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float* q = b->quads + 4 * (size_t)b->item[slot];
+        b->x[slot] = q[0];
+        b->y[slot] = q[1];
+        b->z[slot] = q[2];
+        memcpy( b->owner + slot, q + 3, sizeof( int32_t ) );
+    }
+}
+
+static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
+{
+    wisp_grid* g = b->grid;
+    size_t count = (size_t)g->count, slots = ( count + GRID_PADDING + 15 ) & ~(size_t)15;
+    size_t blocks = count / GRID_GRAIN + 1;
+    if ( wisp_buffer_reserve( g->buffers + 0, allocator, 5 * slots * 4 ) == false ||
+         wisp_buffer_reserve( g->buffers + 1, allocator, count * 4 ) == false ||
+         wisp_buffer_reserve( g->buffers + 2, allocator, blocks * sizeof( grid_bounds ) ) == false )
+    {
+        return false;
+    }
+    b->item = g->buffers[0].data;
+    b->x = (float*)( b->item + slots );
+    b->y = b->x + slots;
+    b->z = b->y + slots;
+    b->owner = (int32_t*)( b->z + slots );
+    b->cell_of = g->buffers[1].data;
+    b->bounds = g->buffers[2].data;
+
+    // what a wide load touches behind the last slot is masked, but it is never left to chance
+    for ( size_t i = count; i < slots; ++i )
+    {
+        b->item[i] = b->owner[i] = 0;
+        b->x[i] = b->y[i] = b->z[i] = 0.0f;
+    }
+    return true;
+}
+
+wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count, float cell )
+{
+    WISP_ASSERT( cell > 0.0f && count >= 0 );
+    const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
+    grid_build b = { .grid = grid, .quads = quads };
+    grid->count = count;
+    if ( reserve_items( &b, allocator ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    grid_bounds bounds = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    if ( count > 0 )
+    {
+        wisp_parallel_for( parallel, count, GRID_GRAIN, find_bounds, &b );
+        bounds = join_bounds( b.bounds, ( count + GRID_GRAIN - 1 ) / GRID_GRAIN );
+    }
+    choose_cells( grid, bounds, cell );
+    int cells = grid->dims[0] * grid->dims[1] * grid->dims[2];
+    if ( wisp_buffer_reserve( grid->buffers + 3, allocator, ( (size_t)cells + 1 ) * sizeof( int32_t ) ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    b.begin = grid->buffers[3].data;
+    wisp_parallel_for( parallel, count, GRID_GRAIN, find_cells, &b );
+    sort_items( &b, cells );
+    wisp_parallel_for( parallel, count, GRID_GRAIN, copy_slots, &b );
+    grid->cell_begin = b.begin;
+    grid->item = b.item;
+    grid->x = b.x;
+    grid->y = b.y;
+    grid->z = b.z;
+    grid->owner = b.owner;
+    return WISP_OK;
+}

@@ -1,0 +1,169 @@
+// Snapshot, restore and hash walk the components' column lists, so none can forget a column.
+#include "store.h"
+
+#include <string.h>
+
+#define SNAPSHOT_MAGIC "WISPSNP1"
+
+typedef struct snapshot_header
+{
+    char magic[8];
+    uint64_t structure; // hash of entities, components and row counts
+    uint64_t size;      // bytes behind the header
+    uint64_t content;   // hash of those bytes
+} snapshot_header;
+
+uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
+{
+    const unsigned char* p = bytes;
+    uint64_t hash = seed ^ ( (uint64_t)size * 0x9e3779b97f4a7c15u );
+    while ( size > 0 )
+    {
+        size_t n = size < 8 ? size : 8;
+        uint64_t word = 0;
+        for ( size_t i = 0; i < n; ++i )
+        {
+            word |= (uint64_t)p[i] << ( 8 * i );
+        }
+        hash = ( hash ^ word ) * 0xff51afd7ed558ccdu;
+        hash ^= hash >> 32;
+        p += n;
+        size -= n;
+    }
+    return hash;
+}
+
+// Calls visit for every column range of every living entity, in slot order, then component and column order.
+typedef void visit_fn( void* context, void* rows, size_t bytes );
+
+static void visit_columns( const store* s, visit_fn* visit, void* context )
+{
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        for ( int c = 1; c < s->component_count && e->alive; ++c )
+        {
+            const wisp_component_def* def = &s->components[c].def;
+            for ( int k = 0; k < def->column_count && ( e->components & store_bit( (wisp_component)c ) ) != 0; ++k )
+            {
+                visit( context, store_column( s, e, (wisp_component)c, k ),
+                       (size_t)e->rows[def->table].count * def->columns[k].row_size );
+            }
+        }
+    }
+}
+
+static uint64_t structure_hash( const store* s )
+{
+    uint64_t hash = 0;
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        const store_entity* e = s->entities + i;
+        uint32_t identity[2] = { (uint32_t)i, e->generation };
+        hash = e->alive ? store_hash_bytes( hash, identity, sizeof( identity ) ) : hash;
+        for ( int c = 1; c < s->component_count && e->alive; ++c )
+        {
+            const wisp_component_def* def = &s->components[c].def;
+            if ( ( e->components & store_bit( (wisp_component)c ) ) != 0 )
+            {
+                hash = store_hash_bytes( hash, def->name, strlen( def->name ) );
+                hash = store_hash_bytes( hash, &e->rows[def->table].count, sizeof( int ) );
+            }
+        }
+    }
+    return hash;
+}
+
+static void add_size( void* context, void* rows, size_t bytes )
+{
+    (void)rows;
+    *(size_t*)context += bytes;
+}
+
+static void copy_out( void* context, void* rows, size_t bytes )
+{
+    char** cursor = context;
+    memcpy( *cursor, rows, bytes );
+    *cursor += bytes;
+}
+
+static void copy_in( void* context, void* rows, size_t bytes )
+{
+    const char** cursor = context;
+    memcpy( rows, *cursor, bytes );
+    *cursor += bytes;
+}
+
+static void add_hash( void* context, void* rows, size_t bytes )
+{
+    *(uint64_t*)context = store_hash_bytes( *(uint64_t*)context, rows, bytes );
+}
+
+static size_t content_size( const store* s )
+{
+    size_t size = 0;
+    visit_columns( s, add_size, &size );
+    return size;
+}
+
+size_t store_snapshot_size( const store* s )
+{
+    return sizeof( snapshot_header ) + content_size( s );
+}
+
+void store_snapshot( const store* s, void* out )
+{
+    char* content = (char*)out + sizeof( snapshot_header );
+    char* cursor = content;
+    visit_columns( s, copy_out, &cursor );
+
+    snapshot_header header = { .structure = structure_hash( s ), .size = (uint64_t)( cursor - content ) };
+    memcpy( header.magic, SNAPSHOT_MAGIC, sizeof( header.magic ) );
+    header.content = store_hash_bytes( 0, content, (size_t)header.size );
+    memcpy( out, &header, sizeof( header ) );
+}
+
+wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error* error )
+{
+    snapshot_header header;
+    if ( size < sizeof( header ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot has %zu bytes, its header alone needs %zu", size,
+                          sizeof( header ) );
+    }
+    memcpy( &header, bytes, sizeof( header ) );
+    const char* content = (const char*)bytes + sizeof( header );
+    if ( memcmp( header.magic, SNAPSHOT_MAGIC, sizeof( header.magic ) ) != 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the bytes do not begin like a snapshot of this version" );
+    }
+    if ( header.size != size - sizeof( header ) || header.size != content_size( s ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot holds %zu bytes of columns, this world has %zu",
+                          size - sizeof( header ), content_size( s ) );
+    }
+    if ( header.structure != structure_hash( s ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot was taken of other entities or components" );
+    }
+    if ( header.content != store_hash_bytes( 0, content, (size_t)header.size ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot's bytes were damaged: its hash does not fit" );
+    }
+    visit_columns( s, copy_in, &content );
+    for ( int i = 0; i < s->entity_count; ++i )
+    {
+        for ( int c = 1; c < s->component_count; ++c )
+        {
+            store_touch( s, s->entities + i, (wisp_component)c );
+        }
+    }
+    return WISP_OK;
+}
+
+uint64_t store_hash( const store* s )
+{
+    uint64_t hash = structure_hash( s );
+    visit_columns( s, add_hash, &hash );
+    return hash;
+}

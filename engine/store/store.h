@@ -1,0 +1,97 @@
+/// Entities, tables and component columns. An entity owns one contiguous range of rows in each table; a column exists
+/// only while some entity has its component.
+#pragma once
+
+#include "wisp/module.h"
+
+enum
+{
+    STORE_MAX_COMPONENTS = 64, // one bit each in a mask
+    STORE_MAX_COLUMNS = 16,    // in one component
+};
+
+typedef struct store_rows
+{
+    int begin, count;
+} store_rows;
+
+typedef struct store_component
+{
+    wisp_component_def def;
+    void* columns[STORE_MAX_COLUMNS]; // null until an entity has the component
+    int entity_count;
+} store_component;
+
+typedef struct store_entity
+{
+    uint32_t generation;
+    bool alive;
+    uint64_t components; // bit c: has component c
+    uint64_t wants;      // bit c: somebody asked for component c
+    uint64_t derived;    // bit c: rows are there only because somebody asked; a pass must fill them
+    store_rows rows[WISP_TABLE_COUNT];
+    const wisp_strand_topology* strands;
+    uint64_t versions[STORE_MAX_COMPONENTS]; // the store's tick when a component's rows were last written
+} store_entity;
+
+typedef struct store
+{
+    const wisp_allocator* allocator;
+    store_component components[STORE_MAX_COMPONENTS]; // [0] is null
+    int component_count;
+    int row_count[WISP_TABLE_COUNT];
+    int row_capacity[WISP_TABLE_COUNT];
+    store_entity* entities;
+    int entity_count; // slots, alive or not
+    int entity_capacity;
+    uint64_t tick;      // grows with every write, so that no two writes share a version
+    uint32_t structure; // grows whenever an entity, a component or a wish comes or goes
+} store;
+
+void store_init( store* s, const wisp_allocator* allocator );
+void store_release( store* s );
+
+static inline uint64_t store_bit( wisp_component component )
+{
+    return (uint64_t)1 << component;
+}
+
+/// @return 0 if the registry is full, the name is known with another shape, or the definition is malformed
+wisp_component store_declare( store* s, const wisp_component_def* def );
+
+/// @return null for a stale handle
+store_entity* store_find( const store* s, wisp_entity entity );
+
+/// The handle of a slot.
+wisp_entity store_handle( const store* s, int slot );
+
+/// A new entity with its rows, zeroed, and no component yet. @return false without memory, nothing changed
+bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* out );
+
+/// Rows behind the entity's close up.
+void store_remove( store* s, wisp_entity entity );
+
+/// @return false without memory, nothing changed
+bool store_attach( store* s, wisp_entity entity, wisp_component component );
+void store_detach( store* s, wisp_entity entity, wisp_component component );
+
+/// First row of the entity's range, null if it lacks the component.
+void* store_column( const store* s, const store_entity* e, wisp_component component, int column );
+
+/// Somebody wrote the component's rows of this entity.
+static inline void store_touch( store* s, store_entity* e, wisp_component component )
+{
+    e->versions[component] = ++s->tick;
+}
+
+// snapshot.c
+
+size_t store_snapshot_size( const store* s );
+void store_snapshot( const store* s, void* out );
+/// Checks everything before the first byte is written back.
+wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error* error );
+/// Hash of all rows of all entities.
+uint64_t store_hash( const store* s );
+
+/// 64-bit hash of bytes, chained through `seed`. Reads little-endian words, so equal bytes hash equal anywhere.
+uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size );

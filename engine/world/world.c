@@ -1,0 +1,311 @@
+#include "world.h"
+
+#include "alloc.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static const uint32_t WORLD_DEF_MADE = 0x57495350;
+
+wisp_world_def wisp_default_world_def( void )
+{
+    return ( wisp_world_def ){ .substeps = 1, .iterations = 1, .made_by_default = WORLD_DEF_MADE };
+}
+
+static void* counted_allocate( void* user, size_t size, size_t alignment )
+{
+    world_memory* memory = user;
+    void* block = base_allocate( &memory->host, size, alignment );
+    atomic_fetch_add( &memory->bytes, block != NULL ? size : 0 );
+    return block;
+}
+
+static void counted_release( void* user, void* block, size_t size )
+{
+    world_memory* memory = user;
+    if ( block != NULL )
+    {
+        atomic_fetch_sub( &memory->bytes, size );
+        base_release( &memory->host, block, size );
+    }
+}
+
+static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
+{
+    if ( def->workers < 0 || def->workers > WISP_MAX_WORKERS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "workers is %d, it must be 0 (one a core) or 1 to %d", def->workers,
+                          WISP_MAX_WORKERS );
+    }
+    if ( def->substeps < 1 || def->iterations < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "substeps is %d and iterations is %d, both must be at least 1",
+                          def->substeps, def->iterations );
+    }
+    if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "an allocator needs both functions or neither" );
+    }
+    if ( def->module_count < 0 || ( def->module_count > 0 && def->modules == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "module_count is %d without that many modules", def->module_count );
+    }
+    return WISP_OK;
+}
+
+static wisp_status register_modules( wisp_world* world, const wisp_world_def* def )
+{
+    wisp_status status = world_declare_strands( &world->registry );
+    for ( int i = 0; i < def->module_count && status == WISP_OK; ++i )
+    {
+        status = plan_registry_add( &world->registry, def->modules[i] );
+    }
+    return status;
+}
+
+static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_error* error )
+{
+    int workers = def->workers > 0 ? def->workers : jobs_default_workers();
+    store_init( &world->store, &world->allocator );
+    plan_registry_init( &world->registry, &world->store, workers );
+    const wisp_kernels* kernels = kernels_select( def->isa, error );
+    if ( kernels == NULL )
+    {
+        return WISP_BAD_INPUT;
+    }
+    wisp_status status = register_modules( world, def );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s", world->registry.error.sentence );
+    }
+    size_t clock_bytes = (size_t)workers * sizeof( plan_clock );
+    world->pool = jobs_create( &world->allocator, workers, def->parallel_for, def->parallel_for_user );
+    world->frame.clocks = base_allocate( &world->allocator, clock_bytes, 64 );
+    if ( world->pool == NULL || world->frame.clocks == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a world of %d workers", workers );
+    }
+    memset( world->frame.clocks, 0, clock_bytes );
+    world->frame.registry = &world->registry;
+    world->frame.plan = &world->plan;
+    world->frame.pool = world->pool;
+    world->frame.kernels = kernels;
+    world->frame.log = &world->log;
+    world->frame.substeps = def->substeps;
+    world->frame.iterations = def->iterations;
+    return WISP_OK;
+}
+
+wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error )
+{
+    WISP_ASSERT( def->made_by_default == WORLD_DEF_MADE );
+    *out = NULL;
+    wisp_status status = check_def( def, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_world* world = base_allocate( &def->allocator, sizeof( wisp_world ), 64 );
+    if ( world == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a world" );
+    }
+    memset( (void*)world, 0, sizeof( *world ) );
+    world->memory.host = def->allocator;
+    world->allocator = ( wisp_allocator ){ counted_allocate, counted_release, &world->memory };
+    world->log = ( base_log ){ def->log, def->log_user };
+    status = build( world, def, error );
+    if ( status != WISP_OK )
+    {
+        wisp_world_destroy( world );
+        return status;
+    }
+    *out = world;
+    return WISP_OK;
+}
+
+void wisp_world_destroy( wisp_world* world )
+{
+    if ( world == NULL )
+    {
+        return;
+    }
+    const wisp_allocator host = world->memory.host;
+    for ( int i = 0; i < world->store.entity_count; ++i )
+    {
+        cook_strands_release( (cook_strands*)(void*)world->store.entities[i].strands );
+    }
+    plan_release( &world->plan, &world->allocator );
+    base_release( &world->allocator, world->frame.clocks, (size_t)world->registry.workers * sizeof( plan_clock ) );
+    plan_registry_release( &world->registry );
+    store_release( &world->store );
+    jobs_destroy( world->pool );
+    base_release( &host, world, sizeof( *world ) );
+}
+
+const char* wisp_world_message( const wisp_world* world )
+{
+    return world->error.sentence;
+}
+
+wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
+{
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( world->error.sentence, sizeof( world->error.sentence ), format, arguments );
+    va_end( arguments );
+    world->error.status = status;
+    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.sentence );
+    return status;
+}
+
+void world_set_kernels( wisp_world* world, const wisp_kernels* kernels )
+{
+    world->frame.kernels = kernels;
+}
+
+// ---- steps ----
+
+static wisp_status compile_if_changed( wisp_world* world )
+{
+    if ( world->plan.structure == world->store.structure )
+    {
+        return WISP_OK;
+    }
+    wisp_error error = { 0 };
+    wisp_status status = plan_compile( &world->plan, &world->registry, &error );
+    wisp_frame_count( &world->frame, WISP_COUNT_PLANS, 1 );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.sentence );
+}
+
+static void drive( void* context )
+{
+    plan_execute( context );
+}
+
+static void write_profile( wisp_world* world )
+{
+    world->line_count = 0;
+    for ( int n = 0; n < world->plan.node_count; ++n )
+    {
+        for ( int i = 0; i < world->plan.nodes[n].pass_count; ++i )
+        {
+            int pass = world->plan.nodes[n].passes[i];
+            world->lines[world->line_count++] = ( wisp_profile_line ){
+                .pass = world->registry.passes[pass].name,
+                .seconds = world->frame.pass_seconds[pass],
+                .items = world->frame.pass_items[pass],
+            };
+        }
+    }
+}
+
+wisp_status wisp_world_step( wisp_world* world, float seconds )
+{
+    if ( !( seconds > 0.0f && seconds < 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "a step of %g s is not possible, it must be above 0", (double)seconds );
+    }
+    wisp_status status = compile_if_changed( world );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    double begin = wisp_clock_seconds();
+    wisp_frame* frame = &world->frame;
+    atomic_flag_clear( &frame->failing );
+    atomic_store( &frame->failed, false );
+    if ( world->plan.node_count > 0 )
+    {
+        jobs_enter( world->pool, drive, frame );
+    }
+    write_profile( world );
+    frame->step += 1;
+    wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );
+    world->seconds = wisp_clock_seconds() - begin;
+    if ( atomic_load( &frame->failed ) )
+    {
+        return wisp_world_fail( world, frame->error.status, "%s", frame->error.sentence );
+    }
+    return WISP_OK;
+}
+
+wisp_profile wisp_world_profile( const wisp_world* world )
+{
+    return ( wisp_profile ){ world->lines, world->line_count, world->seconds };
+}
+
+// ---- numbers about the world ----
+
+uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter )
+{
+    return atomic_load( &world->frame.counters[counter] );
+}
+
+const char* wisp_counter_name( wisp_counter counter )
+{
+    static const char* const NAMES[WISP_COUNTER_COUNT] = {
+        "steps", "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
+    };
+    return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
+}
+
+size_t wisp_world_memory( const wisp_world* world )
+{
+    return sizeof( *world ) + atomic_load( &world->memory.bytes );
+}
+
+int wisp_world_workers( const wisp_world* world )
+{
+    return world->registry.workers;
+}
+
+const char* wisp_world_isa( const wisp_world* world )
+{
+    return world->frame.kernels->isa;
+}
+
+wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )
+{
+    wisp_status status = compile_if_changed( world );
+    if ( status == WISP_OK )
+    {
+        plan_print( &world->plan, &world->registry, write, user );
+    }
+    return status;
+}
+
+int wisp_world_plan_passes( wisp_world* world )
+{
+    return compile_if_changed( world ) == WISP_OK ? world->plan.pass_count : -1;
+}
+
+// ---- snapshots ----
+
+uint64_t wisp_world_hash( const wisp_world* world )
+{
+    return store_hash( &world->store );
+}
+
+size_t wisp_world_snapshot_size( const wisp_world* world )
+{
+    return store_snapshot_size( &world->store );
+}
+
+wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size )
+{
+    if ( size < store_snapshot_size( &world->store ) )
+    {
+        return WISP_BAD_INPUT;
+    }
+    store_snapshot( &world->store, out );
+    return WISP_OK;
+}
+
+wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size )
+{
+    wisp_error error = { 0 };
+    wisp_status status = store_restore( &world->store, bytes, size, &error );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.sentence );
+}

@@ -1,0 +1,40 @@
+/// A world from inside: what the files of this room and the tests share.
+#pragma once
+
+#include "cook_strands.h"
+#include "jobs.h"
+#include "kernel_tables.h"
+#include "log.h"
+#include "plan.h"
+#include "store.h"
+
+#include "wisp/module.h"
+
+/// The host's memory, counted.
+typedef struct world_memory
+{
+    wisp_allocator host;
+    _Atomic size_t bytes;
+} world_memory;
+
+struct wisp_world
+{
+    world_memory memory;
+    wisp_allocator allocator; // counts, then asks the host
+    base_log log;
+    store store;
+    wisp_registry registry;
+    plan plan;
+    jobs_pool* pool;
+    wisp_frame frame;
+    wisp_error error; // of the last call that failed
+    wisp_profile_line lines[PLAN_MAX_PASSES];
+    int line_count;
+    double seconds; // of the last step
+};
+
+/// Tests run tables that no processor here could select.
+void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
+
+/// Declares the passes that belong to no module: strands into the user's order.
+wisp_status world_declare_strands( wisp_registry* registry );

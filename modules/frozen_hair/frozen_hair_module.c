@@ -1,0 +1,185 @@
+#include "frozen_hair_state.h"
+
+#include <string.h>
+
+static size_t row_floats( const wisp_strand_topology* t, int group )
+{
+    return (size_t)t->group_row[group] * 3 * WISP_LANES;
+}
+
+// ---- command: which event the stages answer ----
+
+static bool command_is_due( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    const frozen_state* state = user;
+    const frozen_settings* settings = wisp_frame_column( frame, entity, state->settings, 0 );
+    return settings->pending != 0 || settings->event == WISP_EVENT_FRAME;
+}
+
+static void command( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const frozen_state* state = user;
+    frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
+    wisp_frozen_hair_report* report = wisp_frame_column( frame, span->entity, state->report, 0 );
+    event->number = settings->next;
+    memcpy( event->cursor, settings->cursor, sizeof( event->cursor ) );
+    settings->next += 1;
+    settings->pending = 0;
+    *report = ( wisp_frozen_hair_report ){ .event = event->number };
+}
+
+// ---- start: from the rest shape, or from what is there ----
+
+static void start( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const frozen_state* state = user;
+    const frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    if ( settings->base == WISP_BASE_PREVIOUS )
+    {
+        return;
+    }
+    const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
+    size_t begin = row_floats( t, span->begin ), end = row_floats( t, span->end );
+    memcpy( position + begin, rest + begin, ( end - begin ) * sizeof( float ) );
+}
+
+// ---- freeze: eq. 2-7 ----
+
+static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const frozen_state* state = user;
+    const frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
+    const frozen_freeze* f = wisp_frame_column( frame, span->entity, state->freeze, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    wisp_strand_jitter_job job = {
+        .group_row = t->group_row,
+        .lane_strand = t->lane_strand,
+        .rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ),
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .stretch = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 0 ),
+        .bend = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 1 ),
+        .length_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_LENGTH, event->number ),
+        .angle_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_ANGLE, event->number ),
+        .axis_key = wisp_random_make_key( settings->seed, FROZEN_STREAM_AXIS, 0 ),
+        .angle_max = f->bend_angle_max,
+        .epsilon = settings->epsilon,
+        .dimension = t->dimension,
+    };
+    wisp_frame_kernels( frame )->strand_jitter( &job, span->begin, span->end );
+}
+
+// ---- align: eq. 8-13 ----
+
+static void align( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const frozen_state* state = user;
+    const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
+    const frozen_align* a = wisp_frame_column( frame, span->entity, state->align, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    wisp_strand_align_job job = {
+        .group_row = t->group_row,
+        .lane_count = t->lane_count,
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .intensity = wisp_frame_column( frame, span->entity, state->intensity, 0 ),
+        .target = { event->cursor[0], event->cursor[1], event->cursor[2] },
+        .radius = a->reach,
+        .chord = a->blend_chord != 0,
+        .from_root = a->direction_from_root != 0,
+        .nearest = a->reach_nearest != 0,
+        .dimension = t->dimension,
+    };
+    wisp_frame_kernels( frame )->strand_align( &job, span->begin, span->end );
+}
+
+// ---- declaration ----
+
+#define FROZEN_LIST( member, name, table, columns )                                                                  \
+    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
+FROZEN_COMPONENTS( FROZEN_LIST )
+#undef FROZEN_LIST
+
+static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "frozen_hair.command",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->settings },
+            .reads = { s->settings },
+            .writes = { s->event },
+            .run = command,
+            .is_due = command_is_due,
+        },
+        {
+            .name = "frozen_hair.start",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings, WISP_STRAND_REST },
+            .reads = { s->event, WISP_STRAND_REST },
+            .writes = { WISP_STRAND_POSITION },
+            .run = start,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.freeze",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->freeze },
+            .reads = { s->event, WISP_STRAND_STIFFNESS, WISP_STRAND_REST, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = freeze,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.align",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->align },
+            .reads = { s->event, s->intensity, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = align,
+            .on_change = s->event,
+        },
+        {
+            .name = "frozen_hair.clump",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->clump },
+            .reads = { s->event, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION, s->report },
+            .run = frozen_clump_run,
+            .on_change = s->event,
+        },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    frozen_state* s = wisp_declare_state( r, sizeof( frozen_state ) );
+    if ( s == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+#define FROZEN_DECLARE( member, name, table, columns )                                                               \
+    s->member = wisp_declare_component(                                                                              \
+        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
+    FROZEN_COMPONENTS( FROZEN_DECLARE )
+#undef FROZEN_DECLARE
+    s->workspace = wisp_declare_workspace( r, frozen_clump_workspace_size(), frozen_clump_workspace_release );
+    return s->workspace < 0 ? WISP_NO_MEMORY : declare_stages( r, s );
+}
+
+const wisp_module wisp_frozen_hair_module = { .name = "frozen_hair", .declare = declare };

@@ -1,0 +1,310 @@
+// Parameters: defaults, ranges, and their way into columns.
+#include "frozen_hair_state.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t FROZEN_DEF_MADE = 0x46525a48;
+static const char* const NOT_REGISTERED = "the module frozen_hair is not registered in this world";
+
+wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
+{
+    return ( wisp_frozen_hair_def ){
+        .freeze = true,
+        .align = true,
+        .clump = true,
+        .seed = 1,
+        .stretch_stiffness = 7.0f,
+        .bend_stiffness = 7.0f,
+        .bend_angle_max = 0.785398163f,
+        .intensity = 0.8f,
+        .reach = 0.15f,
+        .clump_radius = 0.01f,
+        .clump_iterations = 4,
+        .clump_step = -1.0f,
+        .gap = WISP_GAP_PROSE,
+        .guard = true,
+        .distance_min = -1.0f,
+        .neighbour_limit = 256,
+        .made_by_default = FROZEN_DEF_MADE,
+    };
+}
+
+// ---- ranges ----
+
+typedef struct frozen_range
+{
+    const char* name;
+    float value, low, high;
+} frozen_range;
+
+static wisp_status check_ranges( wisp_world* world, const frozen_range* ranges, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const frozen_range* r = ranges + i;
+        if ( !( r->value >= r->low && r->value <= r->high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %g, it must be %g to %g", r->name,
+                                    (double)r->value, (double)r->low, (double)r->high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count, float low,
+                                        float high )
+{
+    for ( int i = 0; i < count && values != NULL; ++i )
+    {
+        if ( !( values[i] >= low && values[i] <= high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d is %g, it must be %g to %g", name,
+                                    i, (double)values[i], (double)low, (double)high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def* d )
+{
+    const struct
+    {
+        const char* name;
+        int value, high;
+    } choices[] = {
+        { "base", (int)d->base, WISP_BASE_PREVIOUS },
+        { "event", (int)d->event, WISP_EVENT_FRAME },
+        { "gap", (int)d->gap, WISP_GAP_WET },
+    };
+    for ( int i = 0; i < WISP_COUNT( choices ); ++i )
+    {
+        if ( choices[i].value < 0 || choices[i].value > choices[i].high )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %d, which names no choice", choices[i].name,
+                                    choices[i].value );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, int strands )
+{
+    const frozen_range ranges[] = {
+        { "epsilon", d->epsilon, 0.0f, 1.0f },
+        { "stretch_stiffness", d->stretch_stiffness, 1e-3f, 1e12f },
+        { "bend_stiffness", d->bend_stiffness, 1e-3f, 1e12f },
+        { "bend_angle_max", d->bend_angle_max, 0.0f, 3.14159274f },
+        { "intensity", d->intensity, 0.0f, 1.0f },
+        { "cursor.x", d->cursor.x, -1e6f, 1e6f },
+        { "cursor.y", d->cursor.y, -1e6f, 1e6f },
+        { "cursor.z", d->cursor.z, -1e6f, 1e6f },
+        { "reach", d->reach, 0.0f, 1e7f },
+        { "clump_radius", d->clump_radius, 1e-6f, 1e6f },
+        { "clump_iterations", (float)d->clump_iterations, 0.0f, 1000.0f },
+        { "clump_step", d->clump_step == -1.0f ? 0.0f : d->clump_step, 0.0f, 1e3f },
+        { "distance_min", d->distance_min == -1.0f ? 0.0f : d->distance_min, 0.0f, 1e6f },
+        { "lambda_min", d->lambda_min, 0.0f, 1.0f },
+        { "neighbour_limit", (float)d->neighbour_limit, 1.0f, 4096.0f },
+    };
+    wisp_status status = check_ranges( world, ranges, WISP_COUNT( ranges ) );
+    status = status == WISP_OK ? check_choices( world, d ) : status;
+    status = status == WISP_OK ? check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness, strands,
+                                                      1e-3f, 1e12f )
+                               : status;
+    status = status == WISP_OK ? check_strand_values( world, "bend_stiffness", d->strand_bend_stiffness, strands, 1e-3f,
+                                                      1e12f )
+                               : status;
+    return status == WISP_OK ? check_strand_values( world, "intensity", d->strand_intensity, strands, 0.0f, 1.0f ) : status;
+}
+
+// ---- into columns ----
+
+// One number for all strands, or each strand's own; lanes without a strand get the common number, which is in range.
+static void fill_lanes( const wisp_strand_topology* t, float common, const float* own, float* lanes )
+{
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        int strand = t->lane_strand[i];
+        lanes[i] = own != NULL && strand >= 0 ? own[strand] : common;
+    }
+}
+
+static wisp_status attach_all( wisp_world* world, wisp_entity entity, const frozen_state* s, const wisp_frozen_hair_def* d )
+{
+    const struct
+    {
+        wisp_component component;
+        bool on;
+    } parts[] = {
+        { s->settings, true },
+        { s->event, true },
+        { s->report, true },
+        { s->freeze, d->freeze },
+        { WISP_STRAND_STIFFNESS, d->freeze },
+        { s->align, d->align },
+        { s->intensity, d->align },
+        { s->clump, d->clump && d->clump_iterations > 0 },
+    };
+    bool had[WISP_COUNT( parts )];
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        had[i] = wisp_world_has( world, entity, parts[i].component );
+    }
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        wisp_status status = parts[i].on ? wisp_world_attach( world, entity, parts[i].component ) : WISP_OK;
+        for ( int k = 0; status != WISP_OK && k < i; ++k )
+        {
+            if ( parts[k].on && had[k] == false )
+            {
+                wisp_world_detach( world, entity, parts[k].component );
+            }
+        }
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+    }
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        // stiffness stays: another module may drive it
+        if ( parts[i].on == false && parts[i].component != WISP_STRAND_STIFFNESS && had[i] )
+        {
+            wisp_world_detach( world, entity, parts[i].component );
+        }
+    }
+    return WISP_OK;
+}
+
+static void write_stages( wisp_world* world, wisp_entity entity, const frozen_state* s, const wisp_frozen_hair_def* d )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, entity );
+    if ( d->freeze )
+    {
+        frozen_freeze* freeze = wisp_world_column( world, entity, s->freeze, 0 );
+        *freeze = ( frozen_freeze ){ d->bend_angle_max };
+        fill_lanes( t, d->stretch_stiffness, d->strand_stretch_stiffness,
+                    wisp_world_column( world, entity, WISP_STRAND_STIFFNESS, 0 ) );
+        fill_lanes( t, d->bend_stiffness, d->strand_bend_stiffness,
+                    wisp_world_column( world, entity, WISP_STRAND_STIFFNESS, 1 ) );
+    }
+    if ( d->align )
+    {
+        frozen_align* align = wisp_world_column( world, entity, s->align, 0 );
+        *align = ( frozen_align ){ d->reach, d->reach_nearest, d->blend_chord, d->direction_from_root };
+        fill_lanes( t, d->intensity, d->strand_intensity, wisp_world_column( world, entity, s->intensity, 0 ) );
+    }
+    if ( d->clump && d->clump_iterations > 0 )
+    {
+        frozen_clump* clump = wisp_world_column( world, entity, s->clump, 0 );
+        *clump = ( frozen_clump ){
+            .radius = d->clump_radius,
+            .step = d->clump_step == -1.0f ? 0.1f * d->clump_radius : d->clump_step,
+            .distance_min = d->distance_min == -1.0f ? 0.02f * d->clump_radius : d->distance_min,
+            .lambda_min = d->lambda_min,
+            .iterations = d->clump_iterations,
+            .gap = (int32_t)d->gap,
+            .gap_by_iteration = d->gap_by_iteration,
+            .guard = d->guard,
+            .neighbour_limit = d->neighbour_limit,
+        };
+    }
+}
+
+wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def )
+{
+    WISP_ASSERT( def->made_by_default == FROZEN_DEF_MADE );
+    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "%s", NOT_REGISTERED );
+    }
+    if ( t == NULL )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)", strands.index );
+    }
+    wisp_status status = check_def( world, def, t->strand_count );
+    status = status == WISP_OK ? attach_all( world, strands, s, def ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    frozen_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
+    *settings = ( frozen_settings ){
+        .seed = def->seed,
+        .base = (int32_t)def->base,
+        .event = (int32_t)def->event,
+        .epsilon = def->epsilon,
+        .pending = 1,
+        .next = settings->next,
+        .cursor = { def->cursor.x, def->cursor.y, def->cursor.z },
+    };
+    write_stages( world, strands, s, def );
+    return WISP_OK;
+}
+
+// ---- commands and reports ----
+
+static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen_settings** out )
+{
+    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "%s", NOT_REGISTERED );
+    }
+    if ( wisp_is_alive( world, strands ) == false )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)", strands.index );
+    }
+    *out = wisp_world_column( world, strands, s->settings, 0 );
+    return *out != NULL ? WISP_OK
+                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no frozen hair", strands.index );
+}
+
+static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, const uint64_t* event )
+{
+    frozen_settings* settings;
+    wisp_status status = find_settings( world, strands, &settings );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !( fabsf( cursor.x ) <= 1e6f && fabsf( cursor.y ) <= 1e6f && fabsf( cursor.z ) <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "frozen hair: cursor (%g, %g, %g) is not a place within 1e6 m of the origin",
+                                (double)cursor.x, (double)cursor.y, (double)cursor.z );
+    }
+    settings->cursor[0] = cursor.x;
+    settings->cursor[1] = cursor.y;
+    settings->cursor[2] = cursor.z;
+    settings->next = event != NULL ? *event : settings->next;
+    settings->pending = 1;
+    return WISP_OK;
+}
+
+wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor )
+{
+    return point_at( world, strands, cursor, NULL );
+}
+
+wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, uint64_t event )
+{
+    return point_at( world, strands, cursor, &event );
+}
+
+wisp_status wisp_report_frozen_hair( wisp_world* world, wisp_entity strands, wisp_frozen_hair_report* out )
+{
+    frozen_settings* settings;
+    wisp_status status = find_settings( world, strands, &settings );
+    const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
+    *out = ( wisp_frozen_hair_report ){ 0 };
+    if ( status == WISP_OK )
+    {
+        const wisp_frozen_hair_report* report = wisp_world_column( world, strands, s->report, 0 );
+        *out = *report;
+    }
+    return status;
+}

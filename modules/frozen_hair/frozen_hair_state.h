@@ -1,0 +1,86 @@
+/// What the files of this module share: its components, and the parameters as the passes read them.
+#pragma once
+
+#include "frozen_hair.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+/// Every entity with frozen hair.
+typedef struct frozen_settings
+{
+    uint64_t seed;
+    int32_t base;  // wisp_frozen_base
+    int32_t event; // wisp_frozen_event
+    float epsilon;
+    uint32_t pending; // a command waits
+    uint64_t next;    // event number of the next command
+    float cursor[3];  // of the next command, m
+    uint32_t unused;
+} frozen_settings;
+
+/// The command that the stages answer.
+typedef struct frozen_event
+{
+    uint64_t number;
+    float cursor[3]; // m
+    uint32_t unused;
+} frozen_event;
+
+typedef struct frozen_freeze
+{
+    float bend_angle_max; // rad
+} frozen_freeze;
+
+typedef struct frozen_align
+{
+    float reach; // m
+    int32_t reach_nearest, blend_chord, direction_from_root;
+} frozen_align;
+
+typedef struct frozen_clump
+{
+    float radius, step, distance_min, lambda_min; // m, m, m, 1
+    int32_t iterations, gap, gap_by_iteration, guard, neighbour_limit;
+} frozen_clump;
+
+#define FROZEN_SETTINGS_COLUMNS( X ) X( frozen_settings, settings, 1 )
+#define FROZEN_EVENT_COLUMNS( X ) X( frozen_event, event, 1 )
+#define FROZEN_FREEZE_COLUMNS( X ) X( frozen_freeze, freeze, 1 )
+#define FROZEN_ALIGN_COLUMNS( X ) X( frozen_align, align, 1 )
+#define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
+#define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
+#define FROZEN_REPORT_COLUMNS( X ) X( wisp_frozen_hair_report, report, 1 )
+
+/// One line a component: X( member, "name", table, column list )
+#define FROZEN_COMPONENTS( X )                                                                                       \
+    X( settings, "frozen_hair.settings", WISP_TABLE_ENTITY, FROZEN_SETTINGS_COLUMNS )                                \
+    X( event, "frozen_hair.event", WISP_TABLE_ENTITY, FROZEN_EVENT_COLUMNS )                                         \
+    X( freeze, "frozen_hair.freeze", WISP_TABLE_ENTITY, FROZEN_FREEZE_COLUMNS )                                      \
+    X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
+    X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
+    X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
+    X( report, "frozen_hair.report", WISP_TABLE_ENTITY, FROZEN_REPORT_COLUMNS )
+
+/// Component numbers in one world.
+typedef struct frozen_state
+{
+#define FROZEN_MEMBER( member, name, table, columns ) wisp_component member;
+    FROZEN_COMPONENTS( FROZEN_MEMBER )
+#undef FROZEN_MEMBER
+    int workspace; // of the clump stage
+} frozen_state;
+
+/// Random streams of the source's symbols.
+enum
+{
+    FROZEN_STREAM_LENGTH = 1, // eta
+    FROZEN_STREAM_ANGLE,      // xi
+    FROZEN_STREAM_GAP,        // zeta
+    FROZEN_STREAM_AXIS,
+};
+
+/// The third stage (clump.c).
+wisp_pass_fn frozen_clump_run;
+size_t frozen_clump_workspace_size( void );
+void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allocator );
