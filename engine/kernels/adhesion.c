@@ -63,30 +63,46 @@ static lane8v guarded( const wisp_adhesion_job* job, lane8v move, lane8 nearest 
     return lane8v_scale( move, scale );
 }
 
-float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+// Sums of one slice while its lists are walked.
+typedef struct attract_sums
+{
+    lane8v force;
+    lane8 nearest;
+} attract_sums;
+
+LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice, lane8v p,
+                                       attract_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
-    const lane8 epsilon = lane8_set1( job->epsilon ), step = lane8_set1( job->step );
-    const lane8 far = lane8_set1( 3e38f ), zero = lane8_zero();
+    const lane8 epsilon = lane8_set1( job->epsilon ), one = lane8_set1( 1.0f ), zero = lane8_zero();
+    const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE;
+    for ( int k = 0; k < list->length[slice]; ++k )
+    {
+        lane8v d = lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p );
+        lane8 r = lane8v_length( d );
+        lane8 u = lane8_sub( one, lane8_mul( r, inverse_h ) );
+        lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
+        lane8 pull = lane8_div( lane8_mul( u, u ), lane8_add( r, epsilon ) );
+        sums.force = lane8v_mul_add( sums.force, lane8_select( inside, pull, zero ), d );
+        sums.nearest = lane8_min( sums.nearest, lane8_select( inside, r, sums.nearest ) );
+    }
+    return sums;
+}
+
+float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+{
+    const lane8 step = lane8_set1( job->step ), zero = lane8_zero();
     lane8 most = zero;
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
         const lane8v p = load_slice( job->current, slice );
-        const int32_t* entries = job->entries + (size_t)job->slice_begin[slice] * WISP_SLICE;
-        lane8v force = { zero, zero, zero };
-        lane8 nearest = far;
-        for ( int k = 0; k < job->slice_length[slice]; ++k )
+        attract_sums sums = { { zero, zero, zero }, lane8_set1( 3e38f ) };
+        for ( int i = 0; i < job->attracting_count; ++i )
         {
-            lane8v d = lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p );
-            lane8 r = lane8v_length( d );
-            lane8 u = lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) );
-            lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
-            lane8 pull = lane8_div( lane8_mul( u, u ), lane8_add( r, epsilon ) );
-            force = lane8v_mul_add( force, lane8_select( inside, pull, zero ), d );
-            nearest = lane8_min( nearest, lane8_select( inside, r, far ) );
+            sums = attract_list( job, job->attracting + i, slice, p, sums );
         }
-        lane8v move = lane8v_scale( force, step );
-        move = job->guard ? guarded( job, move, nearest ) : move;
+        lane8v move = lane8v_scale( sums.force, step );
+        move = job->guard ? guarded( job, move, sums.nearest ) : move;
 
         // roots stay
         lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( job->vertex + slice * WISP_SLICE ) );
@@ -98,16 +114,22 @@ float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first,
     return largest( most );
 }
 
-// delta of eq. 17, weighted over the reference neighbours. `gap` is a constant where this is inlined.
-LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, int gap, bool by_iteration )
+// What a slice's reference neighbours say about the change of their distances.
+typedef struct brake_sums
+{
+    lane8 weights, changes;
+} brake_sums;
+
+// `gap` and `by_iteration` are constants where this is inlined.
+LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice, int gap,
+                                   bool by_iteration, brake_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
     const lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
-    const size_t first = (size_t)job->reference_begin[slice] * WISP_SLICE;
-    const int32_t* entries = job->reference_entries + first;
-    lane8 weights = zero, changes = zero;
-    for ( int k = 0; k < job->reference_length[slice]; ++k )
+    const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
+    const int32_t* entries = list->entries + first;
+    for ( int k = 0; k < list->length[slice]; ++k )
     {
         lane8 r1 = lane8v_length( lane8v_sub( load_entry( job->tentative, entries + k * WISP_SLICE ), moved ) );
         lane8 r0 = by_iteration
@@ -117,10 +139,22 @@ LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, int gap
         change = gap == WISP_GAP_PROSE ? lane8_abs( change ) : change;
         change = lane8_min( lane8_max( lane8_mul( change, inverse_h ), zero ), one );
         lane8 weight = kernel_weight( r0, h, inverse_h );
-        weights = lane8_add( weights, weight );
-        changes = lane8_mul_add( weight, change, changes );
+        sums.weights = lane8_add( sums.weights, weight );
+        sums.changes = lane8_mul_add( weight, change, sums.changes );
     }
-    return lane8_select( lane8_gt( weights, zero ), lane8_div( changes, weights ), zero );
+    return sums;
+}
+
+// delta of eq. 17, weighted over the reference neighbours
+LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, int gap, bool by_iteration )
+{
+    brake_sums sums = { lane8_zero(), lane8_zero() };
+    for ( int i = 0; i < job->reference_count; ++i )
+    {
+        sums = brake_list( job, job->reference + i, slice, gap, by_iteration, sums );
+    }
+    lane8 share = lane8_div( sums.changes, sums.weights );
+    return lane8_select( lane8_gt( sums.weights, lane8_zero() ), share, lane8_zero() );
 }
 
 LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, int gap,
@@ -160,20 +194,19 @@ float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, i
     }
 }
 
-int64_t KERNEL( pair_distance )( const float* quads, const int32_t* slice_begin, const int32_t* slice_length,
-                                 const int32_t* entries, float radius, float* distance, int slice_first,
-                                 int slice_last )
+int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
+                                 int slice_first, int slice_last )
 {
     const lane8 h = lane8_set1( radius );
     int64_t count = 0;
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
         const lane8v p = load_slice( quads, slice );
-        const size_t first = (size_t)slice_begin[slice] * WISP_SLICE;
-        for ( int k = 0; k < slice_length[slice]; ++k )
+        const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
+        for ( int k = 0; k < list->length[slice]; ++k )
         {
             size_t at = first + (size_t)k * WISP_SLICE;
-            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, entries + at ), p ) );
+            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, list->entries + at ), p ) );
             lane8_store( distance + at, r );
             count += __builtin_popcount( lane8m_bits( lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) ) ) );
         }

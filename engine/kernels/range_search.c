@@ -2,18 +2,15 @@
 // tested eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
 #include "kernel_isa.h"
 
-typedef struct search_query
+// Eight queries while they are searched: what they ask, and a near and a shell list each.
+typedef struct search_slice
 {
-    float x, y, z;
-    int32_t owner;
-} search_query;
-
-static search_query load_query( const wisp_range_search_job* job, int query )
-{
-    search_query q;
-    memcpy( &q, job->quads + 4 * (size_t)query, sizeof( q ) );
-    return q;
-}
+    float x[WISP_SLICE], y[WISP_SLICE], z[WISP_SLICE];
+    int32_t owner[WISP_SLICE];
+    int cell[WISP_SLICE][3];
+    int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
+    int near_count[WISP_SLICE], shell_count[WISP_SLICE]; // up to one beyond the limit, which says that there were more
+} search_slice;
 
 // The same rounding as the grid's when it was built, so that an item is found in the cell it was put into.
 static int cell_along( const wisp_range_search_job* job, float coordinate, int axis )
@@ -32,70 +29,133 @@ static int at_most( int a, int high )
     return a > high ? high : a;
 }
 
-// Appends the slots of [begin, end) within the radius; may write eight past the limit.
-static int search_run( const wisp_range_search_job* job, const search_query* q, int begin, int end, int found,
-                       int32_t* list )
+static void load_queries( const wisp_range_search_job* job, int slice, int count, search_slice* s )
 {
-    const lane8 px = lane8_set1( q->x ), py = lane8_set1( q->y ), pz = lane8_set1( q->z );
-    const lane8 radius2 = lane8_set1( job->radius * job->radius );
-    const lane8i owner = lane8i_set1( q->owner );
-    for ( int j = begin; j < end && found <= job->limit; j += 8 )
+    for ( int l = 0; l < count; ++l )
     {
-        lane8 dx = lane8_sub( lane8_loadu( job->x + j ), px );
-        lane8 dy = lane8_sub( lane8_loadu( job->y + j ), py );
-        lane8 dz = lane8_sub( lane8_loadu( job->z + j ), pz );
-        lane8 d2 = lane8_mul_add( dz, dz, lane8_mul_add( dy, dy, lane8_mul( dx, dx ) ) );
-        lane8m near = lane8m_and( lane8_lt( d2, radius2 ), lane8m_first( end - j ) );
-        near = lane8m_and_not( near, lane8i_eq( lane8i_loadu( job->owner + j ), owner ) );
-        if ( lane8m_any( near ) )
+        const float* q = job->quads + 4 * ( (size_t)slice * WISP_SLICE + (size_t)l );
+        s->x[l] = q[0];
+        s->y[l] = q[1];
+        s->z[l] = q[2];
+        memcpy( s->owner + l, q + 3, sizeof( int32_t ) );
+        for ( int axis = 0; axis < 3; ++axis )
         {
-            lane8i slot = job->rename != NULL ? lane8i_loadu( job->rename + j )
-                                              : lane8i_add( lane8i_set1( j ), lane8i_iota() );
-            found += lane8i_compress_store( list + found, slot, near );
+            s->cell[l][axis] = cell_along( job, q[axis], axis );
         }
     }
-    return found;
 }
 
-static int search_one( const wisp_range_search_job* job, int query, int32_t* list )
+// Slots [begin, end) against queries [first, last). Every vector is packed, hit or not: the branch would be a coin toss.
+static void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin, int end )
 {
-    const search_query q = load_query( job, query );
-    const int cx = cell_along( job, q.x, 0 ), cy = cell_along( job, q.y, 1 ), cz = cell_along( job, q.z, 2 );
-    const int x0 = at_least( cx - job->reach, 0 ), x1 = at_most( cx + job->reach, job->dims[0] - 1 );
-    const int y0 = at_least( cy - job->reach, 0 ), y1 = at_most( cy + job->reach, job->dims[1] - 1 );
-    const int z0 = at_least( cz - job->reach, 0 ), z1 = at_most( cz + job->reach, job->dims[2] - 1 );
-    int found = 0;
+    const lane8 near2 = lane8_set1( job->near_radius * job->near_radius );
+    const lane8 shell2 = lane8_set1( job->shell_radius * job->shell_radius );
+    const int most = job->limit + 1;
+    for ( int j = begin; j < end; j += WISP_SLICE )
+    {
+        lane8 x = lane8_loadu( job->x + j ), y = lane8_loadu( job->y + j ), z = lane8_loadu( job->z + j );
+        lane8i owner = lane8i_loadu( job->owner + j );
+        lane8i slot =
+            job->rename != NULL ? lane8i_loadu( job->rename + j ) : lane8i_add( lane8i_set1( j ), lane8i_iota() );
+        lane8m inside = lane8m_first( end - j );
+        for ( int l = first; l < last; ++l )
+        {
+            lane8 dx = lane8_sub( x, lane8_set1( s->x[l] ) );
+            lane8 dy = lane8_sub( y, lane8_set1( s->y[l] ) );
+            lane8 dz = lane8_sub( z, lane8_set1( s->z[l] ) );
+            lane8 d2 = lane8_mul_add( dz, dz, lane8_mul_add( dy, dy, lane8_mul( dx, dx ) ) );
+            lane8m others = lane8m_and_not( inside, lane8i_eq( owner, lane8i_set1( s->owner[l] ) ) );
+            lane8m near = lane8m_and( lane8_lt( d2, near2 ), others );
+            lane8m shell = lane8m_and_not( lane8m_and( lane8_lt( d2, shell2 ), others ), near );
+            int near_count = s->near_count[l], shell_count = s->shell_count[l];
+            near_count += lane8i_compress_store( s->near[l] + near_count, slot, near );
+            shell_count += lane8i_compress_store( s->shell[l] + shell_count, slot, shell );
+            s->near_count[l] = at_most( near_count, most );
+            s->shell_count[l] = at_most( shell_count, most );
+        }
+    }
+}
+
+// Queries of one cell look at the same rows.
+static void search_cell( const wisp_range_search_job* job, search_slice* s, int first, int last )
+{
+    const int* cell = s->cell[first];
+    const int x0 = at_least( cell[0] - job->reach, 0 ), x1 = at_most( cell[0] + job->reach, job->dims[0] - 1 );
+    const int y0 = at_least( cell[1] - job->reach, 0 ), y1 = at_most( cell[1] + job->reach, job->dims[1] - 1 );
+    const int z0 = at_least( cell[2] - job->reach, 0 ), z1 = at_most( cell[2] + job->reach, job->dims[2] - 1 );
     for ( int z = z0; z <= z1; ++z )
     {
         for ( int y = y0; y <= y1; ++y )
         {
             const int32_t* row = job->cell_begin + ( z * job->dims[1] + y ) * job->dims[0];
-            found = search_run( job, &q, row[x0], row[x1 + 1], found, list );
+            search_run( job, s, first, last, row[x0], row[x1 + 1] );
         }
     }
-    return found;
 }
 
-int KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count, int32_t* packed, int32_t* lists,
-                            int* capped )
+static void search_all( const wisp_range_search_job* job, search_slice* s, int count )
 {
-    const int stride = job->limit + WISP_SLICE;
-    int found[WISP_SLICE] = { 0 }, longest = 0;
-    for ( int l = 0; l < count; ++l )
+    for ( int first = 0, last; first < count; first = last )
     {
-        found[l] = search_one( job, slice * WISP_SLICE + l, lists + l * stride );
-        *capped += found[l] > job->limit ? 1 : 0;
-        found[l] = at_most( found[l], job->limit );
-        longest = at_least( longest, found[l] );
+        last = first + 1;
+        while ( last < count && memcmp( s->cell[first], s->cell[last], sizeof( s->cell[first] ) ) == 0 )
+        {
+            ++last;
+        }
+        search_cell( job, s, first, last );
+    }
+}
+
+// Eight lists side by side, one a lane, as long as the longest; a lane's own number fills its end. @return that length
+static int pack( int32_t* const lists[WISP_SLICE], int counts[WISP_SLICE], const int32_t pads[WISP_SLICE], int limit,
+                 int32_t* packed )
+{
+    int longest = 0;
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        counts[l] = at_most( counts[l], limit );
+        longest = at_least( longest, counts[l] );
     }
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
-        const int32_t* list = lists + l * stride;
-        const int32_t pad = slice * WISP_SLICE + ( l < count ? l : 0 );
-        for ( int k = 0; k < longest; ++k )
+        for ( int k = counts[l]; k < longest; k += WISP_SLICE )
         {
-            packed[k * WISP_SLICE + l] = k < found[l] ? list[k] : pad;
+            lane8i_storeu( lists[l] + k, lane8i_set1( pads[l] ) );
+        }
+    }
+    for ( int k = 0; k < longest; k += WISP_SLICE )
+    {
+        lane8i rows[WISP_SLICE];
+        for ( int l = 0; l < WISP_SLICE; ++l )
+        {
+            rows[l] = lane8i_loadu( lists[l] + k );
+        }
+        lane8i_transpose( rows );
+        for ( int l = 0; l < WISP_SLICE; ++l )
+        {
+            lane8i_storeu( packed + ( k + l ) * WISP_SLICE, rows[l] );
         }
     }
     return longest;
+}
+
+void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count, wisp_range_search_result* result )
+{
+    const int stride = job->limit + WISP_SEARCH_SLACK;
+    search_slice s = { .near_count = { 0 }, .shell_count = { 0 } };
+    int32_t pads[WISP_SLICE];
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        s.near[l] = result->scratch + l * stride;
+        s.shell[l] = result->scratch + ( WISP_SLICE + l ) * stride;
+        pads[l] = slice * WISP_SLICE + ( l < count ? l : 0 );
+    }
+    load_queries( job, slice, count, &s );
+    search_all( job, &s, count );
+    for ( int l = 0; l < count; ++l )
+    {
+        result->capped += s.near_count[l] > job->limit || s.shell_count[l] > job->limit ? 1 : 0;
+    }
+    result->near_length = pack( s.near, s.near_count, pads, job->limit, result->near );
+    result->shell_length = pack( s.shell, s.shell_count, pads, job->limit, result->shell );
 }

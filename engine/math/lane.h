@@ -39,6 +39,8 @@
 ///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;
 ///                                                       out has room for eight, the rest may be overwritten
 ///
+///   lane8i_transpose( rows )                            rows is lane8i[8]: row l and lane k change places
+///
 /// Quads are aligned to 16 bytes. They are read by whole 128-bit loads and transposed in registers, which was
 /// measured to be faster than gathers.
 ///

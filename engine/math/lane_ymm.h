@@ -211,3 +211,26 @@ LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, la
         _mm_store_ps( quads + 4 * ( l + 4 ), _mm256_extractf128_ps( q[l], 1 ) );
     }
 }
+
+// Row l and lane k change places.
+LANE_INLINE void lane8i_transpose( lane8i rows[8] )
+{
+    lane8i pairs[8], fours[8];
+    for ( int i = 0; i < 4; ++i )
+    {
+        pairs[2 * i] = _mm256_unpacklo_epi32( rows[2 * i], rows[2 * i + 1] );
+        pairs[2 * i + 1] = _mm256_unpackhi_epi32( rows[2 * i], rows[2 * i + 1] );
+    }
+    for ( int i = 0; i < 2; ++i )
+    {
+        fours[4 * i] = _mm256_unpacklo_epi64( pairs[4 * i], pairs[4 * i + 2] );
+        fours[4 * i + 1] = _mm256_unpackhi_epi64( pairs[4 * i], pairs[4 * i + 2] );
+        fours[4 * i + 2] = _mm256_unpacklo_epi64( pairs[4 * i + 1], pairs[4 * i + 3] );
+        fours[4 * i + 3] = _mm256_unpackhi_epi64( pairs[4 * i + 1], pairs[4 * i + 3] );
+    }
+    for ( int i = 0; i < 4; ++i )
+    {
+        rows[i] = _mm256_permute2x128_si256( fours[i], fours[i + 4], 0x20 );
+        rows[i + 4] = _mm256_permute2x128_si256( fours[i], fours[i + 4], 0x31 );
+    }
+}

@@ -18,47 +18,63 @@ void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator*
     *neighbours = ( wisp_neighbours ){ 0 };
 }
 
-// What the blocks of a search share. Blocks take room for their entries as they come, so where a list lies depends on
-// chance; what it holds does not, and nothing reads anything but its own list.
+// Entries of one kind of list. Blocks take room as they come, so where a list lies depends on chance; what it holds does
+// not, and nothing reads anything but its own list.
+typedef struct neighbour_pool
+{
+    int32_t *begin, *length, *entries;
+    size_t capacity; // entries
+    _Atomic size_t used;
+} neighbour_pool;
+
+// What the blocks of a search share.
 typedef struct neighbour_search
 {
     const wisp_kernels* kernels;
     wisp_range_search_job job;
     int query_count;
-    int32_t *slice_begin, *slice_length, *entries;
+    neighbour_pool near, shell;
     int32_t* scratch;
-    size_t scratch_stride; // ints a worker
-    size_t capacity;       // entries
-    _Atomic size_t used;
+    size_t list; // ints of a packed list
     _Atomic uint64_t capped;
 } neighbour_search;
+
+enum
+{
+    NEIGHBOURS_SCRATCH_LISTS = 4, // near and shell, packed; both again, a list a query
+};
+
+static void keep( neighbour_pool* pool, int slice, const int32_t* packed, int length )
+{
+    size_t at = atomic_fetch_add_explicit( &pool->used, (size_t)length, memory_order_relaxed );
+    pool->begin[slice] = (int32_t)at;
+    pool->length[slice] = length;
+    if ( at + (size_t)length <= pool->capacity && length > 0 )
+    {
+        memcpy( pool->entries + at * WISP_SLICE, packed, (size_t)length * WISP_SLICE * sizeof( int32_t ) );
+    }
+}
 
 static void search_slices( void* context, int begin, int end, int worker )
 {
     neighbour_search* s = context;
-    int32_t* packed = s->scratch + (size_t)worker * s->scratch_stride;
-    int32_t* lists = packed + s->scratch_stride / 2;
-    int capped = 0;
+    int32_t* scratch = s->scratch + (size_t)worker * NEIGHBOURS_SCRATCH_LISTS * s->list;
+    wisp_range_search_result found = { .near = scratch, .shell = scratch + s->list, .scratch = scratch + 2 * s->list };
     for ( int slice = begin; slice < end; ++slice )
     {
         int left = s->query_count - slice * WISP_SLICE;
-        int length = s->kernels->range_search( &s->job, slice, left < WISP_SLICE ? left : WISP_SLICE, packed, lists,
-                                               &capped );
-        size_t at = atomic_fetch_add_explicit( &s->used, (size_t)length, memory_order_relaxed );
-        s->slice_begin[slice] = (int32_t)at;
-        s->slice_length[slice] = length;
-        if ( at + (size_t)length <= s->capacity )
-        {
-            memcpy( s->entries + at * WISP_SLICE, packed, (size_t)length * WISP_SLICE * sizeof( int32_t ) );
-        }
+        s->kernels->range_search( &s->job, slice, left < WISP_SLICE ? left : WISP_SLICE, &found );
+        keep( &s->near, slice, found.near, found.near_length );
+        keep( &s->shell, slice, found.shell, found.shell_length );
     }
-    atomic_fetch_add_explicit( &s->capped, (uint64_t)capped, memory_order_relaxed );
+    atomic_fetch_add_explicit( &s->capped, (uint64_t)found.capped, memory_order_relaxed );
 }
 
 static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbour_query* query )
 {
     // as many cells to each side as a neighbour may be away, rounding included
-    float cells = ( query->radius + grid->slack ) / grid->cell;
+    float radius = query->shell_radius > query->near_radius ? query->shell_radius : query->near_radius;
+    float cells = ( radius + grid->slack ) / grid->cell;
     wisp_range_search_job job = {
         .x = grid->x,
         .y = grid->y,
@@ -70,11 +86,46 @@ static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbo
         .inverse_cell = grid->inverse_cell,
         .dims = { grid->dims[0], grid->dims[1], grid->dims[2] },
         .reach = cells < 1e6f ? (int)ceilf( cells ) : 1000000,
-        .radius = query->radius,
+        .near_radius = query->near_radius,
+        .shell_radius = query->shell_radius,
         .limit = query->limit,
         .quads = query->quads,
     };
     return job;
+}
+
+// Empty a pool for the next try.
+static void empty( neighbour_pool* pool, int32_t* entries, size_t capacity )
+{
+    pool->entries = entries;
+    pool->capacity = capacity;
+    atomic_store( &pool->used, 0 );
+}
+
+// The first search measures, the second fills; warm buffers need one.
+static wisp_status search_until_it_fits( neighbour_search* s, const wisp_parallel* parallel, int slices,
+                                         wisp_buffer* near, wisp_buffer* shell )
+{
+    const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
+    const size_t entry = WISP_SLICE * sizeof( int32_t );
+    for ( ;; )
+    {
+        empty( &s->near, near->data, near->size / entry );
+        empty( &s->shell, shell->data, shell->size / entry );
+        atomic_store( &s->capped, 0 );
+        wisp_parallel_for( parallel, slices, NEIGHBOURS_GRAIN, search_slices, s );
+        size_t near_used = atomic_load( &s->near.used ), shell_used = atomic_load( &s->shell.used );
+        if ( near_used <= s->near.capacity && shell_used <= s->shell.capacity )
+        {
+            return WISP_OK;
+        }
+        if ( near_used > INT32_MAX || shell_used > INT32_MAX ||
+             wisp_buffer_reserve( near, allocator, near_used * entry ) == false ||
+             wisp_buffer_reserve( shell, allocator, shell_used * entry ) == false )
+        {
+            return WISP_NO_MEMORY;
+        }
+    }
 }
 
 wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_parallel* parallel,
@@ -82,48 +133,35 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
-    size_t list = (size_t)( query->limit + WISP_SLICE ) * WISP_SLICE;
+    size_t list = (size_t)( query->limit + WISP_SEARCH_SLACK ) * WISP_SLICE;
     size_t workers = (size_t)wisp_parallel_workers( parallel );
-    wisp_buffer* b = neighbours->buffers;
-    if ( wisp_buffer_reserve( b + 0, allocator, (size_t)slices * sizeof( int32_t ) ) == false ||
-         wisp_buffer_reserve( b + 1, allocator, (size_t)slices * sizeof( int32_t ) ) == false ||
-         wisp_buffer_reserve( b + 2, allocator, 2 * list * workers * sizeof( int32_t ) ) == false )
+    wisp_buffer *places = neighbours->buffers + 0, *scratch = neighbours->buffers + 1;
+    if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false ||
+         wisp_buffer_reserve( scratch, allocator, NEIGHBOURS_SCRATCH_LISTS * list * workers * sizeof( int32_t ) ) == false )
     {
         return WISP_NO_MEMORY;
     }
+    int32_t* place = places->data;
     neighbour_search s = {
         .kernels = kernels,
         .job = make_job( grid, query ),
         .query_count = query->query_count,
-        .slice_begin = b[0].data,
-        .slice_length = b[1].data,
-        .scratch = b[2].data,
-        .scratch_stride = 2 * list,
+        .near = { .begin = place, .length = place + slices },
+        .shell = { .begin = place + 2 * (size_t)slices, .length = place + 3 * (size_t)slices },
+        .scratch = scratch->data,
+        .list = list,
     };
-    for ( ;; )
+    wisp_status status =
+        search_until_it_fits( &s, parallel, slices, neighbours->buffers + 2, neighbours->buffers + 3 );
+    if ( status != WISP_OK )
     {
-        s.entries = b[3].data;
-        s.capacity = b[3].size / ( WISP_SLICE * sizeof( int32_t ) );
-        atomic_store( &s.used, 0 );
-        atomic_store( &s.capped, 0 );
-        wisp_parallel_for( parallel, slices, NEIGHBOURS_GRAIN, search_slices, &s );
-        size_t used = atomic_load( &s.used );
-        if ( used <= s.capacity )
-        {
-            break;
-        }
-        // the first search measures, the second fills; a warm buffer needs one
-        if ( used > INT32_MAX ||
-             wisp_buffer_reserve( b + 3, allocator, used * WISP_SLICE * sizeof( int32_t ) ) == false )
-        {
-            return WISP_NO_MEMORY;
-        }
+        return status;
     }
     neighbours->slice_count = slices;
-    neighbours->slice_begin = s.slice_begin;
-    neighbours->slice_length = s.slice_length;
-    neighbours->entries = s.entries;
-    neighbours->entry_count = atomic_load( &s.used );
+    neighbours->near = ( wisp_neighbour_list ){ s.near.begin, s.near.length, s.near.entries };
+    neighbours->shell = ( wisp_neighbour_list ){ s.shell.begin, s.shell.length, s.shell.entries };
+    neighbours->near_entries = atomic_load( &s.near.used );
+    neighbours->shell_entries = atomic_load( &s.shell.used );
     neighbours->capped = atomic_load( &s.capped );
     return WISP_OK;
 }

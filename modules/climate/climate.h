@@ -9,37 +9,32 @@
 
 #include "wisp/wisp.h"
 
-#ifdef __cplusplus
-extern "C"
-{
-#endif
+WISP_BEGIN_C
 
 #define WISP_CLIMATE_MAX_POINTS 8
 
-    /// Parameters. Fill from wisp_default_climate_def(). Copied.
-    typedef struct wisp_climate_def
-    {
-        float temperature;                        ///< degrees Celsius, default -10
-        float wetness;                            ///< in [0, 1], default 1
-        float freezing;                           ///< degrees Celsius where ice begins, default 0
-        float span;                               ///< kelvin below freezing until all water is ice, > 0, default 10
-        int point_count;                          ///< 2 .. WISP_CLIMATE_MAX_POINTS, default 2
-        float ice[WISP_CLIMATE_MAX_POINTS];       ///< strictly rising from 0 to 1
-        float stiffness[WISP_CLIMATE_MAX_POINTS]; ///< rising or falling throughout, in [1e-3, 1e12]; default 1 -> 20
-        uint32_t made_by_default;
-    } wisp_climate_def;
+/// Parameters. Fill from wisp_default_climate_def(). Copied.
+typedef struct wisp_climate_def
+{
+    float temperature;                        ///< degrees Celsius, default -10
+    float wetness;                            ///< in [0, 1], default 1
+    float freezing;                           ///< degrees Celsius where ice begins, default 0
+    float span;                               ///< kelvin below freezing until all water is ice, > 0, default 10
+    int point_count;                          ///< 2 .. WISP_CLIMATE_MAX_POINTS, default 2
+    float ice[WISP_CLIMATE_MAX_POINTS];       ///< strictly rising from 0 to 1
+    float stiffness[WISP_CLIMATE_MAX_POINTS]; ///< rising or falling throughout, in [1e-3, 1e12]; default 1 -> 20
+    uint32_t made_by_default;
+} wisp_climate_def;
 
-    WISP_API wisp_climate_def wisp_default_climate_def( void );
+WISP_API wisp_climate_def wisp_default_climate_def( void );
 
-    /// Stiffness at a temperature and a wetness: what the pass writes for every strand. Pure.
-    WISP_API float wisp_climate_stiffness( const wisp_climate_def* def, float temperature, float wetness );
+/// Stiffness at a temperature and a wetness: what the pass writes for every strand. Pure.
+WISP_API float wisp_climate_stiffness( const wisp_climate_def* def, float temperature, float wetness );
 
-    /// Put strands into a climate, or change it. Stiffness is written at the next step; a look changes with its command.
-    /// @return WISP_BAD_INPUT a value is out of range or the curve is not monotone; WISP_CONFLICT module not registered
-    WISP_API wisp_status wisp_set_climate( wisp_world* world, wisp_entity strands, const wisp_climate_def* def );
+/// Put strands into a climate, or change it. Stiffness is written at the next step; a look changes with its command.
+/// @return WISP_BAD_INPUT a value is out of range or the curve is not monotone; WISP_CONFLICT module not registered
+WISP_API wisp_status wisp_set_climate( wisp_world* world, wisp_entity strands, const wisp_climate_def* def );
 
-    WISP_API extern const wisp_module wisp_climate_module;
+WISP_API extern const wisp_module wisp_climate_module;
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -3,13 +3,13 @@
 //
 //   pack      lanes -> items in the user's order
 //   sort      items -> slots by cell, so that neighbours lie side by side
-//   search    lists of all vertices of other strands within h and a skin, and their distances r0 before the stage
+//   search    lists of all vertices of other strands within h, and within a skin around it; r0 of the former
 //   iterate   attract: tentative positions; brake: lambda from r0 and r1 = distance of the tentative positions
 //   unpack    slots -> lanes
 //
-// The lists outlive an iteration as long as no vertex has moved further than half the skin: the sums add exact zeros for
-// pairs beyond h, so the skin never shows in a result. When it is used up, a second list is searched at the vertices' new
-// places; the brake keeps the first one, whose pairs are those of the reference shape.
+// The lists outlive an iteration as long as no vertex has moved further than half the skin: pairs beyond h add exact
+// zeros to the sums. When the skin is used up, the vertices are searched again where they are now; the brake keeps the
+// first list, whose pairs are those of the reference shape.
 #include "frozen_hair_state.h"
 
 #include "wisp/space.h"
@@ -171,36 +171,42 @@ static void measure( void* context, int begin, int end, int worker )
 {
     (void)worker;
     clump_run* run = context;
-    const wisp_neighbours* lists = &run->w->lists;
-    int64_t count = run->kernels->pair_distance( run->current, lists->slice_begin, lists->slice_length, lists->entries,
-                                                 run->params->radius, run->w->distance.data, begin, end );
+    int64_t count = run->kernels->pair_distance( run->current, &run->w->lists.near, run->params->radius,
+                                                 run->w->distance.data, begin, end );
     atomic_fetch_add_explicit( &run->neighbours, (uint64_t)count, memory_order_relaxed );
 }
 
-static float search_radius( const frozen_clump* c )
+// Near is what rounding may put on the border of h. A single iteration never outgrows it.
+static wisp_neighbour_query make_query( const clump_run* run, const float* quads, const int32_t* rename )
 {
-    // a single iteration never outgrows its lists; it needs only what rounding may put on the border
-    return c->radius * ( c->iterations > 1 ? 1.0f + CLUMP_SKIN : 1.0001f );
+    float h = run->params->radius;
+    return ( wisp_neighbour_query ){
+        .quads = quads,
+        .query_count = run->count,
+        .near_radius = h * 1.0001f,
+        .shell_radius = run->params->iterations > 1 ? h * ( 1.0f + CLUMP_SKIN ) : 0.0f,
+        .limit = run->params->neighbour_limit,
+        .rename = rename,
+    };
+}
+
+static float cell_size( const clump_run* run )
+{
+    return run->params->radius * ( run->params->iterations > 1 ? 1.0f + CLUMP_SKIN : 1.0001f );
 }
 
 static wisp_status search( clump_run* run )
 {
     clump_workspace* w = run->w;
-    float radius = search_radius( run->params );
-    wisp_status status = wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, radius );
+    wisp_status status = wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, cell_size( run ) );
     if ( status != WISP_OK )
     {
         return status;
     }
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
-    wisp_neighbour_query query = {
-        .quads = run->current,
-        .query_count = run->count,
-        .radius = radius,
-        .limit = run->params->neighbour_limit,
-    };
+    wisp_neighbour_query query = make_query( run, run->current, NULL );
     status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
-    size_t bytes = w->lists.entry_count * WISP_SLICE * sizeof( float );
+    size_t bytes = w->lists.near_entries * WISP_SLICE * sizeof( float );
     if ( status != WISP_OK ||
          wisp_buffer_reserve( &w->distance, wisp_parallel_allocator( run->parallel ), bytes ) == false )
     {
@@ -213,25 +219,14 @@ static wisp_status search( clump_run* run )
 static wisp_status search_again( clump_run* run )
 {
     clump_workspace* w = run->w;
-    float radius = search_radius( run->params );
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
-    wisp_status status = wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, radius );
+    wisp_status status = wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, cell_size( run ) );
     if ( status != WISP_OK )
     {
         return status;
     }
-    wisp_neighbour_query query = {
-        .quads = run->item_quads,
-        .query_count = run->count,
-        .radius = radius,
-        .limit = run->params->neighbour_limit,
-        .rename = w->moved_grid.item,
-    };
-    status = wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, &w->moved_grid, &query );
-    run->job.slice_begin = w->moved_lists.slice_begin;
-    run->job.slice_length = w->moved_lists.slice_length;
-    run->job.entries = w->moved_lists.entries;
-    return status;
+    wisp_neighbour_query query = make_query( run, run->item_quads, w->moved_grid.item );
+    return wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, &w->moved_grid, &query );
 }
 
 // ---- iterate ----
@@ -292,12 +287,8 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
         .displacement = displacement,
         .owner = w->grid.owner,
         .vertex = run->slot_vertex,
-        .slice_begin = w->lists.slice_begin,
-        .slice_length = w->lists.slice_length,
-        .entries = w->lists.entries,
-        .reference_begin = w->lists.slice_begin,
-        .reference_length = w->lists.slice_length,
-        .reference_entries = w->lists.entries,
+        .reference = { w->lists.near },
+        .reference_count = 1,
         .reference_distance = c->gap_by_iteration ? NULL : w->distance.data,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
         .radius = c->radius,
@@ -310,36 +301,43 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
     };
 }
 
-// r0 by iteration is measured over the neighbours of the moment, so the brake follows the newest list.
-static void refer_to_newest( clump_run* run )
+// Where vertices are as they were searched, the near list has them all; once they have moved, the shell counts too.
+// r0 by iteration is measured over the neighbours of the moment, so that the brake follows.
+static void use_lists( clump_run* run, const wisp_neighbours* lists, bool fresh )
 {
+    wisp_adhesion_job* job = &run->job;
+    job->attracting[0] = lists->near;
+    job->attracting[1] = lists->shell;
+    job->attracting_count = fresh ? 1 : 2;
     if ( run->params->gap_by_iteration )
     {
-        run->job.reference_begin = run->job.slice_begin;
-        run->job.reference_length = run->job.slice_length;
-        run->job.reference_entries = run->job.entries;
+        job->reference[0] = lists->near;
+        job->reference[1] = lists->shell;
+        job->reference_count = job->attracting_count;
     }
 }
 
 static wisp_status iterate_all( clump_run* run, wisp_frozen_hair_report* report )
 {
-    const float skin = search_radius( run->params ) - run->params->radius;
+    const wisp_neighbours* lists = &run->w->lists;
+    const float skin = CLUMP_SKIN * run->params->radius;
     float moved = 0.0f;
     for ( int k = 0; k < run->params->iterations; ++k )
     {
         // two vertices may have moved towards each other, and rounding is on nobody's side
-        if ( k > 0 && 2.0001f * moved > skin )
+        if ( 2.0001f * moved > skin )
         {
             wisp_status status = search_again( run );
             if ( status != WISP_OK )
             {
                 return status;
             }
-            refer_to_newest( run );
+            lists = &run->w->moved_lists;
             report->searches += 1;
-            report->capped += run->w->moved_lists.capped;
+            report->capped += lists->capped;
             moved = 0.0f;
         }
+        use_lists( run, lists, moved == 0.0f );
         moved += iterate( run, k );
     }
     return WISP_OK;

@@ -7,93 +7,86 @@
 #include "wisp/wisp.h"
 #include "wisp/kernels.h"
 
-#ifdef __cplusplus
-extern "C"
+WISP_BEGIN_C
+
+typedef enum wisp_frozen_base
 {
-#endif
+    WISP_BASE_REST,     ///< every command starts from the rest shape
+    WISP_BASE_PREVIOUS, ///< directions start from the last output, lengths stay the original ones
+} wisp_frozen_base;
 
-    typedef enum wisp_frozen_base
-    {
-        WISP_BASE_REST,     ///< every command starts from the rest shape
-        WISP_BASE_PREVIOUS, ///< directions start from the last output, lengths stay the original ones
-    } wisp_frozen_base;
+typedef enum wisp_frozen_event
+{
+    WISP_EVENT_COMMAND, ///< new random numbers with each command: the look is still between commands
+    WISP_EVENT_FRAME,   ///< every step is a command: reproduces the flicker of fresh numbers a frame
+} wisp_frozen_event;
 
-    typedef enum wisp_frozen_event
-    {
-        WISP_EVENT_COMMAND, ///< new random numbers with each command: the look is still between commands
-        WISP_EVENT_FRAME,   ///< every step is a command: reproduces the flicker of fresh numbers a frame
-    } wisp_frozen_event;
+/// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; may die after the call.
+typedef struct wisp_frozen_hair_def
+{
+    bool freeze, align, clump; ///< which stages the scene asks for; default all
 
-    /// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; may die after the call.
-    typedef struct wisp_frozen_hair_def
-    {
-        bool freeze, align, clump; ///< which stages the scene asks for; default all
+    uint64_t seed;           ///< default 1
+    wisp_frozen_base base;   ///< default rest
+    wisp_frozen_event event; ///< default command
+    float epsilon;           ///< added to denominators as printed (1e-6); default 0, the resolved forms
 
-        uint64_t seed;           ///< default 1
-        wisp_frozen_base base;   ///< default rest
-        wisp_frozen_event event; ///< default command
-        float epsilon;           ///< added to denominators as printed (1e-6); default 0, the resolved forms
+    // freeze, eq. 2-7
+    float stretch_stiffness;               ///< k_s in [1e-3, 1e12], default 7
+    float bend_stiffness;                  ///< k_b in [1e-3, 1e12], default 7
+    const float* strand_stretch_stiffness; ///< [strand_count] or null (default): one number for all
+    const float* strand_bend_stiffness;    ///< [strand_count] or null
+    float bend_angle_max;                  ///< theta_max, rad, in [0, pi], default pi/4
 
-        // freeze, eq. 2-7
-        float stretch_stiffness;               ///< k_s in [1e-3, 1e12], default 7
-        float bend_stiffness;                  ///< k_b in [1e-3, 1e12], default 7
-        const float* strand_stretch_stiffness; ///< [strand_count] or null (default): one number for all
-        const float* strand_bend_stiffness;    ///< [strand_count] or null
-        float bend_angle_max;                  ///< theta_max, rad, in [0, pi], default pi/4
+    // align, eq. 8-13
+    float intensity;               ///< x in [0, 1], default 0.8
+    const float* strand_intensity; ///< [strand_count] or null
+    wisp_vec3 cursor;              ///< c, m, where the first command points; default the origin
+    float reach;                   ///< r, m, >= 0, default 0.15
+    bool reach_nearest;            ///< any vertex within reach, not only the tip; default false (as printed)
+    bool blend_chord;              ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
+    bool direction_from_root;      ///< tip - root instead of tip - mean; default false (as printed)
 
-        // align, eq. 8-13
-        float intensity;               ///< x in [0, 1], default 0.8
-        const float* strand_intensity; ///< [strand_count] or null
-        wisp_vec3 cursor;              ///< c, m, where the first command points; default the origin
-        float reach;                   ///< r, m, >= 0, default 0.15
-        bool reach_nearest;            ///< any vertex within reach, not only the tip; default false (as printed)
-        bool blend_chord;         ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
-        bool direction_from_root; ///< tip - root instead of tip - mean; default false (as printed)
+    // clump, eq. 14-19
+    float clump_radius;    ///< h, m, > 0, default 0.01
+    int clump_iterations;  ///< K in [0, 1000], default 4; 0 switches the stage off
+    float clump_step;      ///< sigma, m, >= 0; default -1: a tenth of the radius
+    wisp_gap gap;          ///< default prose
+    bool gap_by_iteration; ///< measure r0 at each iteration instead of before the stage; default false
+    bool guard;            ///< no two vertices come closer than distance_min in one iteration; default true
+    float distance_min;    ///< r_min, m, >= 0; default -1: 0.02 of the radius
+    float lambda_min;      ///< in [0, 1], default 0
+    int neighbour_limit;   ///< in [1, 4096], default 256: more are left out and counted, never silently
 
-        // clump, eq. 14-19
-        float clump_radius;    ///< h, m, > 0, default 0.01
-        int clump_iterations;  ///< K in [0, 1000], default 4; 0 switches the stage off
-        float clump_step;      ///< sigma, m, >= 0; default -1: a tenth of the radius
-        wisp_gap gap;          ///< default prose
-        bool gap_by_iteration; ///< measure r0 at each iteration instead of before the stage; default false
-        bool guard;            ///< no two vertices come closer than distance_min in one iteration; default true
-        float distance_min;    ///< r_min, m, >= 0; default -1: 0.02 of the radius
-        float lambda_min;      ///< in [0, 1], default 0
-        int neighbour_limit;   ///< in [1, 4096], default 256: more are left out and counted, never silently
+    uint32_t made_by_default;
+} wisp_frozen_hair_def;
 
-        uint32_t made_by_default;
-    } wisp_frozen_hair_def;
+WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
 
-    WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
+/// Put frozen hair on strands, or replace its parameters. The next step runs the first command.
+/// @return WISP_BAD_INPUT a parameter is out of its range (the sentence names it, and the strand if it is a
+///         strand's own); WISP_CONFLICT the module is not registered in this world
+WISP_API wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def );
 
-    /// Put frozen hair on strands, or replace its parameters. The next step runs the first command.
-    /// @return WISP_BAD_INPUT a parameter is out of its range (the sentence names it, and the strand if it is a
-    ///         strand's own); WISP_CONFLICT the module is not registered in this world
-    WISP_API wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands,
-                                               const wisp_frozen_hair_def* def );
+/// A command of the user: point at a place. The next step deforms the strands with the next event's numbers.
+WISP_API wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor );
 
-    /// A command of the user: point at a place. The next step deforms the strands with the next event's numbers.
-    WISP_API wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor );
+/// Run the given event (again): the same event from rest gives the same bits.
+WISP_API wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor,
+                                              uint64_t event );
 
-    /// Run the given event (again): the same event from rest gives the same bits.
-    WISP_API wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor,
-                                                  uint64_t event );
+/// What the last command met.
+typedef struct wisp_frozen_hair_report
+{
+    uint64_t event;       ///< number of the last command, from 0
+    uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
+    uint64_t capped;      ///< vertices whose neighbour list ran into the limit
+    uint32_t searches;    ///< neighbour searches of the last command
+    uint32_t coarse_grid; ///< 1: cells were wider than the radius because the scene is sparse
+} wisp_frozen_hair_report;
 
-    /// What the last command met.
-    typedef struct wisp_frozen_hair_report
-    {
-        uint64_t event;       ///< number of the last command, from 0
-        uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
-        uint64_t capped;      ///< vertices whose neighbour list ran into the limit
-        uint32_t searches;    ///< neighbour searches of the last command
-        uint32_t coarse_grid; ///< 1: cells were wider than the radius because the scene is sparse
-    } wisp_frozen_hair_report;
+WISP_API wisp_status wisp_report_frozen_hair( wisp_world* world, wisp_entity strands, wisp_frozen_hair_report* out );
 
-    WISP_API wisp_status wisp_report_frozen_hair( wisp_world* world, wisp_entity strands,
-                                                  wisp_frozen_hair_report* out );
+WISP_API extern const wisp_module wisp_frozen_hair_module;
 
-    WISP_API extern const wisp_module wisp_frozen_hair_module;
-
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -4,30 +4,23 @@
 
 #include "wisp/wisp.h"
 
-#ifdef __cplusplus
-extern "C"
+WISP_BEGIN_C
+
+/// Parameters. Fill from wisp_default_strand_look_def(). Copied.
+typedef struct wisp_strand_look_def
 {
-#endif
+    float root_width, tip_width;       ///< m, >= 0, defaults 80e-6 and 20e-6
+    wisp_vec3 root_colour, tip_colour; ///< linear, in [0, 1]; defaults dark brown and frost white
+    float colour_bias; ///< b in (0, 1): colour weight is t / ((1/b - 2)(1 - t) + 1) (Schlick 1994), t = 0 at the root
+                       ///< and 1 at the tip; default 0.5 is linear
+    uint32_t made_by_default;
+} wisp_strand_look_def;
 
-    /// Parameters. Fill from wisp_default_strand_look_def(). Copied.
-    typedef struct wisp_strand_look_def
-    {
-        float root_width, tip_width;       ///< m, >= 0, defaults 80e-6 and 20e-6
-        wisp_vec3 root_colour, tip_colour; ///< linear, in [0, 1]; defaults dark brown and frost white
-        float
-            colour_bias; ///< b in (0, 1): colour weight is t / ((1/b - 2)(1 - t) + 1) (Schlick 1994), t = 0 at the root
-                         ///< and 1 at the tip; default 0.5 is linear
-        uint32_t made_by_default;
-    } wisp_strand_look_def;
+WISP_API wisp_strand_look_def wisp_default_strand_look_def( void );
 
-    WISP_API wisp_strand_look_def wisp_default_strand_look_def( void );
+/// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
+WISP_API wisp_status wisp_set_strand_look( wisp_world* world, wisp_entity strands, const wisp_strand_look_def* def );
 
-    /// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
-    WISP_API wisp_status wisp_set_strand_look( wisp_world* world, wisp_entity strands,
-                                               const wisp_strand_look_def* def );
+WISP_API extern const wisp_module wisp_strand_look_module;
 
-    WISP_API extern const wisp_module wisp_strand_look_module;
-
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -17,66 +17,73 @@
 #endif
 
 #ifdef __cplusplus
-extern "C"
-{
+#define WISP_BEGIN_C                                                                                                 \
+    extern "C"                                                                                                       \
+    {
+#define WISP_END_C }
+#else
+#define WISP_BEGIN_C
+#define WISP_END_C
 #endif
 
-    /// Data can be wrong: that is a status, and a sentence beside it that names the element.
-    typedef enum wisp_status
-    {
-        WISP_OK = 0,
-        WISP_NO_MEMORY, ///< the host's allocator said no; the call changed nothing
-        WISP_BAD_INPUT, ///< a value, file or scene is wrong; the sentence names file, line or element
-        WISP_STALE_ID,  ///< the entity was removed, or never existed
-        WISP_CONFLICT,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
-        WISP_IO_ERROR,  ///< the operating system refused to open, read or write a file
-    } wisp_status;
+WISP_BEGIN_C
 
-    /// A short name of a status for logs: "ok", "no memory", "bad input" ...
-    /// @return a static string, never null
-    WISP_API const char* wisp_status_name( wisp_status status );
+/// Data can be wrong: that is a status, and a sentence beside it that names the element.
+typedef enum wisp_status
+{
+    WISP_OK = 0,
+    WISP_NO_MEMORY, ///< the host's allocator said no; the call changed nothing
+    WISP_BAD_INPUT, ///< a value, file or scene is wrong; the sentence names file, line or element
+    WISP_STALE_ID,  ///< the entity was removed, or never existed
+    WISP_CONFLICT,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
+    WISP_IO_ERROR,  ///< the operating system refused to open, read or write a file
+} wisp_status;
 
-    /// A status with its sentence. Zero-initialised means no error yet.
-    typedef struct wisp_error
-    {
-        wisp_status status;
-        char sentence[500]; ///< one sentence, zero-terminated, without a newline; cut at the end if longer
-    } wisp_error;
+/// A short name of a status for logs: "ok", "no memory", "bad input" ...
+/// @return a static string, never null
+WISP_API const char* wisp_status_name( wisp_status status );
 
-    /// Fill an error and hand its status back, so that a failing function ends in one line.
-    /// @param error may be null: then only the status is returned
-    /// @return status
-    WISP_API wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... )
-        __attribute__( ( format( printf, 3, 4 ) ) );
+/// A status with its sentence. Zero-initialised means no error yet.
+typedef struct wisp_error
+{
+    wisp_status status;
+    char sentence[500]; ///< one sentence, zero-terminated, without a newline; cut at the end if longer
+} wisp_error;
 
-    /// The host's memory. Both functions or neither; a zero-initialised struct means the C library's aligned_alloc and free.
-    /// Called from the thread that calls the engine, and from workers when a buffer must grow: must be thread-safe.
-    typedef struct wisp_allocator
-    {
-        void* ( *allocate )( void* user, size_t size,
-                             size_t alignment ); ///< bytes; alignment a power of two; null on failure
-        void ( *release )( void* user, void* block, size_t size ); ///< block may be null; size as it was allocated
-        void* user;
-    } wisp_allocator;
+/// Fill an error and hand its status back, so that a failing function ends in one line.
+/// @param error may be null: then only the status is returned
+/// @return status
+WISP_API wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
 
-    typedef enum wisp_log_level
-    {
-        WISP_LOG_INFO,
-        WISP_LOG_WARNING,
-        WISP_LOG_ERROR,
-    } wisp_log_level;
+/// The host's memory. Both functions or neither; a zero-initialised struct means the C library's aligned_alloc and free.
+/// Called from the thread that calls the engine, and from workers when a buffer must grow: must be thread-safe.
+typedef struct wisp_allocator
+{
+    void* ( *allocate )( void* user, size_t size,
+                         size_t alignment );                   ///< bytes; alignment a power of two; null on failure
+    void ( *release )( void* user, void* block, size_t size ); ///< block may be null; size as it was allocated
+    void* user;
+} wisp_allocator;
 
-    /// Receives one sentence without a newline. Called on the thread that called the engine.
-    typedef void wisp_log_fn( void* user, wisp_log_level level, const char* sentence );
+typedef enum wisp_log_level
+{
+    WISP_LOG_INFO,
+    WISP_LOG_WARNING,
+    WISP_LOG_ERROR,
+} wisp_log_level;
 
-    /// Code can be wrong: that is an assert. The handler returns true to abort, false to go on.
-    typedef bool wisp_assert_fn( const char* condition, const char* file, int line );
+/// Receives one sentence without a newline. Called on the thread that called the engine.
+typedef void wisp_log_fn( void* user, wisp_log_level level, const char* sentence );
 
-    /// Replace the process-wide assert handler; null puts the default back (print to stderr, abort). Thread-safe.
-    WISP_API void wisp_set_assert_handler( wisp_assert_fn* handler );
+/// Code can be wrong: that is an assert. The handler returns true to abort, false to go on.
+typedef bool wisp_assert_fn( const char* condition, const char* file, int line );
 
-    /// Called by WISP_ASSERT; not for direct use.
-    WISP_API void wisp_assert_failed( const char* condition, const char* file, int line );
+/// Replace the process-wide assert handler; null puts the default back (print to stderr, abort). Thread-safe.
+WISP_API void wisp_set_assert_handler( wisp_assert_fn* handler );
+
+/// Called by WISP_ASSERT; not for direct use.
+WISP_API void wisp_assert_failed( const char* condition, const char* file, int line );
 
 #if defined( WISP_NO_ASSERT )
 #define WISP_ASSERT( condition ) ( (void)sizeof( condition ) )
@@ -86,22 +93,20 @@ extern "C"
 
 #define WISP_COUNT( array ) ( (int)( sizeof( array ) / sizeof( ( array )[0] ) ) )
 
-    /// Three floats, packed, no padding.
-    typedef struct wisp_vec3
-    {
-        float x, y, z;
-    } wisp_vec3;
+/// Three floats, packed, no padding.
+typedef struct wisp_vec3
+{
+    float x, y, z;
+} wisp_vec3;
 
-    /// A handle by value. Zero is null. The generation tells a reused slot from the entity that left it.
-    typedef struct wisp_entity
-    {
-        uint32_t index;      ///< slot + 1, 0 is null
-        uint32_t generation; ///< counts how often the slot was reused
-    } wisp_entity;
+/// A handle by value. Zero is null. The generation tells a reused slot from the entity that left it.
+typedef struct wisp_entity
+{
+    uint32_t index;      ///< slot + 1, 0 is null
+    uint32_t generation; ///< counts how often the slot was reused
+} wisp_entity;
 
-    /// Seconds on a monotonic clock with nanosecond resolution; only differences mean anything.
-    WISP_API double wisp_clock_seconds( void );
+/// Seconds on a monotonic clock with nanosecond resolution; only differences mean anything.
+WISP_API double wisp_clock_seconds( void );
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -4,37 +4,32 @@
 
 #include "wisp/base.h"
 
-#ifdef __cplusplus
-extern "C"
-{
-#endif
+WISP_BEGIN_C
 
 #define WISP_MAX_WORKERS 64
 
-    /// Runs items [begin, end) on one worker. @param worker in [0, workers), for scratch memory of its own.
-    typedef void wisp_range_fn( void* context, int begin, int end, int worker );
+/// Runs items [begin, end) on one worker. @param worker in [0, workers), for scratch memory of its own.
+typedef void wisp_range_fn( void* context, int begin, int end, int worker );
 
-    /// Runs one block of a wave; the engine hands it to a host's own job system.
-    typedef void wisp_block_fn( void* context, int block, int worker );
+/// Runs one block of a wave; the engine hands it to a host's own job system.
+typedef void wisp_block_fn( void* context, int block, int worker );
 
-    /// A host's own parallel loop: call run( context, block, worker ) once for every block in [0, block_count), in any
-    /// order, on any thread, with worker in [0, workers) and no two threads on the same worker at once; return when all
-    /// are done. One call a wave.
-    typedef void wisp_parallel_for_fn( void* user, int block_count, wisp_block_fn* run, void* context );
+/// A host's own parallel loop: call run( context, block, worker ) once for every block in [0, block_count), in any
+/// order, on any thread, with worker in [0, workers) and no two threads on the same worker at once; return when all
+/// are done. One call a wave.
+typedef void wisp_parallel_for_fn( void* user, int block_count, wisp_block_fn* run, void* context );
 
-    /// The right to run loops in parallel at this place of the frame: all workers, or only the calling one.
-    typedef struct wisp_parallel wisp_parallel;
+/// The right to run loops in parallel at this place of the frame: all workers, or only the calling one.
+typedef struct wisp_parallel wisp_parallel;
 
-    /// Run [0, count) in blocks of `grain` items and return when all are done. A single block runs at once on the caller.
-    WISP_API void wisp_parallel_for( const wisp_parallel* parallel, int count, int grain, wisp_range_fn* run,
-                                     void* context );
+/// Run [0, count) in blocks of `grain` items and return when all are done. A single block runs at once on the caller.
+WISP_API void wisp_parallel_for( const wisp_parallel* parallel, int count, int grain, wisp_range_fn* run,
+                                 void* context );
 
-    /// Upper bound of the worker numbers that a loop hands out, for arrays of scratch memory.
+/// Upper bound of the worker numbers that a loop hands out, for arrays of scratch memory.
 WISP_API int wisp_parallel_workers( const wisp_parallel* parallel );
 
 /// The host's memory as the workers may use it.
-    WISP_API const wisp_allocator* wisp_parallel_allocator( const wisp_parallel* parallel );
+WISP_API const wisp_allocator* wisp_parallel_allocator( const wisp_parallel* parallel );
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

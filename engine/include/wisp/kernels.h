@@ -4,131 +4,141 @@
 
 #include "wisp/random.h"
 
-#ifdef __cplusplus
-extern "C"
-{
-#endif
+WISP_BEGIN_C
 
 /// Strands are lane-interleaved: sixteen strands a group, lane = strand, row = vertex.
 #define WISP_LANES 16
 /// Pairwise sums run over slices of eight consecutive items.
 #define WISP_SLICE 8
 
-    /// Jitter of segment lengths and directions along strands (seed FRZ, eq. 2-7). In place, from root to tip.
-    typedef struct wisp_strand_jitter_job
-    {
-        const int32_t* group_row;   ///< [group_count + 1] first row of a group
-        const int32_t* lane_strand; ///< [group_count][16] the strand's number, keys the random numbers
-        const float* rest;          ///< [row][3][16] m, gives the rest lengths
-        float* position;            ///< [row][3][16] m, base shape in, deformed shape out
-        const float* stretch;       ///< [group_count][16] stretching stiffness k_s > 0
-        const float* bend;          ///< [group_count][16] bending stiffness k_b > 0
-        wisp_random_key length_key, angle_key, axis_key;
-        float angle_max; ///< rad, the largest angle at stiffness 1
-        float epsilon;   ///< added to denominators as printed; 0 is the resolved form
-        int dimension;   ///< 2: bends about the z axis where a strand is straight; 3: about a random perpendicular
-    } wisp_strand_jitter_job;
+/// Jitter of segment lengths and directions along strands (seed FRZ, eq. 2-7). In place, from root to tip.
+typedef struct wisp_strand_jitter_job
+{
+    const int32_t* group_row;   ///< [group_count + 1] first row of a group
+    const int32_t* lane_strand; ///< [group_count][16] the strand's number, keys the random numbers
+    const float* rest;          ///< [row][3][16] m, gives the rest lengths
+    float* position;            ///< [row][3][16] m, base shape in, deformed shape out
+    const float* stretch;       ///< [group_count][16] stretching stiffness k_s > 0
+    const float* bend;          ///< [group_count][16] bending stiffness k_b > 0
+    wisp_random_key length_key, angle_key, axis_key;
+    float angle_max; ///< rad, the largest angle at stiffness 1
+    float epsilon;   ///< added to denominators as printed; 0 is the resolved form
+    int dimension;   ///< 2: bends about the z axis where a strand is straight; 3: about a random perpendicular
+} wisp_strand_jitter_job;
 
-    /// Rotation of whole strands about their roots towards a target (FRZ, eq. 8-13). In place.
-    typedef struct wisp_strand_align_job
-    {
-        const int32_t* group_row;  ///< [group_count + 1]
-        const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
-        float* position;           ///< [row][3][16] m
-        const float* intensity;    ///< [group_count][16] weight x at the root, in [0, 1]
-        wisp_vec3 target;          ///< m
-        float radius;              ///< m, strands outside are left as they are, bit for bit
-        bool chord;                ///< blend positions (printed) instead of turning by part of the angle
-        bool from_root;            ///< direction tip - root instead of tip - mean
-        bool nearest;              ///< inside if any vertex is within radius, not only the tip
-        int dimension;             ///< 2: an antiparallel strand turns about the z axis
-    } wisp_strand_align_job;
+/// Rotation of whole strands about their roots towards a target (FRZ, eq. 8-13). In place.
+typedef struct wisp_strand_align_job
+{
+    const int32_t* group_row;  ///< [group_count + 1]
+    const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
+    float* position;           ///< [row][3][16] m
+    const float* intensity;    ///< [group_count][16] weight x at the root, in [0, 1]
+    wisp_vec3 target;          ///< m
+    float radius;              ///< m, strands outside are left as they are, bit for bit
+    bool chord;                ///< blend positions (printed) instead of turning by part of the angle
+    bool from_root;            ///< direction tip - root instead of tip - mean
+    bool nearest;              ///< inside if any vertex is within radius, not only the tip
+    int dimension;             ///< 2: an antiparallel strand turns about the z axis
+} wisp_strand_align_job;
 
-    /// Copy strands out of their lanes into the user's order, or items for a grid.
-    typedef struct wisp_strand_unpack_job
-    {
-        const int32_t* group_row;
-        const int32_t* lane_strand;
-        const int32_t* lane_count;
-        const int32_t* offsets; ///< [strand_count + 1] the user's order
-        const float* position;  ///< [row][3][16]
-        float* points;          ///< [vertex_count][3] m
-    } wisp_strand_unpack_job;
+/// Copy strands out of their lanes into the user's order, or items for a grid.
+typedef struct wisp_strand_unpack_job
+{
+    const int32_t* group_row;
+    const int32_t* lane_strand;
+    const int32_t* lane_count;
+    const int32_t* offsets; ///< [strand_count + 1] the user's order
+    const float* position;  ///< [row][3][16]
+    float* points;          ///< [vertex_count][3] m
+} wisp_strand_unpack_job;
 
-    /// All items within a radius of eight queries, through the rows of a uniform grid.
-    typedef struct wisp_range_search_job
-    {
-        const float *x, *y, *z;    ///< [slot] items sorted by cell, padded by 16
-        const int32_t* owner;      ///< [slot] items of the query's own owner are left out
-        const int32_t* rename;     ///< [slot] what to report for a slot, null for the slot itself
-        const int32_t* cell_begin; ///< [cell_count + 1]
-        float origin[3];           ///< m
-        float inverse_cell;        ///< 1/m
-        int dims[3];
-        int reach;          ///< cells to look at to each side
-        float radius;       ///< m
-        int limit;          ///< at most so many neighbours a query, the first in order
-        const float* quads; ///< [query][4] x y z, owner as int bits
-    } wisp_range_search_job;
+/// All items within a radius of eight queries, through the rows of a uniform grid.
+typedef struct wisp_range_search_job
+{
+    const float *x, *y, *z;    ///< [slot] items sorted by cell, padded by 16
+    const int32_t* owner;      ///< [slot] items of the query's own owner are left out
+    const int32_t* rename;     ///< [slot] what to report for a slot, null for the slot itself
+    const int32_t* cell_begin; ///< [cell_count + 1]
+    float origin[3];           ///< m
+    float inverse_cell;        ///< 1/m
+    int dims[3];
+    int reach;          ///< cells to look at to each side
+    float near_radius;  ///< m, below it a neighbour is near
+    float shell_radius; ///< m, from the near radius to here it is in the shell; 0: no shell
+    int limit;          ///< at most so many near ones and so many in the shell, the first in order
+    const float* quads; ///< [query][4] x y z, owner as int bits
+} wisp_range_search_job;
 
-    /// Pairwise adhesion with a gap-keeping brake (FRZ, eq. 14-19), one Jacobi iteration in two sweeps.
-    /// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
-    typedef struct wisp_adhesion_job
-    {
-        const float* current;           ///< [slot][4] p(k)
-        float* tentative;               ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
-        float* displacement;            ///< [slice][3][8] Dp(k), guarded
-        float* next;                    ///< [slot][4] p(k+1); may be `current` unless gap_by_iteration
-        const int32_t* owner;           ///< [slot] strand
-        const int32_t* vertex;          ///< [slot] index in the strand; 0 does not move
-        const int32_t* slice_begin;     ///< [slice_count] first entry / 8 of the first sweep's list
-        const int32_t* slice_length;    ///< [slice_count] entries a lane
-        const int32_t* entries;         ///< [entry][8] slots; a lane's own slot pads
-        const int32_t* reference_begin; ///< the second sweep's list: neighbours at the reference shape
-        const int32_t* reference_length;
-        const int32_t* reference_entries;
-        const float* reference_distance; ///< [entry][8] m, r0; null: measured at `current`
-        wisp_random_key key;
-        uint32_t iteration;
-        float radius;       ///< h, m
-        float step;         ///< sigma, m
-        float epsilon;      ///< m, added to r in the direction as printed; 0 is the resolved form
-        float distance_min; ///< r_min, m; the guard keeps pairs at least so far apart
-        float lambda_min;   ///< the brake's floor where the distance changes by h
-        bool guard;
-        int gap; ///< wisp_gap
-    } wisp_adhesion_job;
+/// Lists have room for so many entries beyond the limit, because they are written eight at a time.
+#define WISP_SEARCH_SLACK 16
 
-    /// How the brake reads a change of distance (FRZ, eq. 17-18 and its resolutions).
-    typedef enum wisp_gap
-    {
-        WISP_GAP_PROSE,   ///< |r1 - r0|, a large change brakes
-        WISP_GAP_PRINTED, ///< r1 - r0, equations as printed
-        WISP_GAP_CLOSING, ///< r0 - r1 in the printed law
-        WISP_GAP_WET,     ///< no brake
-    } wisp_gap;
+/// What eight queries found. Arrays are the caller's.
+typedef struct wisp_range_search_result
+{
+    int32_t *near, *shell;         ///< [length][8], room for limit + slack; a query's own number pads
+    int near_length, shell_length; ///< entries a query, the longest of the eight
+    int32_t* scratch;              ///< [16][limit + slack]
+    int capped;                    ///< grows by the queries that ran into the limit
+} wisp_range_search_result;
 
-    typedef struct wisp_kernels
-    {
-        const char* isa; ///< "baseline", "avx2", "avx512"; tests know two more
-        void ( *strand_jitter )( const wisp_strand_jitter_job* job, int group_begin, int group_end );
-        void ( *strand_align )( const wisp_strand_align_job* job, int group_begin, int group_end );
-        void ( *strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
-        /// Neighbours of queries [8 slice, 8 slice + count), count <= 8, as packed[k][8] padded with the query's own
-        /// number. @param packed [limit + 8][8] @param lists scratch [8][limit + 8]
-        /// @return entries a lane; adds to *capped the queries that ran into the limit
-        int ( *range_search )( const wisp_range_search_job* job, int slice, int count, int32_t* packed,
-                               int32_t* lists, int* capped );
-        /// Distances of a list's pairs at one shape. distance [entry][8]
+/// Lists of slices: entry k of slice s is entries[8 (begin[s] + k) ..], one query a lane.
+typedef struct wisp_neighbour_list
+{
+    const int32_t* begin;   ///< [slice_count]
+    const int32_t* length;  ///< [slice_count] entries a lane
+    const int32_t* entries; ///< [entry][8] numbers of neighbours; a lane's own number pads
+} wisp_neighbour_list;
+
+/// Pairwise adhesion with a gap-keeping brake (FRZ, eq. 14-19), one Jacobi iteration in two sweeps.
+/// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
+typedef struct wisp_adhesion_job
+{
+    const float* current;           ///< [slot][4] p(k)
+    float* tentative;               ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
+    float* displacement;            ///< [slice][3][8] Dp(k), guarded
+    float* next;                    ///< [slot][4] p(k+1); may be `current` unless gap_by_iteration
+    const int32_t* owner;           ///< [slot] strand
+    const int32_t* vertex;          ///< [slot] index in the strand; 0 does not move
+    wisp_neighbour_list attracting[2]; ///< the first sweep's lists, added one after the other
+    int attracting_count;
+    wisp_neighbour_list reference[2]; ///< the second sweep's lists: neighbours at the reference shape
+    int reference_count;
+    const float* reference_distance; ///< [entry][8] m, r0 of reference[0]; null: measured at `current`
+    wisp_random_key key;
+    uint32_t iteration;
+    float radius;       ///< h, m
+    float step;         ///< sigma, m
+    float epsilon;      ///< m, added to r in the direction as printed; 0 is the resolved form
+    float distance_min; ///< r_min, m; the guard keeps pairs at least so far apart
+    float lambda_min;   ///< the brake's floor where the distance changes by h
+    bool guard;
+    int gap; ///< wisp_gap
+} wisp_adhesion_job;
+
+/// How the brake reads a change of distance (FRZ, eq. 17-18 and its resolutions).
+typedef enum wisp_gap
+{
+    WISP_GAP_PROSE,   ///< |r1 - r0|, a large change brakes
+    WISP_GAP_PRINTED, ///< r1 - r0, equations as printed
+    WISP_GAP_CLOSING, ///< r0 - r1 in the printed law
+    WISP_GAP_WET,     ///< no brake
+} wisp_gap;
+
+typedef struct wisp_kernels
+{
+    const char* isa; ///< "baseline", "avx2", "avx512"; tests know two more
+    void ( *strand_jitter )( const wisp_strand_jitter_job* job, int group_begin, int group_end );
+    void ( *strand_align )( const wisp_strand_align_job* job, int group_begin, int group_end );
+    void ( *strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
+    /// Neighbours of queries [8 slice, 8 slice + count), count <= 8.
+    void ( *range_search )( const wisp_range_search_job* job, int slice, int count, wisp_range_search_result* result );
+    /// Distances of a list's pairs at one shape. distance [entry][8]
     /// @return how many are above 0 and below the radius
-    int64_t ( *pair_distance )( const float* quads, const int32_t* slice_begin, const int32_t* slice_length,
-                                const int32_t* entries, float radius, float* distance, int slice_first,
-                                int slice_last );
+    int64_t ( *pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
+                                int slice_first, int slice_last );
     /// Both sweeps return the largest |displacement| among their slices, m.
-        float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
-        float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
-    } wisp_kernels;
+    float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
+    float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
+} wisp_kernels;
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -5,163 +5,157 @@
 #include "wisp/kernels.h"
 #include "wisp/wisp.h"
 
-#ifdef __cplusplus
-extern "C"
+WISP_BEGIN_C
+
+typedef struct wisp_frame wisp_frame;
+typedef struct wisp_registry wisp_registry;
+
+/// Rows of one kind. An entity owns a contiguous range of rows in each table.
+typedef enum wisp_table
 {
-#endif
+    WISP_TABLE_ENTITY,       ///< one row an entity
+    WISP_TABLE_STRAND_GROUP, ///< sixteen strands, lane = strand
+    WISP_TABLE_STRAND_ROW,   ///< one vertex of each of a group's sixteen strands
+    WISP_TABLE_POINT,        ///< one vertex in the user's order
+    WISP_TABLE_COUNT,
+} wisp_table;
 
-    typedef struct wisp_frame wisp_frame;
-    typedef struct wisp_registry wisp_registry;
-
-    /// Rows of one kind. An entity owns a contiguous range of rows in each table.
-    typedef enum wisp_table
-    {
-        WISP_TABLE_ENTITY,       ///< one row an entity
-        WISP_TABLE_STRAND_GROUP, ///< sixteen strands, lane = strand
-        WISP_TABLE_STRAND_ROW,   ///< one vertex of each of a group's sixteen strands
-        WISP_TABLE_POINT,        ///< one vertex in the user's order
-        WISP_TABLE_COUNT,
-    } wisp_table;
-
-    /// One column: an array of row_size bytes a row, 64-byte aligned.
-    typedef struct wisp_column_def
-    {
-        const char* name;
-        uint32_t row_size; ///< bytes, a multiple of 4, without padding inside
-    } wisp_column_def;
+/// One column: an array of row_size bytes a row, 64-byte aligned.
+typedef struct wisp_column_def
+{
+    const char* name;
+    uint32_t row_size; ///< bytes, a multiple of 4, without padding inside
+} wisp_column_def;
 
 /// Expands one line X( type, name, count ) of a column list to its descriptor.
 #define WISP_COLUMN_DEF( type, name, count ) { #name, (uint32_t)( sizeof( type ) * ( count ) ) },
 
-    /// A named set of columns of one table. Columns are allocated only once an entity has the component.
-    typedef struct wisp_component_def
-    {
-        const char* name; ///< "room.noun", unique; a static string
-        wisp_table table;
-        const wisp_column_def* columns; ///< static
-        int column_count;
-    } wisp_component_def;
+/// A named set of columns of one table. Columns are allocated only once an entity has the component.
+typedef struct wisp_component_def
+{
+    const char* name; ///< "room.noun", unique; a static string
+    wisp_table table;
+    const wisp_column_def* columns; ///< static
+    int column_count;
+} wisp_component_def;
 
-    /// Declare a component, or find it: two modules that need the same one meet here.
-    /// @return 0 when the registry is full or the same name is declared with another shape (the world says so)
-    WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def );
+/// Declare a component, or find it: two modules that need the same one meet here.
+/// @return 0 when the registry is full or the same name is declared with another shape (the world says so)
+WISP_API wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def );
 
-    /// Order of a step. Substep and iteration are loops that vanish when nothing is in them.
-    typedef enum wisp_stage
-    {
-        WISP_STAGE_INPUT, ///< kinematic targets, parameters
-        WISP_STAGE_FORCE, ///< substep loop from here ...
-        WISP_STAGE_PREDICT,
-        WISP_STAGE_CONTACT,
-        WISP_STAGE_PROJECT,  ///< iteration loop
-        WISP_STAGE_VELOCITY, ///< ... to here
-        WISP_STAGE_DERIVE,   ///< normals, samples, curves
-        WISP_STAGE_SHAPE,    ///< appearance without time
-        WISP_STAGE_OBSERVE,  ///< quality figures, output in the user's order
-        WISP_STAGE_COUNT,
-    } wisp_stage;
+/// Order of a step. Substep and iteration are loops that vanish when nothing is in them.
+typedef enum wisp_stage
+{
+    WISP_STAGE_INPUT, ///< kinematic targets, parameters
+    WISP_STAGE_FORCE, ///< substep loop from here ...
+    WISP_STAGE_PREDICT,
+    WISP_STAGE_CONTACT,
+    WISP_STAGE_PROJECT,  ///< iteration loop
+    WISP_STAGE_VELOCITY, ///< ... to here
+    WISP_STAGE_DERIVE,   ///< normals, samples, curves
+    WISP_STAGE_SHAPE,    ///< appearance without time
+    WISP_STAGE_OBSERVE,  ///< quality figures, output in the user's order
+    WISP_STAGE_COUNT,
+} wisp_stage;
 
-    /// What a pass runs over.
-    typedef enum wisp_domain
-    {
-        WISP_DOMAIN_ENTITY,       ///< called once an entity; may use wisp_frame_parallel()
-        WISP_DOMAIN_STRAND_GROUP, ///< called for ranges of groups; touches only its own groups, so neighbours fuse
-    } wisp_domain;
+/// What a pass runs over.
+typedef enum wisp_domain
+{
+    WISP_DOMAIN_ENTITY,       ///< called once an entity; may use wisp_frame_parallel()
+    WISP_DOMAIN_STRAND_GROUP, ///< called for ranges of groups; touches only its own groups, so neighbours fuse
+} wisp_domain;
 
-    /// A range of items of one entity on one worker. Item numbers start at 0 in each entity.
-    typedef struct wisp_span
-    {
-        wisp_entity entity;
-        int begin, end;
-        int worker;
-    } wisp_span;
+/// A range of items of one entity on one worker. Item numbers start at 0 in each entity.
+typedef struct wisp_span
+{
+    wisp_entity entity;
+    int begin, end;
+    int worker;
+} wisp_span;
 
-    typedef void wisp_pass_fn( wisp_frame* frame, const wisp_span* span, void* user );
+typedef void wisp_pass_fn( wisp_frame* frame, const wisp_span* span, void* user );
 
 #define WISP_MAX_USES 12
 
-    typedef struct wisp_pass
-    {
-        const char* name; ///< "module.verb", unique; a static string
-        wisp_stage stage;
-        wisp_domain domain;
-        wisp_component
-            needs[WISP_MAX_USES]; ///< zero-terminated: the entity must have all, or the pass does not exist
-        wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
-        wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
-        wisp_pass_fn* run;
-        /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
+typedef struct wisp_pass
+{
+    const char* name; ///< "module.verb", unique; a static string
+    wisp_stage stage;
+    wisp_domain domain;
+    wisp_component needs[WISP_MAX_USES];  ///< zero-terminated: the entity must have all, or the pass does not exist
+    wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
+    wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
+    wisp_pass_fn* run;
+    /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
     /// Null, or: has this entity anything to do in this step? Asked once a step, on the calling thread,
     /// right before the pass would run.
-        bool ( *is_due )( wisp_frame* frame, wisp_entity entity, void* user );
-        void* user;
-        int grain; ///< items a block, 0 for the domain's default
-    } wisp_pass;
+    bool ( *is_due )( wisp_frame* frame, wisp_entity entity, void* user );
+    void* user;
+    int grain; ///< items a block, 0 for the domain's default
+} wisp_pass;
 
-    WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
+WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
 
-    /// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
-    /// @return null without memory
-    WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );
+/// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
+/// @return null without memory
+WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );
 
-    /// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
-    /// @param release frees what the block points to; may be null
-    /// @return a number for wisp_frame_workspace(), -1 without memory
-    WISP_API int wisp_declare_workspace( wisp_registry* registry, size_t size,
-                                         void ( *release )( void* workspace, const wisp_allocator* allocator ) );
+/// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
+/// @param release frees what the block points to; may be null
+/// @return a number for wisp_frame_workspace(), -1 without memory
+WISP_API int wisp_declare_workspace( wisp_registry* registry, size_t size,
+                                     void ( *release )( void* workspace, const wisp_allocator* allocator ) );
 
-    /// A module is one static constant.
-    struct wisp_module
-    {
-        const char* name;
-        wisp_status ( *declare )( wisp_registry* registry ); ///< components and passes, touches no scene data
-    };
+/// A module is one static constant.
+struct wisp_module
+{
+    const char* name;
+    wisp_status ( *declare )( wisp_registry* registry ); ///< components and passes, touches no scene data
+};
 
-    /// Topology of strands: immutable, cooked once, shared by every instance. Lane order puts strands of equal length
-    /// side by side; the arrays lead back to the user's order.
-    typedef struct wisp_strand_topology
-    {
-        int strand_count, vertex_count, group_count, row_count;
-        int dimension;
-        const int32_t* offsets;     ///< [strand_count + 1] first vertex of a strand, the user's order
-        const int32_t* group_row;   ///< [group_count + 1] first row of a group
-        const int32_t* lane_strand; ///< [group_count][16] the user's strand, -1 in an empty lane
-        const int32_t* lane_count;  ///< [group_count][16] vertices, 0 in an empty lane
-    } wisp_strand_topology;
+/// Topology of strands: immutable, cooked once, shared by every instance. Lane order puts strands of equal length
+/// side by side; the arrays lead back to the user's order.
+typedef struct wisp_strand_topology
+{
+    int strand_count, vertex_count, group_count, row_count;
+    int dimension;
+    const int32_t* offsets;     ///< [strand_count + 1] first vertex of a strand, the user's order
+    const int32_t* group_row;   ///< [group_count + 1] first row of a group
+    const int32_t* lane_strand; ///< [group_count][16] the user's strand, -1 in an empty lane
+    const int32_t* lane_count;  ///< [group_count][16] vertices, 0 in an empty lane
+} wisp_strand_topology;
 
-    // ---- inside a pass ----
+// ---- inside a pass ----
 
-    /// First row of the entity's range in a column; null if the component has no rows.
-    WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component component, int column );
-    WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
-    WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
-    /// All workers in an entity pass that runs alone; only the calling worker where many small entities share a wave.
-    WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span );
-    WISP_API void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker );
-    /// Steps finished before this one.
-    WISP_API uint64_t wisp_frame_step( wisp_frame* frame );
-    /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
-    WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
-        __attribute__( ( format( printf, 3, 4 ) ) );
-    /// Add to a counter of the world. Thread-safe; sums are order-free.
-    WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
+/// First row of the entity's range in a column; null if the component has no rows.
+WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component component, int column );
+WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
+WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
+/// All workers in an entity pass that runs alone; only the calling worker where many small entities share a wave.
+WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span );
+WISP_API void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker );
+/// Steps finished before this one.
+WISP_API uint64_t wisp_frame_step( wisp_frame* frame );
+/// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
+WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
+/// Add to a counter of the world. Thread-safe; sums are order-free.
+WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
 
-    // ---- between steps, for a module's public functions ----
+// ---- between steps, for a module's public functions ----
 
-    /// State of a module in this world. @return null when the module is not registered
-    WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
-    /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
-    WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
-    WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
-    WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component );
-    /// As wisp_frame_column, to read or write; counts as a change. @return null also for a stale entity
-    WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
-    WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
-    /// Keep a sentence for wisp_world_message(), log it, and hand the status back.
-    WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
-        __attribute__( ( format( printf, 3, 4 ) ) );
+/// State of a module in this world. @return null when the module is not registered
+WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
+/// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
+WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_component component );
+/// As wisp_frame_column, to read or write; counts as a change. @return null also for a stale entity
+WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
+WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
+/// Keep a sentence for wisp_world_message(), log it, and hand the status back.
+WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

@@ -4,10 +4,7 @@
 #include "wisp/jobs.h"
 #include "wisp/kernels.h"
 
-#ifdef __cplusplus
-extern "C"
-{
-#endif
+WISP_BEGIN_C
 
 /// A buffer that keeps its memory between uses.
 typedef struct wisp_buffer
@@ -41,16 +38,14 @@ WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* para
                                       float cell );
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
 
-/// Neighbours of queries in slices of eight: entry k of slice s is entries[8 (begin[s] + k) ..], one query a lane.
-/// Zero-initialised is empty.
+/// Neighbours of queries in slices of eight, in two lists: near ones, and a shell around them that lets the lists be
+/// used for a while after the items have moved. Zero-initialised is empty.
 typedef struct wisp_neighbours
 {
     int slice_count;
-    const int32_t* slice_begin;
-    const int32_t* slice_length;
-    const int32_t* entries;
-    size_t entry_count; ///< entries of all slices, padding included
-    uint64_t capped;    ///< queries that ran into the limit
+    wisp_neighbour_list near, shell;
+    size_t near_entries, shell_entries; ///< of all slices, padding included
+    uint64_t capped;                    ///< queries that ran into the limit
     wisp_buffer buffers[4];
 } wisp_neighbours;
 
@@ -59,12 +54,13 @@ typedef struct wisp_neighbour_query
 {
     const float* quads;    ///< [query_count][4] x, y, z, owner as int bits
     int query_count;
-    float radius;          ///< m
-    int limit;             ///< at most so many a query, the first in slot order
+    float near_radius;     ///< m
+    float shell_radius;    ///< m, above the near radius, or 0 for no shell
+    int limit;             ///< at most so many near ones a query, and so many in the shell, the first in slot order
     const int32_t* rename; ///< [slot] number to report for a slot; null: the slot
 } wisp_neighbour_query;
 
-/// Find all items of other owners within the radius of each query.
+/// Find all items of other owners within the radii of each query.
 /// @return WISP_NO_MEMORY
 WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_parallel* parallel,
                                             const wisp_kernels* kernels, const wisp_grid* grid,
@@ -75,6 +71,4 @@ WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_a
 WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
 WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
 
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C

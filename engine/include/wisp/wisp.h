@@ -7,162 +7,156 @@
 #include "wisp/base.h"
 #include "wisp/jobs.h"
 
-#ifdef __cplusplus
-extern "C"
+WISP_BEGIN_C
+
+typedef struct wisp_world wisp_world;
+typedef struct wisp_module wisp_module;
+/// Number of a component; 0 is null.
+typedef uint16_t wisp_component;
+
+/// Components that exist in every world, in the order of components.h.
+enum
 {
-#endif
+    WISP_STRAND_REST = 1,
+    WISP_STRAND_POSITION,
+    WISP_STRAND_STIFFNESS,
+    WISP_STRAND_POINTS, ///< vertices in the user's order: what a renderer wants
+    WISP_POINT_WIDTH,
+    WISP_POINT_COLOUR,
+    WISP_SHARED_COMPONENT_COUNT,
+};
 
-    typedef struct wisp_world wisp_world;
-    typedef struct wisp_module wisp_module;
-    /// Number of a component; 0 is null.
-    typedef uint16_t wisp_component;
+/// How to make a world. Fill from wisp_default_world_def(). Copied; may die after the call (modules must stay).
+typedef struct wisp_world_def
+{
+    const wisp_module* const* modules; ///< [module_count]; order of equals in the plan
+    int module_count;
+    wisp_allocator allocator; ///< default: the C library
+    wisp_log_fn* log;         ///< default null: warnings and errors go to stderr
+    void* log_user;
+    wisp_parallel_for_fn* parallel_for; ///< default null: the engine's own workers
+    void* parallel_for_user;
+    int workers;     ///< 1 .. WISP_MAX_WORKERS; default 0: one a core. 1 never starts a thread
+    const char* isa; ///< "baseline", "avx2" or "avx512" caps the instruction set; default null: WISP_ISA in the
+                     ///< environment, else the best the processor has
+    int substeps;    ///< >= 1, default 1
+    int iterations;  ///< >= 1, default 1
+    uint32_t made_by_default; ///< set by wisp_default_world_def(), asserted on use
+} wisp_world_def;
 
-    /// Components that exist in every world, in the order of components.h.
-    enum
-    {
-        WISP_STRAND_REST = 1,
-        WISP_STRAND_POSITION,
-        WISP_STRAND_STIFFNESS,
-        WISP_STRAND_POINTS, ///< vertices in the user's order: what a renderer wants
-        WISP_POINT_WIDTH,
-        WISP_POINT_COLOUR,
-        WISP_SHARED_COMPONENT_COUNT,
-    };
+WISP_API wisp_world_def wisp_default_world_def( void );
 
-    /// How to make a world. Fill from wisp_default_world_def(). Copied; may die after the call (modules must stay).
-    typedef struct wisp_world_def
-    {
-        const wisp_module* const* modules; ///< [module_count]; order of equals in the plan
-        int module_count;
-        wisp_allocator allocator; ///< default: the C library
-        wisp_log_fn* log;         ///< default null: warnings and errors go to stderr
-        void* log_user;
-        wisp_parallel_for_fn* parallel_for; ///< default null: the engine's own workers
-        void* parallel_for_user;
-        int workers;     ///< 1 .. WISP_MAX_WORKERS; default 0: one a core. 1 never starts a thread
-        const char* isa; ///< "baseline", "avx2" or "avx512" caps the instruction set; default null: WISP_ISA in the
-                         ///< environment, else the best the processor has
-        int substeps;    ///< >= 1, default 1
-        int iterations;  ///< >= 1, default 1
-        uint32_t made_by_default; ///< set by wisp_default_world_def(), asserted on use
-    } wisp_world_def;
+/// @param out receives the world, null on failure
+/// @return WISP_BAD_INPUT a worker count, isa or module is not usable; WISP_NO_MEMORY.
+///         There is no world to ask yet, so the sentence goes to `error` (may be null)
+WISP_API wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error );
+/// Null is allowed.
+WISP_API void wisp_world_destroy( wisp_world* world );
 
-    WISP_API wisp_world_def wisp_default_world_def( void );
+/// The sentence of the last call on this world that failed; empty if none did. Owned by the world.
+WISP_API const char* wisp_world_message( const wisp_world* world );
 
-    /// @param out receives the world, null on failure
-    /// @return WISP_BAD_INPUT a worker count, isa or module is not usable; WISP_NO_MEMORY.
-    ///         There is no world to ask yet, so the sentence goes to `error` (may be null)
-    WISP_API wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error );
-    /// Null is allowed.
-    WISP_API void wisp_world_destroy( wisp_world* world );
+/// Strands, cooked once from a set of polylines. Fill from wisp_default_strands_def(). Copied; may die after the call.
+typedef struct wisp_strands_def
+{
+    const wisp_vec3* points; ///< [offsets[strand_count]], m; finite, no coordinate beyond 1e6
+    const int32_t* offsets;  ///< [strand_count + 1] first vertex of each strand, rising from 0; a strand may be empty
+    int strand_count;        ///< >= 0
+    int dimension;           ///< 2 (every z must be 0) or 3; default 3
+    uint32_t made_by_default;
+} wisp_strands_def;
 
-    /// The sentence of the last call on this world that failed; empty if none did. Owned by the world.
-    WISP_API const char* wisp_world_message( const wisp_world* world );
+WISP_API wisp_strands_def wisp_default_strands_def( void );
 
-    /// Strands, cooked once from a set of polylines. Fill from wisp_default_strands_def(). Copied; may die after the call.
-    typedef struct wisp_strands_def
-    {
-        const wisp_vec3* points; ///< [offsets[strand_count]], m; finite, no coordinate beyond 1e6
-        const int32_t*
-            offsets;      ///< [strand_count + 1] first vertex of each strand, rising from 0; a strand may be empty
-        int strand_count; ///< >= 0
-        int dimension;    ///< 2 (every z must be 0) or 3; default 3
-        uint32_t made_by_default;
-    } wisp_strands_def;
+/// Add strands. @param out receives the entity, null on failure
+/// @return WISP_BAD_INPUT offsets fall, or a coordinate is not finite (the sentence names strand and vertex);
+///         WISP_NO_MEMORY
+WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out );
 
-    WISP_API wisp_strands_def wisp_default_strands_def( void );
+/// Add an entity that shares the topology of another and starts at its rest shape.
+WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
 
-    /// Add strands. @param out receives the entity, null on failure
-    /// @return WISP_BAD_INPUT offsets fall, or a coordinate is not finite (the sentence names strand and vertex);
-    ///         WISP_NO_MEMORY
-    WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out );
+WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
+WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
 
-    /// Add an entity that shares the topology of another and starts at its rest shape.
-    WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
+/// Ask for a component of an entity: asking creates the passes that answer it, from the next step on.
+WISP_API wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component component );
 
-    WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
-    WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
+/// One step. The plan is recompiled first if components or wishes changed.
+/// @param seconds > 0
+/// @return WISP_CONFLICT a pass reads what nobody supplies (the sentence names both); WISP_NO_MEMORY
+WISP_API wisp_status wisp_world_step( wisp_world* world, float seconds );
 
-    /// Ask for a component of an entity: asking creates the passes that answer it, from the next step on.
-    WISP_API wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component component );
-    WISP_API wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component component );
+/// A column of an entity in the user's order. Valid until the next call that changes the world.
+typedef struct wisp_view
+{
+    const void* data;
+    int count;     ///< rows
+    size_t stride; ///< bytes from row to row
+} wisp_view;
 
-    /// One step. The plan is recompiled first if components or wishes changed.
-    /// @param seconds > 0
-    /// @return WISP_CONFLICT a pass reads what nobody supplies (the sentence names both); WISP_NO_MEMORY
-    WISP_API wisp_status wisp_world_step( wisp_world* world, float seconds );
+/// @return WISP_CONFLICT if nobody wants it or it is not in the user's order (only point.* and strand.points are)
+WISP_API wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component,
+                                      wisp_view* out );
 
-    /// A column of an entity in the user's order. Valid until the next call that changes the world.
-    typedef struct wisp_view
-    {
-        const void* data;
-        int count;     ///< rows
-        size_t stride; ///< bytes from row to row
-    } wisp_view;
+/// One line a pass, always on. Times are of the last step; a fused pass is timed on samples of its items and scaled
+/// to the measured time of its node.
+typedef struct wisp_profile_line
+{
+    const char* pass;
+    double seconds; ///< wall time
+    int items;      ///< groups or entities it ran over
+} wisp_profile_line;
 
-    /// @return WISP_CONFLICT if nobody wants it or it is not in the user's order (only point.* and strand.points are)
-    WISP_API wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component,
-                                          wisp_view* out );
+typedef struct wisp_profile
+{
+    const wisp_profile_line* lines; ///< [count], plan order; owned by the world, valid until the next step
+    int count;
+    double seconds; ///< the whole step
+} wisp_profile;
 
-    /// One line a pass, always on. Times are of the last step; a fused pass is timed on samples of its items and scaled
-    /// to the measured time of its node.
-    typedef struct wisp_profile_line
-    {
-        const char* pass;
-        double seconds; ///< wall time
-        int items;      ///< groups or entities it ran over
-    } wisp_profile_line;
+WISP_API wisp_profile wisp_world_profile( const wisp_world* world );
 
-    typedef struct wisp_profile
-    {
-        const wisp_profile_line* lines; ///< [count], plan order; owned by the world, valid until the next step
-        int count;
-        double seconds; ///< the whole step
-    } wisp_profile;
+/// Numbers that went wrong or ran into a cap since the world was made, and the work that was asked for.
+typedef enum wisp_counter
+{
+    WISP_COUNT_STEPS,
+    WISP_COUNT_PLANS,        ///< how often the plan was compiled
+    WISP_COUNT_NEIGHBOURS,   ///< neighbours found within the radius, at the last search of each command
+    WISP_COUNT_CAPPED,       ///< queries that ran into the neighbour limit
+    WISP_COUNT_COARSE_GRIDS, ///< grids whose cells were widened because the scene is too sparse for its radius
+    WISP_COUNT_SEARCHES,     ///< neighbour searches
+    WISP_COUNTER_COUNT,
+} wisp_counter;
 
-    WISP_API wisp_profile wisp_world_profile( const wisp_world* world );
+WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
+WISP_API const char* wisp_counter_name( wisp_counter counter );
 
-    /// Numbers that went wrong or ran into a cap since the world was made, and the work that was asked for.
-    typedef enum wisp_counter
-    {
-        WISP_COUNT_STEPS,
-        WISP_COUNT_PLANS,           ///< how often the plan was compiled
-        WISP_COUNT_NEIGHBOURS,      ///< neighbours found within the radius, at the last search of each command
-        WISP_COUNT_CAPPED,          ///< queries that ran into the neighbour limit
-        WISP_COUNT_COARSE_GRIDS,    ///< grids whose cells were widened because the scene is too sparse for its radius
-        WISP_COUNT_SEARCHES,        ///< neighbour searches
-        WISP_COUNTER_COUNT,
-    } wisp_counter;
+/// Bytes the world holds now, columns, topology and warm buffers together.
+WISP_API size_t wisp_world_memory( const wisp_world* world );
+/// Workers, and the instruction set in use.
+WISP_API int wisp_world_workers( const wisp_world* world );
+WISP_API const char* wisp_world_isa( const wisp_world* world );
 
-    WISP_API uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter );
-    WISP_API const char* wisp_counter_name( wisp_counter counter );
+/// The plan as text: every pass with its reason, every absent one with what it lacks. Compiles it if needed.
+/// @param write receives one line without a newline at a time
+WISP_API wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ),
+                                      void* user );
+/// Number of passes of the compiled plan; -1 if it cannot be compiled.
+WISP_API int wisp_world_plan_passes( wisp_world* world );
 
-    /// Bytes the world holds now, columns, topology and warm buffers together.
-    WISP_API size_t wisp_world_memory( const wisp_world* world );
-    /// Workers, and the instruction set in use.
-    WISP_API int wisp_world_workers( const wisp_world* world );
-    WISP_API const char* wisp_world_isa( const wisp_world* world );
+/// 64-bit hash of an entity's column in the user's order, or of the entire state if entity is null.
+WISP_API uint64_t wisp_world_hash( const wisp_world* world );
+WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component,
+                                             uint64_t* out );
 
-    /// The plan as text: every pass with its reason, every absent one with what it lacks. Compiles it if needed.
-    /// @param write receives one line without a newline at a time
-    WISP_API wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ),
-                                          void* user );
-    /// Number of passes of the compiled plan; -1 if it cannot be compiled.
-    WISP_API int wisp_world_plan_passes( wisp_world* world );
+/// Bytes that wisp_world_snapshot() writes now.
+WISP_API size_t wisp_world_snapshot_size( const wisp_world* world );
+/// Write all columns of all entities. @param size at least wisp_world_snapshot_size()
+WISP_API wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size );
+/// Put the columns back. The world must hold the same entities with the same components and shapes.
+/// @return WISP_BAD_INPUT the bytes are not a snapshot of this world (checked before anything is changed)
+WISP_API wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size );
 
-    /// 64-bit hash of an entity's column in the user's order, or of the entire state if entity is null.
-    WISP_API uint64_t wisp_world_hash( const wisp_world* world );
-    WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component,
-                                                 uint64_t* out );
-
-    /// Bytes that wisp_world_snapshot() writes now.
-    WISP_API size_t wisp_world_snapshot_size( const wisp_world* world );
-    /// Write all columns of all entities. @param size at least wisp_world_snapshot_size()
-    WISP_API wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size );
-    /// Put the columns back. The world must hold the same entities with the same components and shapes.
-    /// @return WISP_BAD_INPUT the bytes are not a snapshot of this world (checked before anything is changed)
-    WISP_API wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size );
-
-#ifdef __cplusplus
-}
-#endif
+WISP_END_C
