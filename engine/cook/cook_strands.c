@@ -75,11 +75,12 @@ cook_strands* cook_strands_create( const wisp_allocator* allocator, const int32_
     }
     size_t group_count = ( (size_t)laned + WISP_LANES - 1 ) / WISP_LANES;
     size_t lanes = group_count * WISP_LANES, strands = (size_t)strand_count;
-    size_t bytes = padded( sizeof( cook_strands ) ) + padded( ( strands + 1 ) * 4 ) + padded( ( group_count + 1 ) * 4 ) +
-                   2 * padded( lanes * 4 );
+    size_t bytes = padded( sizeof( cook_strands ) ) + padded( ( strands + 1 ) * 4 ) +
+                   padded( ( group_count + 1 ) * 4 ) + 2 * padded( lanes * 4 );
     cook_strands* cooked = base_allocate( allocator, bytes, 64 );
     int32_t* order = base_allocate( allocator, ( strands + 1 ) * sizeof( int32_t ), 64 );
-    bool complete = cooked != NULL && order != NULL && sort_by_length( allocator, offsets, strand_count, longest, order );
+    bool complete =
+        cooked != NULL && order != NULL && sort_by_length( allocator, offsets, strand_count, longest, order );
     if ( complete )
     {
         memset( cooked, 0, bytes );

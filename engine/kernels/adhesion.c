@@ -10,24 +10,24 @@
 
 #include "lane_random.h"
 
-static lane8v load_slice( const float* quads, int slice )
+// `planar` is a constant wherever this is inlined: in the plane z is 0, and the work for it goes away.
+LANE_INLINE lane8v load_entry( const float* quads, const int32_t* entries, bool planar )
+{
+    lane8v q;
+    lane8_load_xyz( quads, entries, &q.x, &q.y, &q.z );
+    q.z = planar ? lane8_zero() : q.z;
+    return q;
+}
+
+LANE_INLINE lane8v load_slice( const float* quads, int slice )
 {
     static const int32_t own[WISP_SLICE] = { 0, 1, 2, 3, 4, 5, 6, 7 };
-    lane8v p;
-    lane8_load_xyz( quads + (size_t)slice * WISP_SLICE * 4, own, &p.x, &p.y, &p.z );
-    return p;
+    return load_entry( quads + (size_t)slice * WISP_SLICE * 4, own, false );
 }
 
 static void store_slice( float* quads, int slice, lane8v p )
 {
     lane8_store_xyzw_contiguous( quads + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
-}
-
-static lane8v load_entry( const float* quads, const int32_t* entries )
-{
-    lane8v q;
-    lane8_load_xyz( quads, entries, &q.x, &q.y, &q.z );
-    return q;
 }
 
 // g(r) of eq. 14 where 0 < r < h, else 0.
@@ -70,15 +70,16 @@ typedef struct attract_sums
     lane8 nearest;
 } attract_sums;
 
-LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice, lane8v p,
-                                       attract_sums sums )
+LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
+                                       lane8v p, bool planar, attract_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
     const lane8 epsilon = lane8_set1( job->epsilon ), one = lane8_set1( 1.0f ), zero = lane8_zero();
     const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE;
+    const float* current = job->current;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        lane8v d = lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p );
+        lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, planar ), p );
         lane8 r = lane8v_length( d );
         lane8 u = lane8_sub( one, lane8_mul( r, inverse_h ) );
         lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
@@ -89,17 +90,24 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
     return sums;
 }
 
-float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+static lane8 squared_distance( lane8v a, lane8v b )
+{
+    lane8v d = lane8v_sub( a, b );
+    return lane8v_dot( d, d );
+}
+
+LANE_INLINE float attract_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, bool planar )
 {
     const lane8 step = lane8_set1( job->step ), zero = lane8_zero();
     lane8 most = zero;
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
-        const lane8v p = load_slice( job->current, slice );
+        lane8v p = load_slice( job->current, slice );
+        p.z = planar ? zero : p.z;
         attract_sums sums = { { zero, zero, zero }, lane8_set1( 3e38f ) };
         for ( int i = 0; i < job->attracting_count; ++i )
         {
-            sums = attract_list( job, job->attracting + i, slice, p, sums );
+            sums = attract_list( job, job->attracting + i, slice, p, planar, sums );
         }
         lane8v move = lane8v_scale( sums.force, step );
         move = job->guard ? guarded( job, move, sums.nearest ) : move;
@@ -107,11 +115,18 @@ float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first,
         // roots stay
         lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( job->vertex + slice * WISP_SLICE ) );
         move = lane8v_select( moves, move, ( lane8v ){ zero, zero, zero } );
+        lane8v tentative = lane8v_add( p, move );
         lane8v_store( job->displacement + (size_t)slice * 3 * WISP_SLICE, move );
-        store_slice( job->tentative, slice, lane8v_add( p, move ) );
-        most = lane8_max( most, lane8v_dot( move, move ) );
+        store_slice( job->tentative, slice, tentative );
+        most = lane8_max( most, squared_distance( tentative, load_slice( job->searched, slice ) ) );
     }
     return largest( most );
+}
+
+float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+{
+    return job->planar ? attract_slices( job, slice_first, slice_last, true )
+                       : attract_slices( job, slice_first, slice_last, false );
 }
 
 // What a slice's reference neighbours say about the change of their distances.
@@ -120,23 +135,31 @@ typedef struct brake_sums
     lane8 weights, changes;
 } brake_sums;
 
-// `gap` and `by_iteration` are constants where this is inlined.
-LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice, int gap,
-                                   bool by_iteration, brake_sums sums )
+// A brake's law. All three are constants where this is inlined.
+typedef struct brake_law
+{
+    int gap;
+    bool by_iteration, planar;
+} brake_law;
+
+LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
+                                   brake_law law, brake_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    const lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
+    lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
+    moved.z = law.planar ? zero : moved.z;
+    p.z = law.planar ? zero : p.z;
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
     const int32_t* entries = list->entries + first;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        lane8 r1 = lane8v_length( lane8v_sub( load_entry( job->tentative, entries + k * WISP_SLICE ), moved ) );
-        lane8 r0 = by_iteration
-                       ? lane8v_length( lane8v_sub( load_entry( job->current, entries + k * WISP_SLICE ), p ) )
-                       : lane8_load( job->reference_distance + first + (size_t)k * WISP_SLICE );
-        lane8 change = gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
-        change = gap == WISP_GAP_PROSE ? lane8_abs( change ) : change;
+        const int32_t* entry = entries + k * WISP_SLICE;
+        lane8 r1 = lane8v_length( lane8v_sub( load_entry( job->tentative, entry, law.planar ), moved ) );
+        lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( job->current, entry, law.planar ), p ) )
+                                    : lane8_load( job->reference_distance + first + (size_t)k * WISP_SLICE );
+        lane8 change = law.gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
+        change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : change;
         change = lane8_min( lane8_max( lane8_mul( change, inverse_h ), zero ), one );
         lane8 weight = kernel_weight( r0, h, inverse_h );
         sums.weights = lane8_add( sums.weights, weight );
@@ -146,52 +169,64 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
 }
 
 // delta of eq. 17, weighted over the reference neighbours
-LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, int gap, bool by_iteration )
+LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, brake_law law )
 {
     brake_sums sums = { lane8_zero(), lane8_zero() };
     for ( int i = 0; i < job->reference_count; ++i )
     {
-        sums = brake_list( job, job->reference + i, slice, gap, by_iteration, sums );
+        sums = brake_list( job, job->reference + i, slice, law, sums );
     }
     lane8 share = lane8_div( sums.changes, sums.weights );
     return lane8_select( lane8_gt( sums.weights, lane8_zero() ), share, lane8_zero() );
 }
 
-LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, int gap,
-                                bool by_iteration )
+LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, brake_law law )
 {
-    const lane8 floor = lane8_set1( gap == WISP_GAP_PROSE ? job->lambda_min : 1.0f );
+    const lane8 floor = lane8_set1( law.gap == WISP_GAP_PROSE ? job->lambda_min : 1.0f );
     lane8 most = lane8_zero();
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
-        lane8 delta = change_share( job, slice, gap, by_iteration );
+        lane8 delta = change_share( job, slice, law );
         lane8 zeta = lane8_random_unit( job->key, lane8i_loadu( job->owner + slice * WISP_SLICE ),
                                         lane8i_loadu( job->vertex + slice * WISP_SLICE ),
                                         lane8i_set1( (int32_t)job->iteration ) );
         lane8 rest = lane8_sub( lane8_set1( 1.0f ), delta );
         lane8 lambda = lane8_mul_add( rest, zeta, lane8_mul( delta, floor ) );
         lane8v move = lane8v_scale( lane8v_load( job->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
-        store_slice( job->next, slice, lane8v_add( load_slice( job->current, slice ), move ) );
-        most = lane8_max( most, lane8v_dot( move, move ) );
+        lane8v next = lane8v_add( load_slice( job->current, slice ), move );
+        store_slice( job->next, slice, next );
+        most = lane8_max( most, squared_distance( next, load_slice( job->searched, slice ) ) );
     }
     return largest( most );
 }
 
-float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+LANE_INLINE float brake_by_gap( const wisp_adhesion_job* job, int slice_first, int slice_last, bool by_iteration,
+                                bool planar )
 {
-    bool by_iteration = job->reference_distance == NULL;
     switch ( job->gap )
     {
         case WISP_GAP_PRINTED:
-            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_PRINTED, true )
-                                : brake_slices( job, slice_first, slice_last, WISP_GAP_PRINTED, false );
+            return brake_slices( job, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_PRINTED, by_iteration, planar } );
         case WISP_GAP_CLOSING:
-            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_CLOSING, true )
-                                : brake_slices( job, slice_first, slice_last, WISP_GAP_CLOSING, false );
+            return brake_slices( job, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_CLOSING, by_iteration, planar } );
         default:
-            return by_iteration ? brake_slices( job, slice_first, slice_last, WISP_GAP_PROSE, true )
-                                : brake_slices( job, slice_first, slice_last, WISP_GAP_PROSE, false );
+            return brake_slices( job, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_PROSE, by_iteration, planar } );
     }
+}
+
+float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+{
+    // the default has a plane of its own; the studies of the source's other laws run in space
+    bool by_iteration = job->reference_distance == NULL;
+    if ( by_iteration )
+    {
+        return brake_by_gap( job, slice_first, slice_last, true, false );
+    }
+    return job->planar ? brake_by_gap( job, slice_first, slice_last, false, true )
+                       : brake_by_gap( job, slice_first, slice_last, false, false );
 }
 
 int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
@@ -206,7 +241,7 @@ int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* 
         for ( int k = 0; k < list->length[slice]; ++k )
         {
             size_t at = first + (size_t)k * WISP_SLICE;
-            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, list->entries + at ), p ) );
+            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, list->entries + at, false ), p ) );
             lane8_store( distance + at, r );
             count += __builtin_popcount( lane8m_bits( lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) ) ) );
         }

@@ -29,7 +29,9 @@ const wisp_kernels* kernels_select( const char* cap, wisp_error* error )
         { "avx512", &kernels_avx512, avx512 },
     };
 #else
-    const isa known[] = { { "baseline", &kernels_baseline, true }, { "avx2", NULL, false }, { "avx512", NULL, false } };
+    const isa known[] = { { "baseline", &kernels_baseline, true },
+                          { "avx2", NULL, false },
+                          { "avx512", NULL, false } };
 #endif
     const wisp_kernels* best = NULL;
     for ( int i = 0; i < WISP_COUNT( known ); ++i )

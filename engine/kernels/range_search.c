@@ -9,7 +9,8 @@ typedef struct search_slice
     int32_t owner[WISP_SLICE];
     int cell[WISP_SLICE][3];
     int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
-    int near_count[WISP_SLICE], shell_count[WISP_SLICE]; // up to one beyond the limit, which says that there were more
+    int near_count[WISP_SLICE],
+        shell_count[WISP_SLICE]; // up to one beyond the limit, which says that there were more
 } search_slice;
 
 // The same rounding as the grid's when it was built, so that an item is found in the cell it was put into.
@@ -46,7 +47,9 @@ static void load_queries( const wisp_range_search_job* job, int slice, int count
 }
 
 // Slots [begin, end) against queries [first, last). Every vector is packed, hit or not: the branch would be a coin toss.
-static void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin, int end )
+// `planar` is a constant where this is inlined.
+LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
+                             int end, bool planar )
 {
     const lane8 near2 = lane8_set1( job->near_radius * job->near_radius );
     const lane8 shell2 = lane8_set1( job->shell_radius * job->shell_radius );
@@ -62,8 +65,12 @@ static void search_run( const wisp_range_search_job* job, search_slice* s, int f
         {
             lane8 dx = lane8_sub( x, lane8_set1( s->x[l] ) );
             lane8 dy = lane8_sub( y, lane8_set1( s->y[l] ) );
-            lane8 dz = lane8_sub( z, lane8_set1( s->z[l] ) );
-            lane8 d2 = lane8_mul_add( dz, dz, lane8_mul_add( dy, dy, lane8_mul( dx, dx ) ) );
+            lane8 d2 = lane8_mul_add( dy, dy, lane8_mul( dx, dx ) );
+            if ( planar == false )
+            {
+                lane8 dz = lane8_sub( z, lane8_set1( s->z[l] ) );
+                d2 = lane8_mul_add( dz, dz, d2 );
+            }
             lane8m others = lane8m_and_not( inside, lane8i_eq( owner, lane8i_set1( s->owner[l] ) ) );
             lane8m near = lane8m_and( lane8_lt( d2, near2 ), others );
             lane8m shell = lane8m_and_not( lane8m_and( lane8_lt( d2, shell2 ), others ), near );
@@ -88,7 +95,14 @@ static void search_cell( const wisp_range_search_job* job, search_slice* s, int 
         for ( int y = y0; y <= y1; ++y )
         {
             const int32_t* row = job->cell_begin + ( z * job->dims[1] + y ) * job->dims[0];
-            search_run( job, s, first, last, row[x0], row[x1 + 1] );
+            if ( job->planar )
+            {
+                search_run( job, s, first, last, row[x0], row[x1 + 1], true );
+            }
+            else
+            {
+                search_run( job, s, first, last, row[x0], row[x1 + 1], false );
+            }
         }
     }
 }
@@ -139,15 +153,17 @@ static int pack( int32_t* const lists[WISP_SLICE], int counts[WISP_SLICE], const
     return longest;
 }
 
-void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count, wisp_range_search_result* result )
+void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
+                             wisp_range_search_result* result )
 {
     const int stride = job->limit + WISP_SEARCH_SLACK;
-    search_slice s = { .near_count = { 0 }, .shell_count = { 0 } };
+    search_slice s;
     int32_t pads[WISP_SLICE];
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
         s.near[l] = result->scratch + l * stride;
         s.shell[l] = result->scratch + ( WISP_SLICE + l ) * stride;
+        s.near_count[l] = s.shell_count[l] = 0;
         pads[l] = slice * WISP_SLICE + ( l < count ? l : 0 );
     }
     load_queries( job, slice, count, &s );

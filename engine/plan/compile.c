@@ -129,7 +129,8 @@ static wisp_status order_stage( const wisp_registry* r, uint64_t live, wisp_stag
         }
         if ( next < 0 )
         {
-            return wisp_fail( error, WISP_CONFLICT, "passes of one stage wait for each other in a circle, '%s' among them",
+            return wisp_fail( error, WISP_CONFLICT,
+                              "passes of one stage wait for each other in a circle, '%s' among them",
                               r->passes[first].name );
         }
         order[( *count )++] = next;
@@ -199,8 +200,8 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
         wave = p->nodes[latest].wave + 1;
     }
     plan_node* host = latest >= 0 ? p->nodes + latest : NULL;
-    bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY && host->domain == pass->domain &&
-                 host->pass_count < PLAN_MAX_FUSED;
+    bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY &&
+                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED;
     if ( fuses )
     {
         host->passes[host->pass_count++] = number;
@@ -275,7 +276,8 @@ static int widest_wave( const plan* p, const store* s )
 }
 
 // Grow one of the plan's arrays to `count` elements; what it held is not kept unless `kept` says so.
-static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element, int kept )
+static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element,
+                     int kept )
 {
     if ( count <= *capacity )
     {
@@ -307,7 +309,8 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
         hash = store_hash_bytes( hash, place, sizeof( place ) );
         for ( int i = 0; i < node->pass_count; ++i )
         {
-            hash = store_hash_bytes( hash, r->passes[node->passes[i]].name, strlen( r->passes[node->passes[i]].name ) );
+            hash =
+                store_hash_bytes( hash, r->passes[node->passes[i]].name, strlen( r->passes[node->passes[i]].name ) );
         }
     }
     return hash;
@@ -365,8 +368,8 @@ wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error )
     if ( room )
     {
         fill_targets( p, r );
-        room = reserve( s->allocator, (void**)&p->blocks, &p->block_capacity, widest_wave( p, s ), sizeof( plan_block ),
-                        0 );
+        room = reserve( s->allocator, (void**)&p->blocks, &p->block_capacity, widest_wave( p, s ),
+                        sizeof( plan_block ), 0 );
     }
     if ( room == false )
     {

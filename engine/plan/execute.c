@@ -195,7 +195,8 @@ static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, 
 }
 
 // As run_passes, and tells the passes' times apart; `scale` stretches the sample to its block.
-static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span, double scale )
+static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span,
+                           double scale )
 {
     double last = wisp_clock_seconds();
     for ( int i = 0; i < node->pass_count; ++i )

@@ -60,8 +60,8 @@ void* plan_registry_state( const wisp_registry* r, const char* module );
 typedef enum plan_section
 {
     PLAN_BEFORE,
-    PLAN_SUBSTEP,        // once a substep, before the iterations
-    PLAN_ITERATION,      // once an iteration
+    PLAN_SUBSTEP,         // once a substep, before the iterations
+    PLAN_ITERATION,       // once an iteration
     PLAN_AFTER_ITERATION, // once a substep, after the iterations
     PLAN_AFTER,
     PLAN_SECTION_COUNT,

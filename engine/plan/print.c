@@ -45,7 +45,8 @@ static void append_reasons( print_line* line, const plan* p, const wisp_registry
         }
         for ( int k = -1; k < r->pass_count; ++k )
         {
-            bool reads = k >= 0 && ( p->live >> k & 1 ) != 0 && r->passes + k != pass && plan_lists( r->passes[k].reads, c );
+            bool reads =
+                k >= 0 && ( p->live >> k & 1 ) != 0 && r->passes + k != pass && plan_lists( r->passes[k].reads, c );
             if ( reads || ( k < 0 && wished ) )
             {
                 append( line, separator );
@@ -60,7 +61,8 @@ static void append_reasons( print_line* line, const plan* p, const wisp_registry
 
 static void print_pass( print_line* line, const plan* p, const wisp_registry* r, const plan_node* node, int i )
 {
-    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before", "substep", "iteration", "substep end", "after" };
+    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before", "substep", "iteration", "substep end",
+                                                              "after" };
     const wisp_pass* pass = r->passes + node->passes[i];
     char head[160];
     snprintf( head, sizeof( head ), "  %-11s wave %d  %-24s ", SECTIONS[node->section], node->wave, pass->name );
@@ -112,8 +114,9 @@ void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* u
     bool substeps =
         p->wave_count[PLAN_SUBSTEP] + p->wave_count[PLAN_ITERATION] + p->wave_count[PLAN_AFTER_ITERATION] > 0;
     char head[160];
-    snprintf( head, sizeof( head ), "plan %016llx: %d passes in %d nodes and %d waves, %s", (unsigned long long)p->hash,
-              p->pass_count, p->node_count, widest( p ), substeps ? "with a substep loop" : "no substep loop" );
+    snprintf( head, sizeof( head ), "plan %016llx: %d passes in %d nodes and %d waves, %s",
+              (unsigned long long)p->hash, p->pass_count, p->node_count, widest( p ),
+              substeps ? "with a substep loop" : "no substep loop" );
     append( &line, head );
     flush( &line );
     for ( int section = 0; section < PLAN_SECTION_COUNT; ++section )

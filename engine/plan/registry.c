@@ -6,7 +6,7 @@
 #include <string.h>
 
 // One list makes the descriptors of the components that every world shares.
-#define SHARED_COLUMNS( name, text, table )                                                                           \
+#define SHARED_COLUMNS( name, text, table )                                                                          \
     static const wisp_column_def name##_columns[] = { WISP_##name##_COLUMNS( WISP_COLUMN_DEF ) };
 WISP_SHARED_COMPONENTS( SHARED_COLUMNS )
 #undef SHARED_COLUMNS
@@ -29,9 +29,10 @@ static wisp_component fail_declaration( wisp_registry* r, const char* what, cons
 wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def )
 {
     wisp_component c = store_declare( registry->store, def );
-    return c != 0 ? c
-                  : fail_declaration( registry, "too many components, or another module declared this one differently:",
-                                      def->name );
+    return c != 0
+               ? c
+               : fail_declaration(
+                     registry, "too many components, or another module declared this one differently:", def->name );
 }
 
 wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
@@ -55,7 +56,8 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
 
 void* wisp_declare_state( wisp_registry* registry, size_t size )
 {
-    void* memory = registry->state_count < PLAN_MAX_STATES ? base_allocate( registry->store->allocator, size, 64 ) : NULL;
+    void* memory =
+        registry->state_count < PLAN_MAX_STATES ? base_allocate( registry->store->allocator, size, 64 ) : NULL;
     if ( memory == NULL )
     {
         wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its state", registry->module );
@@ -70,8 +72,9 @@ int wisp_declare_workspace( wisp_registry* registry, size_t size,
                             void ( *release )( void* workspace, const wisp_allocator* allocator ) )
 {
     size_t padded = ( size + 63 ) & ~(size_t)63, bytes = padded * (size_t)registry->workers;
-    void* blocks =
-        registry->workspace_count < PLAN_MAX_WORKSPACES ? base_allocate( registry->store->allocator, bytes, 64 ) : NULL;
+    void* blocks = registry->workspace_count < PLAN_MAX_WORKSPACES
+                       ? base_allocate( registry->store->allocator, bytes, 64 )
+                       : NULL;
     if ( blocks == NULL )
     {
         wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its workspace", registry->module );

@@ -6,9 +6,9 @@
 
 enum
 {
-    GRID_GRAIN = 4096,        // items a block
-    GRID_CELLS_PER_ITEM = 4,  // more cells than this are empty and cost more to clear than they save
-    GRID_PADDING = 16,        // slots behind the last one that a wide load may touch
+    GRID_GRAIN = 4096,       // items a block
+    GRID_CELLS_PER_ITEM = 4, // more cells than this are empty and cost more to clear than they save
+    GRID_PADDING = 16,       // slots behind the last one that a wide load may touch
 };
 
 bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes )
@@ -133,6 +133,7 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
     grid->cell = cell;
     grid->inverse_cell = 1.0f / cell;
     grid->coarse = cell > 1.5f * wanted;
+    grid->planar = bounds.low[2] == bounds.high[2];
 }
 
 static int cell_along( const wisp_grid* grid, float coordinate, int axis )
@@ -218,7 +219,8 @@ static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
     return true;
 }
 
-wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count, float cell )
+wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
+                             float cell )
 {
     WISP_ASSERT( cell > 0.0f && count >= 0 );
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );

@@ -59,7 +59,9 @@ static void search_slices( void* context, int begin, int end, int worker )
 {
     neighbour_search* s = context;
     int32_t* scratch = s->scratch + (size_t)worker * NEIGHBOURS_SCRATCH_LISTS * s->list;
-    wisp_range_search_result found = { .near = scratch, .shell = scratch + s->list, .scratch = scratch + 2 * s->list };
+    wisp_range_search_result found = { .near = scratch,
+                                       .shell = scratch + s->list,
+                                       .scratch = scratch + 2 * s->list };
     for ( int slice = begin; slice < end; ++slice )
     {
         int left = s->query_count - slice * WISP_SLICE;
@@ -90,6 +92,7 @@ static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbo
         .shell_radius = query->shell_radius,
         .limit = query->limit,
         .quads = query->quads,
+        .planar = grid->planar,
     };
     return job;
 }
@@ -129,7 +132,8 @@ static wisp_status search_until_it_fits( neighbour_search* s, const wisp_paralle
 }
 
 wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_parallel* parallel,
-                                   const wisp_kernels* kernels, const wisp_grid* grid, const wisp_neighbour_query* query )
+                                   const wisp_kernels* kernels, const wisp_grid* grid,
+                                   const wisp_neighbour_query* query )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
@@ -137,7 +141,8 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
     size_t workers = (size_t)wisp_parallel_workers( parallel );
     wisp_buffer *places = neighbours->buffers + 0, *scratch = neighbours->buffers + 1;
     if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false ||
-         wisp_buffer_reserve( scratch, allocator, NEIGHBOURS_SCRATCH_LISTS * list * workers * sizeof( int32_t ) ) == false )
+         wisp_buffer_reserve( scratch, allocator, NEIGHBOURS_SCRATCH_LISTS * list * workers * sizeof( int32_t ) ) ==
+             false )
     {
         return WISP_NO_MEMORY;
     }

@@ -45,7 +45,8 @@ static bool same_shape( const wisp_component_def* a, const wisp_component_def* b
     }
     for ( int k = 0; k < a->column_count; ++k )
     {
-        if ( strcmp( a->columns[k].name, b->columns[k].name ) != 0 || a->columns[k].row_size != b->columns[k].row_size )
+        if ( strcmp( a->columns[k].name, b->columns[k].name ) != 0 ||
+             a->columns[k].row_size != b->columns[k].row_size )
         {
             return false;
         }
@@ -98,7 +99,8 @@ static int find_slot( store* s )
     if ( s->entity_count == s->entity_capacity )
     {
         int capacity = s->entity_capacity < 8 ? 8 : s->entity_capacity * 2;
-        store_entity* grown = base_allocate( s->allocator, (size_t)capacity * sizeof( store_entity ), STORE_ALIGNMENT );
+        store_entity* grown =
+            base_allocate( s->allocator, (size_t)capacity * sizeof( store_entity ), STORE_ALIGNMENT );
         if ( grown == NULL )
         {
             return -1;
@@ -168,7 +170,8 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
 {
     for ( int t = 0; t < WISP_TABLE_COUNT; ++t )
     {
-        if ( row_counts[t] > INT32_MAX - s->row_count[t] || grow_table( s, t, s->row_count[t] + row_counts[t] ) == false )
+        if ( row_counts[t] > INT32_MAX - s->row_count[t] ||
+             grow_table( s, (wisp_table)t, s->row_count[t] + row_counts[t] ) == false )
         {
             return false; // a table that grew keeps its room; nothing else changed
         }
@@ -232,7 +235,7 @@ void store_remove( store* s, wisp_entity entity )
     }
     for ( int t = 0; t < WISP_TABLE_COUNT; ++t )
     {
-        close_rows( s, t, e->rows[t] );
+        close_rows( s, (wisp_table)t, e->rows[t] );
     }
     *e = ( store_entity ){ .generation = e->generation };
     s->structure += 1;

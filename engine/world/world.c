@@ -205,7 +205,8 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "a step of %g s is not possible, it must be above 0", (double)seconds );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "a step of %g s is not possible, it must be above 0",
+                                (double)seconds );
     }
     wisp_status status = compile_if_changed( world );
     if ( status != WISP_OK )

@@ -60,14 +60,16 @@ static wisp_status check_points( wisp_world* world, const wisp_strands_def* def 
             const wisp_vec3 p = def->points[v];
             if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
             {
-                return wisp_world_fail( world, WISP_BAD_INPUT,
-                                        "strand %d, vertex %d: (%g, %g, %g) is not a place within 1e6 m of the origin", s,
-                                        v - def->offsets[s], (double)p.x, (double)p.y, (double)p.z );
+                return wisp_world_fail(
+                    world, WISP_BAD_INPUT,
+                    "strand %d, vertex %d: (%g, %g, %g) is not a place within 1e6 m of the origin", s,
+                    v - def->offsets[s], (double)p.x, (double)p.y, (double)p.z );
             }
             if ( def->dimension == 2 && p.z != 0.0f )
             {
-                return wisp_world_fail( world, WISP_BAD_INPUT, "strand %d, vertex %d: z is %g, strands of dimension 2 need 0",
-                                        s, v - def->offsets[s], (double)p.z );
+                return wisp_world_fail( world, WISP_BAD_INPUT,
+                                        "strand %d, vertex %d: z is %g, strands of dimension 2 need 0", s,
+                                        v - def->offsets[s], (double)p.z );
             }
         }
     }
@@ -93,8 +95,9 @@ static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def
     {
         if ( def->offsets[s + 1] < def->offsets[s] || def->offsets[s + 1] > WORLD_MAX_VERTICES )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "strand %d runs from vertex %d to %d: offsets must rise up to %d",
-                                    s, def->offsets[s], def->offsets[s + 1], WORLD_MAX_VERTICES );
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "strand %d runs from vertex %d to %d: offsets must rise up to %d", s,
+                                    def->offsets[s], def->offsets[s + 1], WORLD_MAX_VERTICES );
         }
     }
     if ( def->offsets[def->strand_count] > 0 && def->points == NULL )
@@ -165,8 +168,8 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wi
 
 static wisp_status stale( wisp_world* world, wisp_entity entity )
 {
-    return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)", entity.index,
-                            entity.generation );
+    return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                            entity.index, entity.generation );
 }
 
 wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out )
@@ -283,7 +286,8 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
     }
     if ( known( world, component ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "component %u is not declared in this world", (unsigned)component );
+        return wisp_world_fail( world, WISP_CONFLICT, "component %u is not declared in this world",
+                                (unsigned)component );
     }
     return WISP_OK;
 }
@@ -338,7 +342,8 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
     const wisp_component_def* def = known( world, component ) ? &world->store.components[component].def : NULL;
     if ( def == NULL || def->table != WISP_TABLE_POINT || ( e->components & store_bit( component ) ) == 0 )
     {
-        return wisp_fail( error, WISP_CONFLICT, "component '%s' has no rows in the user's order here: ask for it with wisp_want",
+        return wisp_fail( error, WISP_CONFLICT,
+                          "component '%s' has no rows in the user's order here: ask for it with wisp_want",
                           def != NULL ? def->name : "unknown" );
     }
     *out = ( wisp_view ){ store_column( &world->store, e, component, 0 ), e->rows[WISP_TABLE_POINT].count,

@@ -96,20 +96,21 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    state->settings = wisp_declare_component(
-        r, &( wisp_component_def ){ "climate.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
-                                    WISP_COUNT( SETTINGS_COLUMNS ) } );
-    return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "climate.stiffness",
-                                     .stage = WISP_STAGE_INPUT,
-                                     .domain = WISP_DOMAIN_STRAND_GROUP,
-                                     .needs = { state->settings },
-                                     .reads = { state->settings },
-                                     .writes = { WISP_STRAND_STIFFNESS },
-                                     .run = drive_stiffness,
-                                     .on_change = WISP_STRAND_STIFFNESS, // whoever else writes it, the climate decides
-                                     .user = state,
-                                 } );
+    state->settings =
+        wisp_declare_component( r, &( wisp_component_def ){ "climate.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
+                                                            WISP_COUNT( SETTINGS_COLUMNS ) } );
+    return wisp_declare_pass( r,
+                              &( wisp_pass ){
+                                  .name = "climate.stiffness",
+                                  .stage = WISP_STAGE_INPUT,
+                                  .domain = WISP_DOMAIN_STRAND_GROUP,
+                                  .needs = { state->settings },
+                                  .reads = { state->settings },
+                                  .writes = { WISP_STRAND_STIFFNESS },
+                                  .run = drive_stiffness,
+                                  .on_change = WISP_STRAND_STIFFNESS, // whoever else writes it, the climate decides
+                                  .user = state,
+                              } );
 }
 
 const wisp_module wisp_climate_module = { .name = "climate", .declare = declare };
@@ -127,13 +128,15 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
     {
         if ( !( d->stiffness[i] >= 1e-3f && d->stiffness[i] <= 1e12f ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: stiffness of curve point %d is %g, it must be 0.001 to 1e12",
-                                    i, (double)d->stiffness[i] );
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: stiffness of curve point %d is %g, it must be 0.001 to 1e12", i,
+                                    (double)d->stiffness[i] );
         }
         bool rises = i == 0 ? d->ice[0] == 0.0f : d->ice[i] > d->ice[i - 1];
         if ( rises == false || ( i == d->point_count - 1 && d->ice[i] != 1.0f ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: ice of curve point %d is %g, ice must rise from 0 to 1", i,
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: ice of curve point %d is %g, ice must rise from 0 to 1", i,
                                     (double)d->ice[i] );
         }
     }
@@ -142,8 +145,8 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
     {
         if ( ( d->stiffness[i + 1] - d->stiffness[i] ) * direction < 0.0f )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: stiffness turns back at curve point %d, it must be monotone",
-                                    i + 1 );
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: stiffness turns back at curve point %d, it must be monotone", i + 1 );
         }
     }
     return WISP_OK;

@@ -24,8 +24,9 @@ enum
     CLUMP_GROUPS = 8,   // groups of strands a block
 };
 
-// Wider lists cost each iteration, narrower ones are used up sooner (bench case "paper").
-static const float CLUMP_SKIN = 0.25f; // of h
+// The lists reach this share of h further at most. Wider ones cost every iteration, narrower ones are used up and searched
+// again (bench case "paper").
+static const float CLUMP_SKIN_MOST = 0.6f;
 
 typedef struct clump_workspace
 {
@@ -66,10 +67,12 @@ typedef struct clump_run
     clump_workspace* w;
     float* position; // [row][3][16]
     int count, slices;
-    float* item_quads;                 // [item][4]
-    int32_t *item_vertex, *item_lane;  // [item] index in the strand; row * 16 + lane
-    int32_t *slot_vertex, *slot_lane;  // [slot]
-    float *current, *tentative, *next; // [slot][4]
+    float skin;                                // m
+    float* item_quads;                         // [item][4]
+    int32_t *item_vertex, *item_lane;          // [item] index in the strand; row * 16 + lane
+    int32_t *slot_vertex, *slot_lane;          // [slot]
+    float *current, *tentative, *next, *spare; // [slot][4]
+    const float* searched;                     // [slot][4] where the lists were made
     wisp_adhesion_job job;
     float* most; // [block]
     _Atomic uint64_t neighbours;
@@ -176,29 +179,37 @@ static void measure( void* context, int begin, int end, int worker )
     atomic_fetch_add_explicit( &run->neighbours, (uint64_t)count, memory_order_relaxed );
 }
 
-// Near is what rounding may put on the border of h. A single iteration never outgrows it.
+// A step of sigma is what a vertex moves in an iteration, about; two may move towards each other. The last iteration's
+// moves need no list.
+static float choose_skin( const frozen_clump* c )
+{
+    float skin = 2.0f * c->step * (float)( c->iterations - 1 );
+    return skin < CLUMP_SKIN_MOST * c->radius ? skin : CLUMP_SKIN_MOST * c->radius;
+}
+
+// Near is what rounding may put on the border of h.
+static float near_radius( const clump_run* run )
+{
+    return run->params->radius * 1.0001f;
+}
+
 static wisp_neighbour_query make_query( const clump_run* run, const float* quads, const int32_t* rename )
 {
-    float h = run->params->radius;
     return ( wisp_neighbour_query ){
         .quads = quads,
         .query_count = run->count,
-        .near_radius = h * 1.0001f,
-        .shell_radius = run->params->iterations > 1 ? h * ( 1.0f + CLUMP_SKIN ) : 0.0f,
+        .near_radius = near_radius( run ),
+        .shell_radius = near_radius( run ) + run->skin,
         .limit = run->params->neighbour_limit,
         .rename = rename,
     };
 }
 
-static float cell_size( const clump_run* run )
-{
-    return run->params->radius * ( run->params->iterations > 1 ? 1.0f + CLUMP_SKIN : 1.0001f );
-}
-
 static wisp_status search( clump_run* run )
 {
     clump_workspace* w = run->w;
-    wisp_status status = wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, cell_size( run ) );
+    wisp_status status =
+        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, near_radius( run ) + run->skin );
     if ( status != WISP_OK )
     {
         return status;
@@ -220,7 +231,8 @@ static wisp_status search_again( clump_run* run )
 {
     clump_workspace* w = run->w;
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
-    wisp_status status = wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, cell_size( run ) );
+    wisp_status status =
+        wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, near_radius( run ) + run->skin );
     if ( status != WISP_OK )
     {
         return status;
@@ -245,30 +257,33 @@ static void brake( void* context, int begin, int end, int worker )
     run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_brake( &run->job, begin, end );
 }
 
-static void swap( float** a, float** b )
+// The sweep that wrote `result` has made it the current one. What was current is free for the next, unless the lists
+// still need to know where they were made.
+static void advance( clump_run* run, float** result )
 {
-    float* c = *a;
-    *a = *b;
-    *b = c;
+    float* before = run->current;
+    run->current = *result;
+    *result = before == run->searched ? run->spare : before;
 }
 
-// One iteration. @return the largest displacement, m
+// One iteration. @return how far a vertex is at most from where it was searched, m
 static float iterate( clump_run* run, int iteration )
 {
     wisp_adhesion_job* job = &run->job;
     job->current = run->current;
     job->tentative = run->tentative;
     job->next = run->next;
+    job->searched = run->searched;
     job->iteration = (uint32_t)iteration;
     wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, attract, run );
     if ( run->params->gap == WISP_GAP_WET )
     {
-        swap( &run->current, &run->tentative );
+        advance( run, &run->tentative );
     }
     else
     {
         wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, brake, run );
-        swap( &run->current, &run->next );
+        advance( run, &run->next );
     }
     float most = 0.0f;
     for ( int i = 0; i < ( run->slices + CLUMP_SLICES - 1 ) / CLUMP_SLICES; ++i )
@@ -282,7 +297,7 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
 {
     const clump_workspace* w = run->w;
     const frozen_clump* c = run->params;
-    float* displacement = run->next + 4 * (size_t)run->slices * WISP_SLICE;
+    float* displacement = run->spare + 4 * (size_t)run->slices * WISP_SLICE;
     run->job = ( wisp_adhesion_job ){
         .displacement = displacement,
         .owner = w->grid.owner,
@@ -297,6 +312,7 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
         .distance_min = c->distance_min,
         .lambda_min = c->lambda_min,
         .guard = c->guard != 0,
+        .planar = run->strands->dimension == 2,
         .gap = c->gap,
     };
 }
@@ -320,12 +336,11 @@ static void use_lists( clump_run* run, const wisp_neighbours* lists, bool fresh 
 static wisp_status iterate_all( clump_run* run, wisp_frozen_hair_report* report )
 {
     const wisp_neighbours* lists = &run->w->lists;
-    const float skin = CLUMP_SKIN * run->params->radius;
-    float moved = 0.0f;
+    float moved = 0.0f; // of any vertex since the lists were made
     for ( int k = 0; k < run->params->iterations; ++k )
     {
         // two vertices may have moved towards each other, and rounding is on nobody's side
-        if ( 2.0001f * moved > skin )
+        if ( 2.0001f * moved > run->skin )
         {
             wisp_status status = search_again( run );
             if ( status != WISP_OK )
@@ -335,10 +350,11 @@ static wisp_status iterate_all( clump_run* run, wisp_frozen_hair_report* report 
             lists = &run->w->moved_lists;
             report->searches += 1;
             report->capped += lists->capped;
+            run->searched = run->item_quads;
             moved = 0.0f;
         }
         use_lists( run, lists, moved == 0.0f );
-        moved += iterate( run, k );
+        moved = iterate( run, k );
     }
     return WISP_OK;
 }
@@ -352,7 +368,7 @@ static bool reserve( clump_run* run )
     size_t items = (size_t)run->count + WISP_SLICE, slots = (size_t)run->slices * WISP_SLICE;
     size_t blocks = (size_t)( run->slices / CLUMP_SLICES + 1 );
     if ( wisp_buffer_reserve( &w->items, allocator, items * 6 * 4 ) == false ||
-         wisp_buffer_reserve( &w->slots, allocator, slots * ( 3 * 4 + 3 + 2 ) * 4 ) == false ||
+         wisp_buffer_reserve( &w->slots, allocator, slots * ( 4 * 4 + 3 + 2 ) * 4 ) == false ||
          wisp_buffer_reserve( &w->most, allocator, blocks * sizeof( float ) ) == false )
     {
         return false;
@@ -363,7 +379,9 @@ static bool reserve( clump_run* run )
     run->current = w->slots.data;
     run->tentative = run->current + 4 * slots;
     run->next = run->tentative + 4 * slots;
-    run->slot_vertex = (int32_t*)( run->next + 4 * slots + 3 * slots );
+    run->spare = run->next + 4 * slots;
+    run->slot_vertex = (int32_t*)( run->spare + ( 4 + 3 ) * slots );
+    run->searched = run->current;
     run->slot_lane = run->slot_vertex + slots;
     run->most = w->most.data;
 
@@ -371,6 +389,7 @@ static bool reserve( clump_run* run )
     for ( size_t slot = (size_t)run->count; slot < slots; ++slot )
     {
         memset( run->current + 4 * slot, 0, 4 * sizeof( float ) );
+        memset( run->item_quads + 4 * slot, 0, 4 * sizeof( float ) );
         run->slot_vertex[slot] = 0;
         run->slot_lane[slot] = 0;
     }
@@ -393,6 +412,7 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
         .count = t->vertex_count,
         .slices = ( t->vertex_count + WISP_SLICE - 1 ) / WISP_SLICE,
     };
+    run.skin = choose_skin( run.params );
     if ( run.count == 0 )
     {
         return;
@@ -416,8 +436,8 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     }
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( frame, status, "frozen hair: no memory for the neighbours of %d vertices within %g m", run.count,
-                         (double)run.params->radius );
+        wisp_frame_fail( frame, status, "frozen hair: no memory for the neighbours of %d vertices within %g m",
+                         run.count, (double)run.params->radius );
         return;
     }
     wisp_parallel_for( run.parallel, run.count, CLUMP_GRAIN, unpack_slots, &run );

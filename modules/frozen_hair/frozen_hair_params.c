@@ -52,15 +52,15 @@ static wisp_status check_ranges( wisp_world* world, const frozen_range* ranges, 
     return WISP_OK;
 }
 
-static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count, float low,
-                                        float high )
+static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count,
+                                        float low, float high )
 {
     for ( int i = 0; i < count && values != NULL; ++i )
     {
         if ( !( values[i] >= low && values[i] <= high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d is %g, it must be %g to %g", name,
-                                    i, (double)values[i], (double)low, (double)high );
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d is %g, it must be %g to %g",
+                                    name, i, (double)values[i], (double)low, (double)high );
         }
     }
     return WISP_OK;
@@ -81,8 +81,8 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
     {
         if ( choices[i].value < 0 || choices[i].value > choices[i].high )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %d, which names no choice", choices[i].name,
-                                    choices[i].value );
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %d, which names no choice",
+                                    choices[i].name, choices[i].value );
         }
     }
     return WISP_OK;
@@ -109,13 +109,14 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
     };
     wisp_status status = check_ranges( world, ranges, WISP_COUNT( ranges ) );
     status = status == WISP_OK ? check_choices( world, d ) : status;
-    status = status == WISP_OK ? check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness, strands,
-                                                      1e-3f, 1e12f )
+    status = status == WISP_OK ? check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness,
+                                                      strands, 1e-3f, 1e12f )
                                : status;
-    status = status == WISP_OK ? check_strand_values( world, "bend_stiffness", d->strand_bend_stiffness, strands, 1e-3f,
-                                                      1e12f )
-                               : status;
-    return status == WISP_OK ? check_strand_values( world, "intensity", d->strand_intensity, strands, 0.0f, 1.0f ) : status;
+    status = status == WISP_OK
+                 ? check_strand_values( world, "bend_stiffness", d->strand_bend_stiffness, strands, 1e-3f, 1e12f )
+                 : status;
+    return status == WISP_OK ? check_strand_values( world, "intensity", d->strand_intensity, strands, 0.0f, 1.0f )
+                             : status;
 }
 
 // ---- into columns ----
@@ -130,7 +131,8 @@ static void fill_lanes( const wisp_strand_topology* t, float common, const float
     }
 }
 
-static wisp_status attach_all( wisp_world* world, wisp_entity entity, const frozen_state* s, const wisp_frozen_hair_def* d )
+static wisp_status attach_all( wisp_world* world, wisp_entity entity, const frozen_state* s,
+                               const wisp_frozen_hair_def* d )
 {
     const struct
     {
@@ -177,7 +179,8 @@ static wisp_status attach_all( wisp_world* world, wisp_entity entity, const froz
     return WISP_OK;
 }
 
-static void write_stages( wisp_world* world, wisp_entity entity, const frozen_state* s, const wisp_frozen_hair_def* d )
+static void write_stages( wisp_world* world, wisp_entity entity, const frozen_state* s,
+                          const wisp_frozen_hair_def* d )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, entity );
     if ( d->freeze )
@@ -223,7 +226,8 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     }
     if ( t == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)", strands.index );
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)",
+                                strands.index );
     }
     wisp_status status = check_def( world, def, t->strand_count );
     status = status == WISP_OK ? attach_all( world, strands, s, def ) : status;
@@ -256,7 +260,8 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
     }
     if ( wisp_is_alive( world, strands ) == false )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)", strands.index );
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)",
+                                strands.index );
     }
     *out = wisp_world_column( world, strands, s->settings, 0 );
     return *out != NULL ? WISP_OK

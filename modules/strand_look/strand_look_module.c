@@ -74,9 +74,9 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    state->settings = wisp_declare_component(
-        r, &( wisp_component_def ){ "strand_look.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
-                                    WISP_COUNT( SETTINGS_COLUMNS ) } );
+    state->settings =
+        wisp_declare_component( r, &( wisp_component_def ){ "strand_look.settings", WISP_TABLE_ENTITY,
+                                                            SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
     wisp_pass pass = {
         .name = "strand_look.width",
         .stage = WISP_STAGE_OBSERVE,

@@ -67,6 +67,7 @@ typedef struct wisp_range_search_job
     float shell_radius; ///< m, from the near radius to here it is in the shell; 0: no shell
     int limit;          ///< at most so many near ones and so many in the shell, the first in order
     const float* quads; ///< [query][4] x y z, owner as int bits
+    bool planar;        ///< every z is the same
 } wisp_range_search_job;
 
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.
@@ -93,12 +94,13 @@ typedef struct wisp_neighbour_list
 /// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
 typedef struct wisp_adhesion_job
 {
-    const float* current;           ///< [slot][4] p(k)
-    float* tentative;               ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
-    float* displacement;            ///< [slice][3][8] Dp(k), guarded
-    float* next;                    ///< [slot][4] p(k+1); may be `current` unless gap_by_iteration
-    const int32_t* owner;           ///< [slot] strand
-    const int32_t* vertex;          ///< [slot] index in the strand; 0 does not move
+    const float* current;              ///< [slot][4] p(k)
+    float* tentative;                  ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
+    float* displacement;               ///< [slice][3][8] Dp(k), guarded
+    float* next;                       ///< [slot][4] p(k+1)
+    const float* searched;             ///< [slot][4] where the attracting lists were searched
+    const int32_t* owner;              ///< [slot] strand
+    const int32_t* vertex;             ///< [slot] index in the strand; 0 does not move
     wisp_neighbour_list attracting[2]; ///< the first sweep's lists, added one after the other
     int attracting_count;
     wisp_neighbour_list reference[2]; ///< the second sweep's lists: neighbours at the reference shape
@@ -112,7 +114,8 @@ typedef struct wisp_adhesion_job
     float distance_min; ///< r_min, m; the guard keeps pairs at least so far apart
     float lambda_min;   ///< the brake's floor where the distance changes by h
     bool guard;
-    int gap; ///< wisp_gap
+    bool planar; ///< every z is 0
+    int gap;     ///< wisp_gap
 } wisp_adhesion_job;
 
 /// How the brake reads a change of distance (FRZ, eq. 17-18 and its resolutions).
@@ -131,12 +134,13 @@ typedef struct wisp_kernels
     void ( *strand_align )( const wisp_strand_align_job* job, int group_begin, int group_end );
     void ( *strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
     /// Neighbours of queries [8 slice, 8 slice + count), count <= 8.
-    void ( *range_search )( const wisp_range_search_job* job, int slice, int count, wisp_range_search_result* result );
+    void ( *range_search )( const wisp_range_search_job* job, int slice, int count,
+                            wisp_range_search_result* result );
     /// Distances of a list's pairs at one shape. distance [entry][8]
     /// @return how many are above 0 and below the radius
     int64_t ( *pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
                                 int slice_first, int slice_last );
-    /// Both sweeps return the largest |displacement| among their slices, m.
+    /// Both sweeps return how far a vertex is at most from where it was searched, m: at its tentative, at its next place.
     float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
     float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
 } wisp_kernels;

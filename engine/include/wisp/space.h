@@ -22,6 +22,7 @@ typedef struct wisp_grid
     float cell, inverse_cell; ///< m, 1/m
     int dims[3];
     float slack;               ///< m, how far rounding can carry a coordinate across a cell's border
+    bool planar;               ///< every z is the same
     bool coarse;               ///< cells were widened: the items are too far spread for cells of the wanted size
     const int32_t* cell_begin; ///< [dims product + 1] first slot
     const int32_t* item;       ///< [slot] item number, padded by 16
@@ -52,7 +53,7 @@ typedef struct wisp_neighbours
 /// What to look for.
 typedef struct wisp_neighbour_query
 {
-    const float* quads;    ///< [query_count][4] x, y, z, owner as int bits
+    const float* quads; ///< [query_count][4] x, y, z, owner as int bits
     int query_count;
     float near_radius;     ///< m
     float shell_radius;    ///< m, above the near radius, or 0 for no shell
