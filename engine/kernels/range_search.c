@@ -1,5 +1,5 @@
-// Neighbours within a radius through the rows of a uniform grid: a row of cells along x is one contiguous run of slots,
-// tested eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
+// Neighbours within a radius through the rows of a uniform grid: a row of cells is one contiguous run of slots, tested
+// eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
 #include "kernel_isa.h"
 
 // Eight queries while they are searched: what they ask, and a near and a shell list each.
@@ -83,25 +83,38 @@ LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, 
     }
 }
 
-// Queries of one cell look at the same rows.
+// Cells to look at along one of the grid's axes, first and last.
+typedef struct search_span
+{
+    int first, last;
+} search_span;
+
+static search_span span_along( const wisp_range_search_job* job, const int* cell, int axis )
+{
+    return ( search_span ){ at_least( cell[axis] - job->reach, 0 ),
+                            at_most( cell[axis] + job->reach, job->dims[axis] - 1 ) };
+}
+
+// Queries of one cell look at the same rows. A row runs along the grid's fastest axis.
 static void search_cell( const wisp_range_search_job* job, search_slice* s, int first, int last )
 {
     const int* cell = s->cell[first];
-    const int x0 = at_least( cell[0] - job->reach, 0 ), x1 = at_most( cell[0] + job->reach, job->dims[0] - 1 );
-    const int y0 = at_least( cell[1] - job->reach, 0 ), y1 = at_most( cell[1] + job->reach, job->dims[1] - 1 );
-    const int z0 = at_least( cell[2] - job->reach, 0 ), z1 = at_most( cell[2] + job->reach, job->dims[2] - 1 );
-    for ( int z = z0; z <= z1; ++z )
+    const search_span fast = span_along( job, cell, job->axis[0] );
+    const search_span middle = span_along( job, cell, job->axis[1] );
+    const search_span slow = span_along( job, cell, job->axis[2] );
+    for ( int c = slow.first; c <= slow.last; ++c )
     {
-        for ( int y = y0; y <= y1; ++y )
+        for ( int b = middle.first; b <= middle.last; ++b )
         {
-            const int32_t* row = job->cell_begin + ( z * job->dims[1] + y ) * job->dims[0];
+            const int32_t* row = job->cell_begin + ( c * job->dims[job->axis[1]] + b ) * job->dims[job->axis[0]];
+            int begin = row[fast.first], end = row[fast.last + 1];
             if ( job->planar )
             {
-                search_run( job, s, first, last, row[x0], row[x1 + 1], true );
+                search_run( job, s, first, last, begin, end, true );
             }
             else
             {
-                search_run( job, s, first, last, row[x0], row[x1 + 1], false );
+                search_run( job, s, first, last, begin, end, false );
             }
         }
     }

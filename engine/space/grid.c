@@ -95,6 +95,27 @@ static grid_bounds join_bounds( const grid_bounds* bounds, int count )
     return all;
 }
 
+// Fewest cells first, single ones last; equals in the order x, y, z.
+static void order_axes( wisp_grid* grid )
+{
+    int rank[3];
+    for ( int a = 0; a < 3; ++a )
+    {
+        grid->axis[a] = a;
+        rank[a] = grid->dims[a] > 1 ? grid->dims[a] : INT32_MAX;
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        for ( int k = 0; k < 2; ++k )
+        {
+            int a = grid->axis[k], b = grid->axis[k + 1];
+            bool wrong = rank[b] < rank[a];
+            grid->axis[k] = wrong ? b : a;
+            grid->axis[k + 1] = wrong ? a : b;
+        }
+    }
+}
+
 // Widen cells by steps of a quarter until there are no more than the items can use.
 static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
 {
@@ -134,6 +155,7 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
     grid->inverse_cell = 1.0f / cell;
     grid->coarse = cell > 1.5f * wanted;
     grid->planar = bounds.low[2] == bounds.high[2];
+    order_axes( grid );
 }
 
 static int cell_along( const wisp_grid* grid, float coordinate, int axis )
@@ -150,8 +172,10 @@ static void find_cells( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const float* q = b->quads + 4 * (size_t)i;
-        int x = cell_along( g, q[0], 0 ), y = cell_along( g, q[1], 1 ), z = cell_along( g, q[2], 2 );
-        b->cell_of[i] = ( z * g->dims[1] + y ) * g->dims[0] + x;
+        int fast = cell_along( g, q[g->axis[0]], g->axis[0] );
+        int middle = cell_along( g, q[g->axis[1]], g->axis[1] );
+        int slow = cell_along( g, q[g->axis[2]], g->axis[2] );
+        b->cell_of[i] = ( slow * g->dims[g->axis[1]] + middle ) * g->dims[g->axis[0]] + fast;
     }
 }
 

@@ -87,6 +87,7 @@ static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbo
         .origin = { grid->origin[0], grid->origin[1], grid->origin[2] },
         .inverse_cell = grid->inverse_cell,
         .dims = { grid->dims[0], grid->dims[1], grid->dims[2] },
+        .axis = { grid->axis[0], grid->axis[1], grid->axis[2] },
         .reach = cells < 1e6f ? (int)ceilf( cells ) : 1000000,
         .near_radius = query->near_radius,
         .shell_radius = query->shell_radius,

@@ -61,13 +61,13 @@ typedef struct wisp_range_search_job
     const int32_t* cell_begin; ///< [cell_count + 1]
     float origin[3];           ///< m
     float inverse_cell;        ///< 1/m
-    int dims[3];
-    int reach;          ///< cells to look at to each side
-    float near_radius;  ///< m, below it a neighbour is near
-    float shell_radius; ///< m, from the near radius to here it is in the shell; 0: no shell
-    int limit;          ///< at most so many near ones and so many in the shell, the first in order
-    const float* quads; ///< [query][4] x y z, owner as int bits
-    bool planar;        ///< every z is the same
+    int dims[3], axis[3];      ///< as in wisp_grid
+    int reach;                 ///< cells to look at to each side
+    float near_radius;         ///< m, below it a neighbour is near
+    float shell_radius;        ///< m, from the near radius to here it is in the shell; 0: no shell
+    int limit;                 ///< at most so many near ones and so many in the shell, the first in order
+    const float* quads;        ///< [query][4] x y z, owner as int bits
+    bool planar;               ///< every z is the same
 } wisp_range_search_job;
 
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.

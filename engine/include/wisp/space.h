@@ -13,14 +13,17 @@ typedef struct wisp_buffer
     size_t size; ///< bytes
 } wisp_buffer;
 
-/// Items sorted by cell. A slot is an item's place in that order: by cell (x fastest, then y, then z), within a cell
-/// by item number. Zero-initialised is empty; arrays belong to the grid and stay valid until it is built again.
+/// Items sorted by cell. A slot is an item's place in that order: by cell (axis[0] fastest, axis[2] slowest), within a
+/// cell by item number. The axis with the fewest cells is fastest, so that the neighbours of a cell lie close by; an axis
+/// with a single cell is slowest. Zero-initialised is empty; arrays belong to the grid and stay valid until it is built again.
 typedef struct wisp_grid
 {
     int count;
     float origin[3];
-    float cell, inverse_cell; ///< m, 1/m
-    int dims[3];
+    float cell, inverse_cell;  ///< m, 1/m
+    int dims[3];               ///< cells along x, y, z
+    int axis[3];               ///< 0, 1, 2 for x, y, z: fastest first. Cell (cx, cy, cz) = c is number
+                               ///< (c[axis[2]] dims[axis[1]] + c[axis[1]]) dims[axis[0]] + c[axis[0]]
     float slack;               ///< m, how far rounding can carry a coordinate across a cell's border
     bool planar;               ///< every z is the same
     bool coarse;               ///< cells were widened: the items are too far spread for cells of the wanted size
