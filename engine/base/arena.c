@@ -100,6 +100,22 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
     return (unsigned char*)arena->block + begin;
 }
 
+base_arena_mark base_arena_get_mark( const base_arena* arena )
+{
+    return ( base_arena_mark ){ arena->used, arena->wanted };
+}
+
+void base_arena_rewind( base_arena* arena, base_arena_mark mark )
+{
+    arena->used = mark.used;
+    arena->wanted = mark.wanted;
+}
+
+void base_arena_expect( base_arena* arena, size_t bytes )
+{
+    arena->high_water = bytes > arena->high_water ? bytes : arena->high_water;
+}
+
 void base_arena_reset( base_arena* arena )
 {
     release_overflow( arena );

@@ -30,6 +30,20 @@ void base_arena_init( base_arena* arena, const wisp_allocator* allocator, size_t
 /// @return null when size is 0, or when the block is full and the host has no memory for an overflow block
 void* base_arena_push( base_arena* arena, size_t size, size_t alignment );
 
+/// A place in an arena to come back to.
+typedef struct base_arena_mark
+{
+    size_t used, wanted;
+} base_arena_mark;
+
+base_arena_mark base_arena_get_mark( const base_arena* arena );
+
+/// Take back what was pushed since the mark; overflow blocks stay until the next reset.
+void base_arena_rewind( base_arena* arena, base_arena_mark mark );
+
+/// Have room for so many bytes from the next reset on, as if they had been pushed before it.
+void base_arena_expect( base_arena* arena, size_t bytes );
+
 /// Take all pieces back, and grow the block to the high-water mark. If memory is too short for that, the arena goes on
 /// with the block it has and forgets the mark.
 void base_arena_reset( base_arena* arena );

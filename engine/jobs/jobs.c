@@ -5,7 +5,7 @@
 // from the others. Which worker runs a block never shows in a result.
 #include "jobs.h"
 
-#include "alloc.h"
+#include "arena.h"
 
 #include <omp.h>
 #include <sched.h>
@@ -34,6 +34,13 @@ typedef struct jobs_range
     _Alignas( 64 ) _Atomic uint64_t word;
 } jobs_range;
 
+// Scratch memory of a worker, and how many blocks deep it is in one.
+typedef struct jobs_scratch
+{
+    _Alignas( 64 ) base_arena arena;
+    int depth;
+} jobs_scratch;
+
 struct jobs_pool
 {
     jobs_range ranges[WISP_MAX_WORKERS];
@@ -49,6 +56,7 @@ struct jobs_pool
     const wisp_allocator* allocator;
     wisp_parallel everyone;
     wisp_parallel alone[WISP_MAX_WORKERS];
+    jobs_scratch scratch[WISP_MAX_WORKERS];
 };
 
 static uint64_t pack( uint32_t epoch, int next, int end )
@@ -73,6 +81,7 @@ jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_paral
     for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
     {
         pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
+        base_arena_init( &pool->scratch[i].arena, allocator, 0 );
     }
     return pool;
 }
@@ -81,6 +90,10 @@ void jobs_destroy( jobs_pool* pool )
 {
     if ( pool != NULL )
     {
+        for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
+        {
+            base_arena_release( &pool->scratch[i].arena );
+        }
         base_release( pool->allocator, pool, sizeof( *pool ) );
     }
 }
@@ -95,6 +108,46 @@ int jobs_default_workers( void )
     cpu_set_t set;
     int count = sched_getaffinity( 0, sizeof( set ), &set ) == 0 ? CPU_COUNT( &set ) : 1;
     return count < 1 ? 1 : ( count > WISP_MAX_WORKERS ? WISP_MAX_WORKERS : count );
+}
+
+// A block's scratch goes when it ends. Between outermost blocks the arena may grow to what they wanted.
+static void run_scoped( jobs_pool* pool, wisp_block_fn* run, void* context, int block, int worker )
+{
+    jobs_scratch* scratch = pool->scratch + worker;
+    base_arena_mark mark = base_arena_get_mark( &scratch->arena );
+    scratch->depth += 1;
+    run( context, block, worker );
+    scratch->depth -= 1;
+    if ( scratch->depth == 0 )
+    {
+        base_arena_reset( &scratch->arena );
+    }
+    else
+    {
+        base_arena_rewind( &scratch->arena, mark );
+    }
+}
+
+// Chance decides who runs a block, so whoever did not run one must have room for it all the same: a repeated step
+// allocates nothing.
+static void level_scratch( jobs_pool* pool )
+{
+    size_t most = 0;
+    for ( int i = 0; i < pool->workers; ++i )
+    {
+        size_t high = pool->scratch[i].arena.high_water;
+        most = high > most ? high : most;
+    }
+    for ( int i = 0; i < pool->workers; ++i )
+    {
+        base_arena_expect( &pool->scratch[i].arena, most );
+        base_arena_reset( &pool->scratch[i].arena );
+    }
+}
+
+void* wisp_parallel_scratch( const wisp_parallel* parallel, int worker, size_t bytes )
+{
+    return base_arena_push( &parallel->pool->scratch[worker].arena, bytes, 64 );
 }
 
 // Take a block of one worker's range, or -1 if this wave has none left there.
@@ -126,7 +179,7 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
         for ( int block = take( range, epoch ); block >= 0; block = take( range, epoch ) )
         {
             // A block was taken, so the wave cannot end before it is done: run and context are this wave's.
-            pool->run( pool->context, block, worker );
+            run_scoped( pool, pool->run, pool->context, block, worker );
             atomic_fetch_sub_explicit( &pool->pending, 1, memory_order_release );
         }
     }
@@ -168,6 +221,7 @@ void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* conte
     if ( pool->workers == 1 || pool->host != NULL )
     {
         driver( context );
+        level_scratch( pool );
         return;
     }
     uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed );
@@ -187,21 +241,36 @@ void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* conte
             stand_by( pool, worker, epoch );
         }
     }
+    level_scratch( pool );
+}
+
+// What a host's own loop calls.
+static void run_host_block( void* context, int block, int worker )
+{
+    jobs_pool* pool = context;
+    run_scoped( pool, pool->run, pool->context, block, worker );
+}
+
+void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
+{
+    for ( int block = 0; block < block_count; ++block )
+    {
+        run_scoped( pool, run, context, block, 0 );
+    }
 }
 
 void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context )
 {
     if ( pool->host != NULL && block_count > 1 )
     {
-        pool->host( pool->host_user, block_count, run, context );
+        pool->run = run;
+        pool->context = context;
+        pool->host( pool->host_user, block_count, run_host_block, pool );
         return;
     }
     if ( pool->inside == false || block_count <= 1 || block_count > JOBS_BLOCK_MASK )
     {
-        for ( int block = 0; block < block_count; ++block )
-        {
-            run( context, block, 0 );
-        }
+        jobs_run_inline( pool, block_count, run, context );
         return;
     }
     uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed ) + 1;
@@ -231,11 +300,6 @@ const wisp_parallel* jobs_everyone( const jobs_pool* pool )
 const wisp_parallel* jobs_alone( const jobs_pool* pool, int worker )
 {
     return pool->alone + worker;
-}
-
-int wisp_parallel_workers( const wisp_parallel* parallel )
-{
-    return parallel->pool->workers;
 }
 
 const wisp_allocator* wisp_parallel_allocator( const wisp_parallel* parallel )
@@ -270,6 +334,6 @@ void wisp_parallel_for( const wisp_parallel* parallel, int count, int grain, wis
     }
     for ( int block = 0; block < block_count; ++block )
     {
-        run_loop_block( &loop, block, parallel->worker );
+        run_scoped( parallel->pool, run_loop_block, &loop, block, parallel->worker );
     }
 }

@@ -22,6 +22,9 @@ void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* conte
 /// One wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are done.
 void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
 
+/// Blocks one after another on the calling thread as worker 0.
+void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
+
 /// All workers: valid on the driver thread while no wave runs.
 const wisp_parallel* jobs_everyone( const jobs_pool* pool );
 /// Only this worker.

@@ -54,14 +54,16 @@
 #include <string.h>
 
 // Lanes are worth their name only in registers, so every operation is inlined. Not so under a sanitizer, where each
-// carries its checks along and a test would compile for minutes; nor in a debugger.
+// carries its checks along and one file would compile for minutes; nor without optimisation, for the debugger's sake.
 #if defined( __has_feature )
 #define LANE_HAS_FEATURE( name ) __has_feature( name )
 #else
 #define LANE_HAS_FEATURE( name ) 0
 #endif
-#if defined( __OPTIMIZE__ ) && !defined( __SANITIZE_ADDRESS__ ) && !defined( __SANITIZE_THREAD__ ) &&                \
-    !LANE_HAS_FEATURE( address_sanitizer ) && !LANE_HAS_FEATURE( thread_sanitizer )
+#if defined( __SANITIZE_ADDRESS__ ) || defined( __SANITIZE_THREAD__ ) || LANE_HAS_FEATURE( address_sanitizer ) ||    \
+    LANE_HAS_FEATURE( thread_sanitizer )
+#define LANE_INLINE static __attribute__( ( noinline, unused ) )
+#elif defined( __OPTIMIZE__ )
 #define LANE_INLINE static inline __attribute__( ( always_inline ) )
 #else
 #define LANE_INLINE static inline

@@ -259,20 +259,26 @@ static unsigned passes_of_wave( const wisp_frame* frame, int count, int* only )
     return distinct;
 }
 
-// Share the wave's wall time among its passes as the samples say.
+// Share the wave's wall time among its passes as the samples say. Walks the plan, not the registry: what is registered
+// and not asked for costs nothing.
 static void share_time( wisp_frame* frame, double seconds )
 {
+    const plan* p = frame->plan;
     double totals[PLAN_MAX_PASSES] = { 0 }, sum = 0.0;
-    for ( int w = 0; w < frame->registry->workers; ++w )
+    for ( int n = 0; n < p->node_count; ++n )
     {
-        for ( int i = 0; i < frame->registry->pass_count; ++i )
+        for ( int i = 0; i < p->nodes[n].pass_count; ++i )
         {
-            totals[i] += frame->clocks[w].seconds[i];
-            sum += frame->clocks[w].seconds[i];
-            frame->clocks[w].seconds[i] = 0.0;
+            int pass = p->nodes[n].passes[i];
+            for ( int w = 0; w < frame->registry->workers; ++w )
+            {
+                totals[pass] += frame->clocks[w].seconds[pass];
+                frame->clocks[w].seconds[pass] = 0.0;
+            }
+            sum += totals[pass];
         }
     }
-    for ( int i = 0; i < frame->registry->pass_count && sum > 0.0; ++i )
+    for ( int i = 0; i < PLAN_MAX_PASSES && sum > 0.0; ++i )
     {
         frame->pass_seconds[i] += seconds * totals[i] / sum;
     }
@@ -285,10 +291,7 @@ static void run_narrow( wisp_frame* frame, int count, int rows )
     double begin = wisp_clock_seconds();
     if ( rows < PLAN_SMALL_WAVE_ROWS )
     {
-        for ( int i = 0; i < count; ++i )
-        {
-            run_block( frame, i, 0 );
-        }
+        jobs_run_inline( frame->pool, count, run_block, frame );
     }
     else
     {
@@ -310,7 +313,9 @@ static void run_wide( wisp_frame* frame, int index )
     frame->wide = true;
     frame->sampled = false;
     double begin = wisp_clock_seconds();
-    run_block( frame, index, 0 );
+    frame->wave += index;
+    jobs_run_inline( frame->pool, 1, run_block, frame );
+    frame->wave -= index;
     frame->pass_seconds[frame->plan->nodes[frame->wave[index].node].passes[0]] += wisp_clock_seconds() - begin;
     frame->wide = false;
 }

@@ -34,9 +34,10 @@ typedef struct neighbour_search
     wisp_range_search_job job;
     int query_count;
     neighbour_pool near, shell;
-    int32_t* scratch;
+    const wisp_parallel* parallel;
     size_t list; // ints of a packed list
     _Atomic uint64_t capped;
+    _Atomic bool starved;
 } neighbour_search;
 
 enum
@@ -58,7 +59,13 @@ static void keep( neighbour_pool* pool, int slice, const int32_t* packed, int le
 static void search_slices( void* context, int begin, int end, int worker )
 {
     neighbour_search* s = context;
-    int32_t* scratch = s->scratch + (size_t)worker * NEIGHBOURS_SCRATCH_LISTS * s->list;
+    int32_t* scratch =
+        wisp_parallel_scratch( s->parallel, worker, NEIGHBOURS_SCRATCH_LISTS * s->list * sizeof( int32_t ) );
+    if ( scratch == NULL )
+    {
+        atomic_store( &s->starved, true );
+        return;
+    }
     wisp_range_search_result found = { .near = scratch,
                                        .shell = scratch + s->list,
                                        .scratch = scratch + 2 * s->list };
@@ -118,6 +125,10 @@ static wisp_status search_until_it_fits( neighbour_search* s, const wisp_paralle
         empty( &s->shell, shell->data, shell->size / entry );
         atomic_store( &s->capped, 0 );
         wisp_parallel_for( parallel, slices, NEIGHBOURS_GRAIN, search_slices, s );
+        if ( atomic_load( &s->starved ) )
+        {
+            return WISP_NO_MEMORY;
+        }
         size_t near_used = atomic_load( &s->near.used ), shell_used = atomic_load( &s->shell.used );
         if ( near_used <= s->near.capacity && shell_used <= s->shell.capacity )
         {
@@ -139,11 +150,8 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
     size_t list = (size_t)( query->limit + WISP_SEARCH_SLACK ) * WISP_SLICE;
-    size_t workers = (size_t)wisp_parallel_workers( parallel );
-    wisp_buffer *places = neighbours->buffers + 0, *scratch = neighbours->buffers + 1;
-    if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false ||
-         wisp_buffer_reserve( scratch, allocator, NEIGHBOURS_SCRATCH_LISTS * list * workers * sizeof( int32_t ) ) ==
-             false )
+    wisp_buffer* places = neighbours->buffers;
+    if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false )
     {
         return WISP_NO_MEMORY;
     }
@@ -154,11 +162,11 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
         .query_count = query->query_count,
         .near = { .begin = place, .length = place + slices },
         .shell = { .begin = place + 2 * (size_t)slices, .length = place + 3 * (size_t)slices },
-        .scratch = scratch->data,
+        .parallel = parallel,
         .list = list,
     };
     wisp_status status =
-        search_until_it_fits( &s, parallel, slices, neighbours->buffers + 2, neighbours->buffers + 3 );
+        search_until_it_fits( &s, parallel, slices, neighbours->buffers + 1, neighbours->buffers + 2 );
     if ( status != WISP_OK )
     {
         return status;

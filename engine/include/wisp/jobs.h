@@ -26,8 +26,11 @@ typedef struct wisp_parallel wisp_parallel;
 WISP_API void wisp_parallel_for( const wisp_parallel* parallel, int count, int grain, wisp_range_fn* run,
                                  void* context );
 
-/// Upper bound of the worker numbers that a loop hands out, for arrays of scratch memory.
-WISP_API int wisp_parallel_workers( const wisp_parallel* parallel );
+/// Scratch memory of a worker, 64-byte aligned and not initialised, until the block that asked for it ends. Costs
+/// nothing once warm.
+/// @param worker the number that the block was given
+/// @return null without memory
+WISP_API void* wisp_parallel_scratch( const wisp_parallel* parallel, int worker, size_t bytes );
 
 /// The host's memory as the workers may use it.
 WISP_API const wisp_allocator* wisp_parallel_allocator( const wisp_parallel* parallel );

@@ -50,7 +50,7 @@ typedef struct wisp_neighbours
     wisp_neighbour_list near, shell;
     size_t near_entries, shell_entries; ///< of all slices, padding included
     uint64_t capped;                    ///< queries that ran into the limit
-    wisp_buffer buffers[4];
+    wisp_buffer buffers[3];
 } wisp_neighbours;
 
 /// What to look for.
