@@ -140,10 +140,12 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
                                     (double)d->ice[i] );
         }
     }
-    float direction = d->stiffness[d->point_count - 1] - d->stiffness[0];
+    float direction = 0.0f; // of the first segment that is not level
     for ( int i = 0; i + 1 < d->point_count; ++i )
     {
-        if ( ( d->stiffness[i + 1] - d->stiffness[i] ) * direction < 0.0f )
+        float change = d->stiffness[i + 1] - d->stiffness[i];
+        direction = direction == 0.0f ? change : direction;
+        if ( ( change < 0.0f && direction > 0.0f ) || ( change > 0.0f && direction < 0.0f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
                                     "climate: stiffness turns back at curve point %d, it must be monotone", i + 1 );

@@ -1,0 +1,304 @@
+// The container: memory, checks, and which format a path means.
+#include "groom_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "io_file.h"
+
+// ---- memory ----------------------------------------------------------------------------------------------------
+
+void wisp_groom_release( wisp_groom* groom )
+{
+    free( groom->offsets );
+    free( groom->points );
+    free( groom->thickness );
+    free( groom->transparency );
+    free( groom->colour );
+    *groom = ( wisp_groom ){ 0 };
+}
+
+wisp_status groom_allocate( wisp_groom* groom, int strand_count, int vertex_count, int columns, const char* name,
+                            wisp_error* error )
+{
+    size_t vertices = (size_t)vertex_count;
+    bool thick = ( columns & GROOM_THICKNESS ) != 0;
+    bool clear = ( columns & GROOM_TRANSPARENCY ) != 0;
+    bool coloured = ( columns & GROOM_COLOUR ) != 0;
+    *groom = ( wisp_groom ){
+        .strand_count = strand_count,
+        .vertex_count = vertex_count,
+        .dimension = 3,
+        .offsets = malloc( ( (size_t)strand_count + 1 ) * sizeof( int ) ),
+        .points = malloc( vertices * sizeof( wisp_vec3 ) ),
+        .thickness = thick ? malloc( vertices * sizeof( float ) ) : NULL,
+        .transparency = clear ? malloc( vertices * sizeof( float ) ) : NULL,
+        .colour = coloured ? malloc( vertices * sizeof( wisp_vec3 ) ) : NULL,
+    };
+    if ( groom->offsets == NULL || groom->points == NULL || ( thick && groom->thickness == NULL ) ||
+         ( clear && groom->transparency == NULL ) || ( coloured && groom->colour == NULL ) )
+    {
+        wisp_groom_release( groom );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d strands with %d vertices",
+                          io_short_name( name ), strand_count, vertex_count );
+    }
+    return WISP_OK;
+}
+
+// ---- checks ----------------------------------------------------------------------------------------------------
+
+int groom_dimension_of( const wisp_groom* groom )
+{
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        if ( groom->points[v].z != 0.0f )
+        {
+            return 3;
+        }
+    }
+    return 2;
+}
+
+static wisp_status check_offsets( const wisp_groom* groom, const char* name, wisp_error* error )
+{
+    if ( groom->strand_count < 1 || groom->vertex_count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the groom is empty: %d strands, %d vertices", name,
+                          groom->strand_count, groom->vertex_count );
+    }
+    if ( groom->offsets == NULL || groom->points == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the groom has no %s", name,
+                          groom->offsets == NULL ? "offsets" : "points" );
+    }
+    if ( groom->offsets[0] != 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: strand 0 starts at vertex %d instead of 0", name,
+                          groom->offsets[0] );
+    }
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        if ( groom->offsets[s + 1] < groom->offsets[s] || groom->offsets[s + 1] > groom->vertex_count )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d runs from vertex %d to %d of %d", name, s,
+                              groom->offsets[s], groom->offsets[s + 1], groom->vertex_count );
+        }
+    }
+    if ( groom->offsets[groom->strand_count] != groom->vertex_count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the strands end at vertex %d of %d", name,
+                          groom->offsets[groom->strand_count], groom->vertex_count );
+    }
+    return WISP_OK;
+}
+
+// The numbers of one vertex under the names that sentences use.
+typedef struct vertex_numbers
+{
+    const char* name[8];
+    float value[8];
+    int count;
+} vertex_numbers;
+
+static void add_number( vertex_numbers* numbers, const char* name, float value )
+{
+    numbers->name[numbers->count] = name;
+    numbers->value[numbers->count] = value;
+    ++numbers->count;
+}
+
+static vertex_numbers gather( const wisp_groom* groom, int v )
+{
+    vertex_numbers numbers = { .count = 0 };
+    add_number( &numbers, "x", groom->points[v].x );
+    add_number( &numbers, "y", groom->points[v].y );
+    add_number( &numbers, "z", groom->points[v].z );
+    if ( groom->thickness != NULL )
+    {
+        add_number( &numbers, "thickness", groom->thickness[v] );
+    }
+    if ( groom->transparency != NULL )
+    {
+        add_number( &numbers, "transparency", groom->transparency[v] );
+    }
+    if ( groom->colour != NULL )
+    {
+        add_number( &numbers, "red", groom->colour[v].x );
+        add_number( &numbers, "green", groom->colour[v].y );
+        add_number( &numbers, "blue", groom->colour[v].z );
+    }
+    return numbers;
+}
+
+static wisp_status check_vertex_finite( const wisp_groom* groom, int s, int v, const char* name, wisp_error* error )
+{
+    vertex_numbers numbers = gather( groom, v );
+    for ( int k = 0; k < numbers.count; ++k )
+    {
+        if ( !isfinite( numbers.value[k] ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d, vertex %d: %s is %s", name, s,
+                              v - groom->offsets[s], numbers.name[k],
+                              isnan( numbers.value[k] ) ? "not a number" : "infinite" );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status groom_check_finite( const wisp_groom* groom, const char* name, wisp_error* error )
+{
+    name = io_short_name( name );
+    wisp_status status = check_offsets( groom, name, error );
+    for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
+    {
+        for ( int v = groom->offsets[s]; status == WISP_OK && v < groom->offsets[s + 1]; ++v )
+        {
+            status = check_vertex_finite( groom, s, v, name, error );
+        }
+    }
+    return status;
+}
+
+// Coordinates come first in gather(), thickness by name, all others are fractions.
+static wisp_status check_vertex_range( const wisp_groom* groom, int s, int v, wisp_error* error )
+{
+    vertex_numbers numbers = gather( groom, v );
+    for ( int k = 0; k < numbers.count; ++k )
+    {
+        bool coordinate = k < 3;
+        bool thickness = groom->thickness != NULL && k == 3;
+        float least = coordinate ? -WISP_GROOM_FARTHEST : 0.0f;
+        float most = coordinate || thickness ? WISP_GROOM_FARTHEST : 1.0f;
+        if ( numbers.value[k] < least || numbers.value[k] > most )
+        {
+            return wisp_fail(
+                error, WISP_BAD_INPUT, "groom: strand %d, vertex %d: %s is %.9g and must be in %g .. %g", s,
+                v - groom->offsets[s], numbers.name[k], (double)numbers.value[k], (double)least, (double)most );
+        }
+    }
+    if ( groom->dimension == 2 && groom->points[v].z != 0.0f )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "groom: strand %d, vertex %d: z is %.9g in a groom of two dimensions", s,
+                          v - groom->offsets[s], (double)groom->points[v].z );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error )
+{
+    wisp_status status = groom_check_finite( groom, "groom", error );
+    if ( status == WISP_OK && groom->dimension != 2 && groom->dimension != 3 )
+    {
+        status =
+            wisp_fail( error, WISP_BAD_INPUT, "groom: it has %d dimensions instead of 2 or 3", groom->dimension );
+    }
+    for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
+    {
+        for ( int v = groom->offsets[s]; status == WISP_OK && v < groom->offsets[s + 1]; ++v )
+        {
+            status = check_vertex_range( groom, s, v, error );
+        }
+    }
+    return status;
+}
+
+// ---- formats ---------------------------------------------------------------------------------------------------
+
+static bool has_extension( const char* path, const char* extension )
+{
+    size_t length = strlen( path );
+    size_t wanted = strlen( extension );
+    if ( length < wanted )
+    {
+        return false;
+    }
+    for ( size_t i = 0; i < wanted; ++i )
+    {
+        // Not tolower(): the host's locale has no say in what a file is.
+        char c = path[length - wanted + i];
+        char lower = c >= 'A' && c <= 'Z' ? (char)( c - 'A' + 'a' ) : c;
+        if ( lower != extension[i] )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static wisp_status read_bytes( const char* path, const unsigned char* bytes, size_t size, wisp_groom* out,
+                               wisp_error* error )
+{
+    bool magic = size >= 4 && memcmp( bytes, "HAIR", 4 ) == 0;
+    if ( magic || has_extension( path, ".hair" ) )
+    {
+        return wisp_groom_read_hair( bytes, size, path, out, error );
+    }
+    if ( has_extension( path, ".tfx" ) )
+    {
+        return wisp_groom_read_tfx( bytes, size, path, out, error );
+    }
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "%s: not a groom: the file does not start with \"HAIR\" and is called neither .hair nor .tfx",
+                      io_short_name( path ) );
+}
+
+wisp_status wisp_groom_read( const char* path, wisp_groom* out, wisp_error* error )
+{
+    *out = ( wisp_groom ){ 0 };
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, WISP_GROOM_FILE_CAP, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        status = read_bytes( path, bytes, size, out, error );
+    }
+    free( bytes );
+    return status;
+}
+
+typedef wisp_status groom_writer( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error );
+
+static groom_writer* find_writer( const char* path )
+{
+    static const struct
+    {
+        const char* extension;
+        groom_writer* write;
+    } formats[] = {
+        { ".hair", wisp_groom_write_hair },
+        { ".usda", wisp_groom_write_usda },
+        { ".obj", wisp_groom_write_obj },
+    };
+    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    {
+        if ( has_extension( path, formats[i].extension ) )
+        {
+            return formats[i].write;
+        }
+    }
+    return NULL;
+}
+
+wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_error* error )
+{
+    groom_writer* write = find_writer( path );
+    if ( write == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: grooms are written as .hair, .usda or .obj",
+                          io_short_name( path ) );
+    }
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = write( output.stream, groom, path, error );
+    if ( status != WISP_OK )
+    {
+        io_output_discard( &output );
+        return status;
+    }
+    return io_output_commit( &output, error );
+}

@@ -1,0 +1,147 @@
+// USD text: one BasisCurves prim, linear, so that a strand is exactly its polyline. Metres, y up.
+#include "groom_internal.h"
+
+#include <math.h>
+
+#include "io_file.h"
+
+// A linear curve of one vertex has no segment: USD calls it invalid, so it is refused here rather than dropped.
+static wisp_status check_fits( const wisp_groom* groom, const char* name, wisp_error* error )
+{
+    wisp_status status = groom_check_finite( groom, name, error );
+    for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
+    {
+        int count = groom->offsets[s + 1] - groom->offsets[s];
+        if ( count < 2 )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT,
+                                "%s: strand %d has %d vertices; a curve in a .usda file needs at least 2",
+                                io_short_name( name ), s, count );
+        }
+    }
+    return status;
+}
+
+static void write_counts( FILE* out, const wisp_groom* groom )
+{
+    fputs( "    int[] curveVertexCounts = [", out );
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        fprintf( out, "%s%d", s > 0 ? ", " : "", groom->offsets[s + 1] - groom->offsets[s] );
+    }
+    fputs( "]\n", out );
+}
+
+// Nine digits bring every float back bit for bit.
+static void write_vector( FILE* out, wisp_vec3 v )
+{
+    fprintf( out, "(%.9g, %.9g, %.9g)", (double)v.x, (double)v.y, (double)v.z );
+}
+
+// A line a strand: files of one endless line stop editors.
+static void write_vectors( FILE* out, const wisp_groom* groom, const char* type_and_name, const wisp_vec3* values )
+{
+    fprintf( out, "    %s = [\n", type_and_name );
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        fputs( "        ", out );
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
+        {
+            write_vector( out, values[v] );
+            fputs( v + 1 == groom->vertex_count ? "\n" : v + 1 == groom->offsets[s + 1] ? ",\n" : ", ", out );
+        }
+    }
+    fputs( "    ]", out );
+}
+
+static void write_floats( FILE* out, const wisp_groom* groom, const char* type_and_name, const float* values,
+                          bool from_one )
+{
+    fprintf( out, "    %s = [\n", type_and_name );
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        fputs( "        ", out );
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
+        {
+            float value = from_one ? 1.0f - values[v] : values[v];
+            fprintf( out, "%.9g", (double)value );
+            fputs( v + 1 == groom->vertex_count ? "\n" : v + 1 == groom->offsets[s + 1] ? ",\n" : ", ", out );
+        }
+    }
+    fputs( "    ]", out );
+}
+
+// The box of the curves as drawn: half the largest width around the points.
+static void write_extent( FILE* out, const wisp_groom* groom )
+{
+    wisp_vec3 least = groom->points[0];
+    wisp_vec3 most = groom->points[0];
+    float width = 0.0f;
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        wisp_vec3 p = groom->points[v];
+        least = ( wisp_vec3 ){ fminf( least.x, p.x ), fminf( least.y, p.y ), fminf( least.z, p.z ) };
+        most = ( wisp_vec3 ){ fmaxf( most.x, p.x ), fmaxf( most.y, p.y ), fmaxf( most.z, p.z ) };
+        width = groom->thickness != NULL ? fmaxf( width, groom->thickness[v] ) : width;
+    }
+    float half = 0.5f * width;
+    fputs( "    float3[] extent = [", out );
+    write_vector( out, ( wisp_vec3 ){ least.x - half, least.y - half, least.z - half } );
+    fputs( ", ", out );
+    write_vector( out, ( wisp_vec3 ){ most.x + half, most.y + half, most.z + half } );
+    fputs( "]\n", out );
+}
+
+static void write_curves( FILE* out, const wisp_groom* groom )
+{
+    static const char per_vertex[] = " (\n        interpolation = \"vertex\"\n    )\n";
+    fputs( "def BasisCurves \"Groom\"\n{\n"
+           "    uniform token type = \"linear\"\n"
+           "    uniform token wrap = \"nonperiodic\"\n",
+           out );
+    write_counts( out, groom );
+    write_extent( out, groom );
+    write_vectors( out, groom, "point3f[] points", groom->points );
+    fputs( "\n", out );
+    if ( groom->thickness != NULL )
+    {
+        write_floats( out, groom, "float[] widths", groom->thickness, false );
+        fputs( per_vertex, out );
+    }
+    if ( groom->colour != NULL )
+    {
+        write_vectors( out, groom, "color3f[] primvars:displayColor", groom->colour );
+        fputs( per_vertex, out );
+    }
+    if ( groom->transparency != NULL )
+    {
+        write_floats( out, groom, "float[] primvars:displayOpacity", groom->transparency, true );
+        fputs( per_vertex, out );
+    }
+    fputs( "}\n", out );
+}
+
+wisp_status wisp_groom_write_usda( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error )
+{
+    wisp_status status = check_fits( groom, name, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    io_numbers numbers;
+    status = io_numbers_begin( &numbers, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fputs( "#usda 1.0\n(\n"
+           "    defaultPrim = \"Groom\"\n"
+           "    doc = \"Wisp " WISP_VERSION_STRING "\"\n"
+           "    metersPerUnit = 1\n"
+           "    upAxis = \"Y\"\n"
+           ")\n\n",
+           out );
+    write_curves( out, groom );
+    io_numbers_end( &numbers );
+    return WISP_OK;
+}

@@ -1,0 +1,324 @@
+// POSIX 2008 with XSI rather than C17 alone: fsync, realpath and per-thread locales have no standard counterpart.
+#define _XOPEN_SOURCE 700
+
+#include "io_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum
+{
+    FIRST_BLOCK = 64 * 1024, // bytes, where a file's size is unknown
+    NAME_SHOWN = 200,        // characters of a path that a sentence shows
+    PARTIAL_ATTEMPTS = 100,  // names tried before giving up; one is enough unless a crash left files behind
+};
+
+const char* io_short_name( const char* name )
+{
+    size_t length = strlen( name );
+    return length > NAME_SHOWN ? name + ( length - NAME_SHOWN ) : name;
+}
+
+static wisp_status system_refused( wisp_error* error, const char* path, const char* what )
+{
+    return wisp_fail( error, WISP_IO_ERROR, "%s: cannot %s: %s", io_short_name( path ), what, strerror( errno ) );
+}
+
+static wisp_status too_long( wisp_error* error, const char* path, size_t size_cap )
+{
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted",
+                      io_short_name( path ), size_cap );
+}
+
+// ---- reading ---------------------------------------------------------------------------------------------------
+
+// A regular file announces its size, so that one block is enough. The extra byte is where the end of the file shows.
+static wisp_status first_capacity( FILE* file, const char* path, size_t size_cap, size_t* capacity,
+                                   wisp_error* error )
+{
+    struct stat info;
+    if ( fstat( fileno( file ), &info ) != 0 )
+    {
+        return system_refused( error, path, "examine" );
+    }
+    if ( S_ISDIR( info.st_mode ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: this is a folder, not a file", io_short_name( path ) );
+    }
+    *capacity = FIRST_BLOCK;
+    if ( S_ISREG( info.st_mode ) && info.st_size > 0 )
+    {
+        if ( (unsigned long long)info.st_size > size_cap )
+        {
+            return too_long( error, path, size_cap );
+        }
+        *capacity = (size_t)info.st_size + 1;
+    }
+    return WISP_OK;
+}
+
+// Doubles the block when it is full. The file is over the cap when a byte more than the cap has arrived.
+static wisp_status read_all( FILE* file, const char* path, size_t size_cap, size_t capacity, unsigned char** bytes,
+                             size_t* size, wisp_error* error )
+{
+    unsigned char* block = NULL;
+    size_t used = 0;
+    wisp_status status = WISP_OK;
+    while ( status == WISP_OK )
+    {
+        unsigned char* larger = realloc( block, capacity );
+        if ( larger == NULL )
+        {
+            status =
+                wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %zu bytes", io_short_name( path ), capacity );
+            break;
+        }
+        block = larger;
+        used += fread( block + used, 1, capacity - used, file );
+        if ( ferror( file ) )
+        {
+            status = system_refused( error, path, "read" );
+        }
+        else if ( used > size_cap )
+        {
+            status = too_long( error, path, size_cap );
+        }
+        else if ( used < capacity )
+        {
+            break;
+        }
+        capacity *= 2;
+    }
+    if ( status != WISP_OK )
+    {
+        free( block );
+        return status;
+    }
+    *bytes = block;
+    *size = used;
+    return WISP_OK;
+}
+
+// A block as long as the file, so that a checker sees the first read past its end.
+static void trim( unsigned char** bytes, size_t size )
+{
+    if ( size == 0 )
+    {
+        free( *bytes );
+        *bytes = NULL;
+        return;
+    }
+    unsigned char* exact = realloc( *bytes, size );
+    if ( exact != NULL )
+    {
+        *bytes = exact;
+    }
+}
+
+wisp_status io_file_read( const char* path, size_t size_cap, unsigned char** bytes, size_t* size, wisp_error* error )
+{
+    *bytes = NULL;
+    *size = 0;
+    FILE* file = fopen( path, "rb" );
+    if ( file == NULL )
+    {
+        return system_refused( error, path, "open" );
+    }
+    size_t capacity = 0;
+    wisp_status status = first_capacity( file, path, size_cap, &capacity, error );
+    if ( status == WISP_OK )
+    {
+        status = read_all( file, path, size_cap, capacity, bytes, size, error );
+    }
+    fclose( file );
+    if ( status == WISP_OK )
+    {
+        trim( bytes, *size );
+    }
+    return status;
+}
+
+// ---- writing ---------------------------------------------------------------------------------------------------
+
+static wisp_status no_memory( wisp_error* error, const char* path )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a path", io_short_name( path ) );
+}
+
+// A hidden name in the folder of `path`; short, because the folder's limit counts for it as well.
+static char* partial_name( const char* path, int attempt )
+{
+    const char* slash = strrchr( path, '/' );
+    size_t folder = slash == NULL ? 0 : (size_t)( slash - path ) + 1;
+    size_t room = folder + 64;
+    char* name = malloc( room );
+    if ( name != NULL )
+    {
+        memcpy( name, path, folder );
+        snprintf( name + folder, room - folder, ".wisp-%ld-%d.partial", (long)getpid(), attempt );
+    }
+    return name;
+}
+
+// O_EXCL: a name that exists belongs to another writer, or to a symbolic link that somebody laid out for us.
+static wisp_status open_partial( const char* path, io_output* output, int* descriptor, wisp_error* error )
+{
+    for ( int attempt = 0; attempt < PARTIAL_ATTEMPTS; ++attempt )
+    {
+        char* name = partial_name( output->path, attempt );
+        if ( name == NULL )
+        {
+            return no_memory( error, path );
+        }
+        *descriptor = open( name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666 );
+        if ( *descriptor >= 0 )
+        {
+            output->partial = name;
+            return WISP_OK;
+        }
+        int reason = errno;
+        free( name );
+        errno = reason;
+        if ( reason != EEXIST )
+        {
+            break;
+        }
+    }
+    return system_refused( error, path, "create a file beside it" );
+}
+
+// Where the bytes go first. A device or a pipe is written in place: renaming over /dev/stdout would destroy it.
+static wisp_status open_descriptor( const char* path, io_output* output, int* descriptor, wisp_error* error )
+{
+    struct stat info;
+    bool exists = stat( path, &info ) == 0;
+    if ( exists && S_ISDIR( info.st_mode ) )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: cannot write: this is a folder", io_short_name( path ) );
+    }
+    // A folder's permission to rename is not the file's permission to be written.
+    if ( exists && access( path, W_OK ) != 0 )
+    {
+        return system_refused( error, path, "open for writing" );
+    }
+    bool in_place = exists && !S_ISREG( info.st_mode );
+    output->path = exists && !in_place ? realpath( path, NULL ) : strdup( path );
+    if ( output->path == NULL )
+    {
+        return no_memory( error, path );
+    }
+    if ( in_place )
+    {
+        *descriptor = open( path, O_WRONLY | O_CLOEXEC );
+        return *descriptor >= 0 ? WISP_OK : system_refused( error, path, "open for writing" );
+    }
+    wisp_status status = open_partial( path, output, descriptor, error );
+    if ( status == WISP_OK && exists && fchmod( *descriptor, info.st_mode & 07777 ) != 0 )
+    {
+        status = system_refused( error, path, "keep the permissions" );
+    }
+    return status;
+}
+
+static void forget( io_output* output )
+{
+    if ( output->partial != NULL )
+    {
+        unlink( output->partial );
+    }
+    free( output->partial );
+    free( output->path );
+    *output = ( io_output ){ 0 };
+}
+
+wisp_status io_output_open( const char* path, io_output* output, wisp_error* error )
+{
+    *output = ( io_output ){ 0 };
+    int descriptor = -1;
+    wisp_status status = open_descriptor( path, output, &descriptor, error );
+    if ( status == WISP_OK )
+    {
+        output->stream = fdopen( descriptor, "wb" );
+        if ( output->stream == NULL )
+        {
+            status = system_refused( error, path, "open for writing" );
+        }
+    }
+    if ( status != WISP_OK )
+    {
+        if ( descriptor >= 0 )
+        {
+            close( descriptor );
+        }
+        forget( output );
+    }
+    return status;
+}
+
+wisp_status io_output_commit( io_output* output, wisp_error* error )
+{
+    const char* path = output->path;
+
+    // errno of a write that failed long ago is gone, hence the zero: strerror must not blame something unrelated.
+    errno = 0;
+    bool failed = ferror( output->stream ) != 0;
+    failed = fflush( output->stream ) != 0 || failed;
+    // Without fsync a power cut after the rename can leave the new name with no content.
+    failed = failed || ( output->partial != NULL && fsync( fileno( output->stream ) ) != 0 );
+    int reason = errno;
+    if ( fclose( output->stream ) != 0 && !failed )
+    {
+        failed = true;
+        reason = errno;
+    }
+    wisp_status status = WISP_OK;
+    if ( failed )
+    {
+        status = wisp_fail( error, WISP_IO_ERROR, "%s: cannot write: %s", io_short_name( path ),
+                            reason != 0 ? strerror( reason ) : "an earlier write failed" );
+    }
+    else if ( output->partial != NULL && rename( output->partial, output->path ) != 0 )
+    {
+        status = system_refused( error, path, "put the new file in place" );
+    }
+    else
+    {
+        free( output->partial );
+        output->partial = NULL;
+    }
+    forget( output );
+    return status;
+}
+
+void io_output_discard( io_output* output )
+{
+    fclose( output->stream );
+    forget( output );
+}
+
+// ---- numbers ---------------------------------------------------------------------------------------------------
+
+wisp_status io_numbers_begin( io_numbers* numbers, wisp_error* error )
+{
+    locale_t plain = newlocale( LC_ALL_MASK, "C", (locale_t)0 );
+    if ( plain == (locale_t)0 )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a numeric locale" );
+    }
+    numbers->plain = plain;
+    numbers->previous = uselocale( plain );
+    return WISP_OK;
+}
+
+void io_numbers_end( io_numbers* numbers )
+{
+    uselocale( (locale_t)numbers->previous );
+    freelocale( (locale_t)numbers->plain );
+    *numbers = ( io_numbers ){ 0 };
+}

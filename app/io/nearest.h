@@ -1,0 +1,17 @@
+/// The known word a mistyped one was probably meant to be: for keys of scenes and verbs of the command line.
+#pragma once
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+    /// The word of a list that is nearest to `word` by Damerau-Levenshtein distance (a swap of neighbouring letters
+    /// counts once; capitals do not count).
+    /// @param words [count], none null
+    /// @return one of `words`, the first of equals; null if none is within a third of its length (three letters at most)
+    const char* nearest_word( const char* word, const char* const* words, int count );
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,314 @@
+#include "scene_schema.h"
+#include "io_file.h"
+#include "nearest.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- memory ----
+
+// A block of a scene's memory; blocks are chained and freed together.
+typedef struct memory_block
+{
+    struct memory_block* next;
+    max_align_t bytes[];
+} memory_block;
+
+void* scene_take( wisp_scene* scene, size_t count, size_t size )
+{
+    if ( count == 0 || count > ( SIZE_MAX - sizeof( memory_block ) ) / size )
+    {
+        return NULL;
+    }
+    memory_block* block = calloc( 1, sizeof *block + count * size );
+    if ( !block )
+    {
+        return NULL;
+    }
+    block->next = scene->blocks;
+    scene->blocks = block;
+    return block->bytes;
+}
+
+void wisp_scene_release( wisp_scene* scene )
+{
+    if ( !scene )
+    {
+        return;
+    }
+    for ( memory_block* block = scene->blocks; block; )
+    {
+        memory_block* next = block->next;
+        free( block );
+        block = next;
+    }
+    *scene = ( wisp_scene ){ 0 };
+}
+
+wisp_status scene_no_memory( const scene_reader* r )
+{
+    return wisp_fail( r->source->error, WISP_NO_MEMORY, "%s: no memory for the scene",
+                      io_short_name( r->source->name ) );
+}
+
+// ---- where we are ----
+
+static size_t lengthen( scene_reader* r, int printed )
+{
+    size_t before = r->path_length;
+    size_t room = sizeof r->path - before - 1;
+    r->path_length += (size_t)printed < room ? (size_t)printed : room;
+    return before;
+}
+
+size_t scene_enter_key( scene_reader* r, const char* key )
+{
+    return lengthen( r, snprintf( r->path + r->path_length, sizeof r->path - r->path_length, "%s%s",
+                                  r->path_length ? "." : "", key ) );
+}
+
+size_t scene_enter_index( scene_reader* r, int index )
+{
+    return lengthen( r, snprintf( r->path + r->path_length, sizeof r->path - r->path_length, "[%d]", index ) );
+}
+
+void scene_leave( scene_reader* r, size_t path_length )
+{
+    r->path_length = path_length;
+    r->path[path_length] = 0;
+}
+
+wisp_status scene_refuse_node( const scene_reader* r, const scene_node* node, const char* format, ... )
+{
+    char message[320];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+    return scene_refuse( r->source, node->line, node->column, r->path, "%s", message );
+}
+
+// ---- values of more than one scalar ----
+
+wisp_status scene_expect_list( scene_reader* r, const scene_node* node, const char* what )
+{
+    return node->kind == SCENE_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
+}
+
+static wisp_status read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out )
+{
+    if ( node->kind != SCENE_LIST )
+    {
+        return scene_refuse_kind( r, node, "a list of three numbers" );
+    }
+    if ( node->count != 3 )
+    {
+        return scene_refuse_node( r, node, "must be a list of three numbers, not of %d", node->count );
+    }
+    float parts[3];
+    const scene_node* part = scene_first( r->tree, node );
+    for ( int i = 0; i < 3; ++i, part = scene_next( r->tree, part ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        wisp_status status = scene_read_number( r, part, field, &parts[i] );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    *out = ( wisp_vec3 ){ parts[0], parts[1], parts[2] };
+    return WISP_OK;
+}
+
+// One number for all strands, or a list with one a strand. How many strands there are is known if they are made.
+static wisp_status read_numbers( scene_reader* r, const scene_node* node, const scene_field* field,
+                                 wisp_scene_strands* strands )
+{
+    char* base = (char*)strands;
+    if ( node->kind != SCENE_LIST )
+    {
+        return node->kind == SCENE_MAP ? scene_refuse_kind( r, node, "a number, or a list with one a strand" )
+                                       : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
+    }
+    if ( node->count == 0 )
+    {
+        return scene_refuse_node( r, node, "the list is empty; it takes one number a strand" );
+    }
+    if ( strands->is_made && node->count != strands->recipe.strand_count )
+    {
+        return scene_refuse_node( r, node, "the list has %d numbers, but %d strands are made", node->count,
+                                  strands->recipe.strand_count );
+    }
+    float* values = scene_take( r->scene, (size_t)node->count, sizeof *values );
+    if ( !values )
+    {
+        return scene_no_memory( r );
+    }
+    int count = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, count );
+        wisp_status status = scene_read_number( r, item, field, &values[count++] );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    *(const float**)(void*)( base + field->list ) = values;
+    *(int*)(void*)( base + field->list_count ) = count;
+    return WISP_OK;
+}
+
+static wisp_status read_choice( scene_reader* r, const scene_node* node, const scene_field* field, void* out )
+{
+    int choice = 0;
+    wisp_status status = scene_read_choice( r, node, field->choices, &choice );
+    if ( status )
+    {
+        return status;
+    }
+    if ( field->type == SCENE_EITHER )
+    {
+        *(bool*)out = choice == 1;
+        return WISP_OK;
+    }
+    // Enumerations of the headers are as wide as an int; a copy of bytes does not ask which type exactly they are.
+    _Static_assert( sizeof( wisp_gap ) == sizeof choice && sizeof( wisp_frozen_base ) == sizeof choice &&
+                        sizeof( wisp_frozen_event ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
+                    "an enumeration is not as wide as an int" );
+    memcpy( out, &choice, sizeof choice );
+    return WISP_OK;
+}
+
+wisp_status scene_read_field( scene_reader* r, const scene_node* node, const scene_field* field, void* base )
+{
+    void* out = (char*)base + field->at;
+    wisp_status status = WISP_OK;
+    switch ( field->type )
+    {
+        case SCENE_NUMBER:
+            return scene_read_number( r, node, field, out );
+        case SCENE_NUMBERS:
+            return read_numbers( r, node, field, base );
+        case SCENE_WHOLE:
+            return scene_read_whole( r, node, field, out );
+        case SCENE_SEED:
+            return scene_read_seed( r, node, out );
+        case SCENE_SWITCH:
+            return scene_read_switch( r, node, out );
+        case SCENE_CHOICE:
+        case SCENE_EITHER:
+            return read_choice( r, node, field, out );
+        case SCENE_VECTOR:
+            return read_vector( r, node, field, out );
+        case SCENE_TEXT:
+            return scene_read_text( r, node, out );
+        case SCENE_BLOCK:
+            status = scene_read_block( r, node, field->block, base );
+            *(bool*)out = status == WISP_OK;
+            return status;
+        case SCENE_CUSTOM:
+            break;
+    }
+    return field->read( r, node, base );
+}
+
+// ---- mappings ----
+
+static int find_field( const scene_block* block, const char* key )
+{
+    for ( int i = 0; i < block->field_count; ++i )
+    {
+        if ( strcmp( block->fields[i].key, key ) == 0 )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node, const scene_block* block )
+{
+    const char* key = scene_key_of( r->tree, node );
+    const char* known[SCENE_MAX_FIELDS];
+    char list[200] = "";
+    size_t used = 0;
+    for ( int i = 0; i < block->field_count; ++i )
+    {
+        known[i] = block->fields[i].key;
+        int n = snprintf( list + used, sizeof list - used, "%s%s", i ? ", " : "", known[i] );
+        used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
+    }
+    const char* near = nearest_word( key, known, block->field_count );
+    char message[320];
+    if ( near )
+    {
+        snprintf( message, sizeof message, "unknown key '%s', did you mean '%s'?", scene_shorten( key ).text, near );
+    }
+    else
+    {
+        snprintf( message, sizeof message, "unknown key '%s', known are %s", scene_shorten( key ).text, list );
+    }
+    return scene_refuse( r->source, node->key_line, node->key_column, r->path, "%s", message );
+}
+
+// Which child is which field. Unknown keys stop at the first, so the number of comparisons is bounded by the table.
+static wisp_status find_fields( scene_reader* r, const scene_node* node, const scene_block* block,
+                                const scene_node* found[SCENE_MAX_FIELDS] )
+{
+    WISP_ASSERT( block->field_count <= SCENE_MAX_FIELDS );
+    for ( const scene_node* child = scene_first( r->tree, node ); child; child = scene_next( r->tree, child ) )
+    {
+        int i = find_field( block, scene_key_of( r->tree, child ) );
+        if ( i < 0 )
+        {
+            return refuse_unknown( r, child, block );
+        }
+        if ( found[i] )
+        {
+            return scene_refuse( r->source, child->key_line, child->key_column, r->path,
+                                 "key '%s' is written twice, first in line %d", block->fields[i].key,
+                                 found[i]->key_line );
+        }
+        found[i] = child;
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_block( scene_reader* r, const scene_node* node, const scene_block* block, void* base )
+{
+    if ( node->kind != SCENE_MAP )
+    {
+        return scene_refuse_kind( r, node, "a mapping ({} takes the defaults)" );
+    }
+    const scene_node* found[SCENE_MAX_FIELDS] = { NULL };
+    wisp_status status = find_fields( r, node, block, found );
+    if ( status )
+    {
+        return status;
+    }
+    for ( int i = 0; i < block->field_count; ++i )
+    {
+        const scene_field* field = &block->fields[i];
+        if ( !found[i] && field->required )
+        {
+            return scene_refuse_node( r, node, "key '%s' is missing", field->key );
+        }
+        if ( !found[i] )
+        {
+            continue;
+        }
+        size_t outside = scene_enter_key( r, field->key );
+        status = scene_read_field( r, found[i], field, base );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}

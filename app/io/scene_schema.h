@@ -1,0 +1,97 @@
+/// What a mapping of a scene may hold, as tables: one row a key, with its type, its place in a struct and its range.
+/// One reader walks all tables, so that every key is checked and refused in the same way. Private to this room.
+#pragma once
+
+#include "scene.h"
+#include "scene_text.h"
+
+typedef struct scene_reader
+{
+    const scene_source* source;
+    const scene_tree* tree;
+    wisp_scene* scene;
+    char path[128]; // of the value being read, such as strands[0].frozen_hair
+    size_t path_length;
+    const wisp_scene_strands** sorted; // [scene->strands_count] by name, once all strands were read
+} scene_reader;
+
+/// Reads a value that no type below describes, into a field of the table's struct or anywhere in it.
+typedef wisp_status scene_read_fn( scene_reader* reader, const scene_node* node, void* base );
+
+typedef enum scene_type
+{
+    SCENE_NUMBER,  // float
+    SCENE_NUMBERS, // float, or a list with one a strand: const float* at `list`, int at `list_count`
+    SCENE_WHOLE,   // int
+    SCENE_SEED,    // uint64_t
+    SCENE_SWITCH,  // bool
+    SCENE_CHOICE,  // an enum that counts from 0 in the order of the choices
+    SCENE_EITHER,  // bool, false and true in the order of the two choices
+    SCENE_VECTOR,  // wisp_vec3
+    SCENE_TEXT,    // const char*, not empty
+    SCENE_BLOCK,   // a mapping of its own over the same struct; its presence sets the bool at `at`
+    SCENE_CUSTOM,
+} scene_type;
+
+/// Both ends belong to it.
+typedef struct scene_range
+{
+    double low, high;
+} scene_range;
+
+struct scene_block;
+
+typedef struct scene_field
+{
+    const char* key;
+    scene_type type;
+    bool required;
+    size_t at; // bytes from the start of the struct
+    scene_range range;
+    const char* unit;           // said to who writes "10 mm"; null: the number has no unit
+    const char* const* choices; // ends with null
+    size_t list, list_count;    // of SCENE_NUMBERS
+    const struct scene_block* block;
+    scene_read_fn* read;
+} scene_field;
+
+#define SCENE_MAX_FIELDS 16
+
+typedef struct scene_block
+{
+    const scene_field* fields; // read in this order, whatever the order in the file
+    int field_count;           // <= SCENE_MAX_FIELDS
+} scene_block;
+
+/// Read a mapping into a struct. Values that it does not name stay as they are.
+wisp_status scene_read_block( scene_reader* reader, const scene_node* node, const scene_block* block, void* base );
+
+/// Read one value as a field tells.
+wisp_status scene_read_field( scene_reader* reader, const scene_node* node, const scene_field* field, void* base );
+
+/// Make sure that a value is a list.
+wisp_status scene_expect_list( scene_reader* reader, const scene_node* node, const char* what );
+
+/// Lengthen the path while a list's item is read. @return what scene_leave() takes
+size_t scene_enter_index( scene_reader* reader, int index );
+size_t scene_enter_key( scene_reader* reader, const char* key );
+void scene_leave( scene_reader* reader, size_t path_length );
+
+/// Refuse a value: the sentence begins with its place and the path.
+wisp_status scene_refuse_node( const scene_reader* reader, const scene_node* node, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
+
+/// Zeroed memory that lives as long as the scene. @return null if there is none, or if the count is 0
+void* scene_take( wisp_scene* scene, size_t count, size_t size );
+wisp_status scene_no_memory( const scene_reader* reader );
+
+/// scene_value.c: one scalar into one C value.
+wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out );
+wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out );
+wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out );
+wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out );
+wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out );
+wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out );
+
+/// Say that a value is of the wrong kind. @param wanted such as "a number"
+wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted );

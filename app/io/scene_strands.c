@@ -1,0 +1,272 @@
+#include "scene_parts.h"
+#include "io_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---- where strands come from ----
+
+static bool is_name( const char* text )
+{
+    size_t length = 0;
+    for ( ; text[length] && length <= WISP_SCENE_MAX_NAME; ++length )
+    {
+        char c = text[length];
+        bool letter = ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' );
+        if ( !letter && !( c >= '0' && c <= '9' ) && c != '_' && c != '-' )
+        {
+            return false;
+        }
+    }
+    return length > 0 && length <= WISP_SCENE_MAX_NAME;
+}
+
+wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene_strands* strands = base;
+    wisp_status status = scene_read_text( r, node, &strands->name );
+    if ( !status && !is_name( strands->name ) )
+    {
+        return scene_refuse_node( r, node, "'%s' is not a name: 1 to %d of the characters A-Z a-z 0-9 _ -",
+                                  scene_shorten( strands->name ).text, WISP_SCENE_MAX_NAME );
+    }
+    return status;
+}
+
+// Relative files are looked for beside the scene, wherever the program was started.
+wisp_status scene_read_strands_file( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene_strands* strands = base;
+    wisp_status status = scene_read_text( r, node, &strands->file );
+    const char* slash = strrchr( r->source->name, '/' );
+    if ( status || !slash || strands->file[0] == '/' )
+    {
+        return status;
+    }
+    size_t folder = (size_t)( slash - r->source->name ) + 1;
+    size_t length = strlen( strands->file );
+    char* path = scene_take( r->scene, folder + length + 1, 1 );
+    if ( !path )
+    {
+        return scene_no_memory( r );
+    }
+    memcpy( path, r->source->name, folder );
+    memcpy( path + folder, strands->file, length );
+    strands->file = path;
+    return WISP_OK;
+}
+
+wisp_status scene_read_make( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene_strands* strands = base;
+    strands->is_made = true;
+
+    // Defaults depend on shape and dimension, which may stand anywhere in the mapping: the first reading learns these
+    // two, the second reads everything over their defaults.
+    wisp_groom_recipe* recipe = &strands->recipe;
+    wisp_status status = scene_read_block( r, node, &SCENE_MAKE_BLOCK, recipe );
+    if ( status )
+    {
+        return status;
+    }
+    *recipe = wisp_default_groom_recipe( recipe->shape, recipe->dimension );
+    status = scene_read_block( r, node, &SCENE_MAKE_BLOCK, recipe );
+
+    if ( !status && (int64_t)recipe->strand_count * recipe->vertices_per_strand > WISP_GROOM_MADE_CAP )
+    {
+        return scene_refuse_node( r, node, "%d strands of %d vertices are more than %d vertices",
+                                  recipe->strand_count, recipe->vertices_per_strand, WISP_GROOM_MADE_CAP );
+    }
+    return status;
+}
+
+// ---- what they wear ----
+
+static wisp_status read_control_point( scene_reader* r, const scene_node* node, wisp_climate_def* climate, int i )
+{
+    static const scene_field ice = { "ice", SCENE_NUMBER, .range = { 0, 1 } };
+    static const scene_field stiffness = { "stiffness", SCENE_NUMBER, .range = { 1e-3, 1e12 } };
+    if ( node->kind != SCENE_LIST || node->count != 2 )
+    {
+        return scene_refuse_node( r, node, "must be a pair [ice, stiffness]" );
+    }
+    const scene_node* first = scene_first( r->tree, node );
+    wisp_status status = scene_read_number( r, first, &ice, &climate->ice[i] );
+    if ( !status )
+    {
+        status = scene_read_number( r, scene_next( r->tree, first ), &stiffness, &climate->stiffness[i] );
+    }
+    if ( status )
+    {
+        return status;
+    }
+    bool last = i + 1 == climate->point_count;
+    bool rises = i == 0 ? climate->ice[i] == 0.0f : climate->ice[i] > climate->ice[i - 1];
+    if ( !rises || ( last && climate->ice[i] != 1.0f ) )
+    {
+        return scene_refuse_node( r, first, "ice must rise from 0 at the first point to 1 at the last" );
+    }
+    return WISP_OK;
+}
+
+// Stiffness may rise or fall, but not both: colder or wetter hair must not turn back.
+static bool turns_back( const wisp_climate_def* climate, int i )
+{
+    float step = climate->stiffness[i] - climate->stiffness[i - 1];
+    for ( int k = 1; k < i; ++k )
+    {
+        float before = climate->stiffness[k] - climate->stiffness[k - 1];
+        if ( ( before < 0.0f && step > 0.0f ) || ( before > 0.0f && step < 0.0f ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_climate_def* climate = &( (wisp_scene_strands*)base )->climate;
+    wisp_status status = scene_expect_list( r, node, "a list of pairs [ice, stiffness]" );
+    if ( status )
+    {
+        return status;
+    }
+    if ( node->count < 2 || node->count > WISP_CLIMATE_MAX_POINTS )
+    {
+        return scene_refuse_node( r, node, "must have 2 to %d points, not %d", WISP_CLIMATE_MAX_POINTS, node->count );
+    }
+    climate->point_count = node->count;
+    const scene_node* point = scene_first( r->tree, node );
+    for ( int i = 0; i < node->count; ++i, point = scene_next( r->tree, point ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = read_control_point( r, point, climate, i );
+        if ( status )
+        {
+            return status;
+        }
+        if ( i > 0 && turns_back( climate, i ) )
+        {
+            return scene_refuse_node( r, point, "stiffness turns back; it must rise or fall throughout" );
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
+{
+    static const char* const columns[] = { "points", "width", "colour", NULL };
+    wisp_scene_strands* strands = base;
+    bool* const wants[] = { &strands->want_points, &strands->want_width, &strands->want_colour };
+
+    wisp_status status = scene_expect_list( r, node, "a list of points, width and colour" );
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int column = 0;
+        status = scene_read_choice( r, item, columns, &column );
+        if ( !status && *wants[column] )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", columns[column] );
+        }
+        if ( !status && column > 0 && !strands->has_look )
+        {
+            return scene_refuse_node( r, item, "'%s' comes from a look, but these strands have no key 'look'",
+                                      columns[column] );
+        }
+        if ( !status )
+        {
+            *wants[column] = true;
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}
+
+// ---- the list ----
+
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_strands* strands )
+{
+    *strands = ( wisp_scene_strands ){
+        .line = node->line,
+        .column = node->column,
+        .recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 ),
+        .frozen_hair = wisp_default_frozen_hair_def(),
+        .climate = wisp_default_climate_def(),
+        .look = wisp_default_strand_look_def(),
+    };
+    // Stages are asked for by their keys, not by default.
+    strands->frozen_hair.freeze = strands->frozen_hair.align = strands->frozen_hair.clump = false;
+
+    wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
+    if ( !status && strands->file && strands->is_made )
+    {
+        return scene_refuse_node( r, node, "has both 'file' and 'make'; strands are read or made, not both" );
+    }
+    if ( !status && !strands->file && !strands->is_made )
+    {
+        return scene_refuse_node( r, node, "has neither 'file' nor 'make'; one tells where the strands come from" );
+    }
+    return status;
+}
+
+static int compare_names( const void* a, const void* b )
+{
+    const wisp_scene_strands *const *x = a, *const *y = b;
+    int order = strcmp( ( *x )->name, ( *y )->name );
+    return order ? order : ( *x > *y ) - ( *x < *y );
+}
+
+// Sorted first: comparing each with each would take minutes for a hostile list.
+static wisp_status refuse_equal_names( scene_reader* r, const wisp_scene_strands** sorted, int count )
+{
+    qsort( sorted, (size_t)count, sizeof *sorted, compare_names );
+    for ( int i = 1; i < count; ++i )
+    {
+        if ( strcmp( sorted[i]->name, sorted[i - 1]->name ) == 0 )
+        {
+            scene_enter_index( r, (int)( sorted[i] - r->scene->strands ) );
+            return scene_refuse( r->source, sorted[i]->line, sorted[i]->column, r->path,
+                                 "the name '%s' is taken by the strands in line %d", sorted[i]->name,
+                                 sorted[i - 1]->line );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* base )
+{
+    wisp_scene* scene = base;
+    wisp_status status = scene_expect_list( r, node, "a list of strands" );
+    if ( status || node->count == 0 )
+    {
+        return status;
+    }
+    if ( node->count > WISP_SCENE_MAX_STRANDS )
+    {
+        return scene_refuse_node( r, node, "has %d entries, at most %d are read", node->count,
+                                  WISP_SCENE_MAX_STRANDS );
+    }
+    scene->strands = scene_take( scene, (size_t)node->count, sizeof *scene->strands );
+    r->sorted = scene_take( scene, (size_t)node->count, sizeof *r->sorted );
+    if ( !scene->strands || !r->sorted )
+    {
+        return scene_no_memory( r );
+    }
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, scene->strands_count );
+        status = read_entry( r, item, &scene->strands[scene->strands_count] );
+        if ( status )
+        {
+            return status;
+        }
+        r->sorted[scene->strands_count] = &scene->strands[scene->strands_count];
+        scene->strands_count++;
+        scene_leave( r, outside );
+    }
+    return refuse_equal_names( r, r->sorted, scene->strands_count );
+}

@@ -1,0 +1,443 @@
+#include "scene_text.h"
+#include "io_file.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <yaml.h>
+
+typedef struct builder
+{
+    const scene_source* source;
+    scene_tree* tree;
+    yaml_parser_t parser;
+
+    int open[SCENE_MAX_DEPTH]; // containers being filled, outermost first
+    int last[SCENE_MAX_DEPTH]; // their last child so far; -1 is none
+    int depth;
+    int documents;
+
+    bool has_key; // a map's key was read, its value comes next
+    uint32_t key;
+    int key_line, key_column;
+
+    size_t cursor_byte, cursor_character; // see letter_at()
+} builder;
+
+static bool is_continuation( char c )
+{
+    return ( (unsigned char)c & 0xc0u ) == 0x80u;
+}
+
+scene_quote scene_shorten( const char* text )
+{
+    scene_quote quote;
+    size_t room = sizeof quote.text - sizeof "...";
+    size_t length = strlen( text );
+    if ( length < sizeof quote.text )
+    {
+        memcpy( quote.text, text, length + 1 );
+        return quote;
+    }
+    while ( room > 0 && is_continuation( text[room] ) )
+    {
+        --room;
+    }
+    memcpy( quote.text, text, room );
+    memcpy( quote.text + room, "...", sizeof "..." );
+    return quote;
+}
+
+wisp_status scene_refuse( const scene_source* source, int line, int column, const char* path, const char* format,
+                          ... )
+{
+    const char* name = io_short_name( source->name );
+    while ( is_continuation( *name ) )
+    {
+        ++name;
+    }
+
+    char place[32] = "";
+    if ( line > 0 )
+    {
+        snprintf( place, sizeof place, ":%d:%d", line, column );
+    }
+    char message[360];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( message, sizeof message, format, arguments );
+    va_end( arguments );
+
+    char sentence[sizeof( (wisp_error*)0 )->sentence];
+    snprintf( sentence, sizeof sentence, "%s%s: %s%s%s", name, place, path, path[0] ? ": " : "", message );
+    for ( char* c = sentence; *c; ++c )
+    {
+        if ( (unsigned char)*c < 0x20u || *c == 0x7f )
+        {
+            *c = '?';
+        }
+    }
+    return wisp_fail( source->error, WISP_BAD_INPUT, "%s", sentence );
+}
+
+static wisp_status out_of_memory( const scene_source* source )
+{
+    return wisp_fail( source->error, WISP_NO_MEMORY, "%s: no memory for the scene", io_short_name( source->name ) );
+}
+
+// Bytes of the UTF-8 character at the start of the text and its code point; 0 if there is none.
+static int decode( const unsigned char* text, size_t size, uint32_t* point )
+{
+    static const uint32_t smallest[5] = { 0, 0, 0x80, 0x800, 0x10000 };
+    int length = text[0] < 0x80   ? 1
+                 : text[0] < 0xc0 ? 0
+                 : text[0] < 0xe0 ? 2
+                 : text[0] < 0xf0 ? 3
+                 : text[0] < 0xf8 ? 4
+                                  : 0;
+    if ( length == 0 || (size_t)length > size )
+    {
+        return 0;
+    }
+    uint32_t value = length == 1 ? text[0] : text[0] & ( 0x7fu >> length );
+    for ( int i = 1; i < length; ++i )
+    {
+        if ( ( text[i] & 0xc0u ) != 0x80u )
+        {
+            return 0;
+        }
+        value = value << 6 | ( text[i] & 0x3fu );
+    }
+    *point = value;
+    bool surrogate = value >= 0xd800 && value <= 0xdfff;
+    return value < smallest[length] || surrogate || value > 0x10ffff ? 0 : length;
+}
+
+// Characters that YAML lets a text hold; libyaml would refuse the others without a line.
+static bool is_printable( uint32_t c )
+{
+    return c == '\t' || c == '\n' || c == '\r' || ( c >= 0x20 && c < 0x7f ) || c == 0x85 ||
+           ( c >= 0xa0 && c <= 0xfffd && c != 0xfeff ) || c > 0xffff;
+}
+
+// Look at every byte once, before a parser that keeps less exact places does. Directives are refused here because
+// libyaml compares each with all before it, which is quadratic.
+static wisp_status check_letters( const scene_source* source )
+{
+    const unsigned char* text = (const unsigned char*)source->text;
+    int line = 1, column = 1;
+    for ( size_t at = 0; at < source->size; )
+    {
+        uint32_t c = 0;
+        int length = decode( text + at, source->size - at, &c );
+        if ( length == 0 )
+        {
+            return scene_refuse( source, line, column, "", "byte 0x%02x is not UTF-8; save the file as UTF-8",
+                                 text[at] );
+        }
+        if ( c == 0 )
+        {
+            return scene_refuse( source, line, column, "", "a NUL byte; a scene is text" );
+        }
+        if ( !is_printable( c ) )
+        {
+            return scene_refuse( source, line, column, "", "control character U+%04X is not allowed in a scene",
+                                 (unsigned)c );
+        }
+        if ( c == '%' && column == 1 )
+        {
+            return scene_refuse( source, line, column, "", "a YAML directive; a scene has no use for them" );
+        }
+
+        at += (size_t)length;
+        bool pair = c == '\r' && at < source->size && text[at] == '\n';
+        bool new_line = ( c == '\n' || c == '\r' ) && !pair;
+        line += new_line;
+        column = new_line ? 1 : column + 1;
+    }
+    return WISP_OK;
+}
+
+// The byte at a mark, 0 at the end. libyaml's marks count characters and mostly rise, so a cursor that walks along
+// finds them all in one pass over the text.
+static char letter_at( builder* b, const yaml_mark_t* mark )
+{
+    if ( mark->index < b->cursor_character )
+    {
+        b->cursor_byte = b->cursor_character = 0;
+    }
+    while ( b->cursor_character < mark->index && b->cursor_byte < b->source->size )
+    {
+        do
+        {
+            ++b->cursor_byte;
+        } while ( b->cursor_byte < b->source->size && is_continuation( b->source->text[b->cursor_byte] ) );
+        ++b->cursor_character;
+    }
+    return b->cursor_byte < b->source->size ? b->source->text[b->cursor_byte] : 0;
+}
+
+static wisp_status refuse_mark( const builder* b, const yaml_mark_t* mark, const char* sentence )
+{
+    return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "%s", sentence );
+}
+
+static wisp_status refuse_syntax( builder* b )
+{
+    const yaml_parser_t* p = &b->parser;
+    if ( p->error == YAML_MEMORY_ERROR )
+    {
+        return out_of_memory( b->source );
+    }
+    if ( letter_at( b, &p->problem_mark ) == '\t' )
+    {
+        return refuse_mark( b, &p->problem_mark, "a tab where YAML wants spaces; indent with spaces" );
+    }
+    return scene_refuse( b->source, (int)p->problem_mark.line + 1, (int)p->problem_mark.column + 1, "",
+                         "not YAML: %s%s%s", p->context ? p->context : "", p->context ? ", " : "",
+                         p->problem ? p->problem : "unknown problem" );
+}
+
+static wisp_status keep_letters( builder* b, const char* text, size_t length, uint32_t* offset )
+{
+    scene_tree* tree = b->tree;
+    if ( tree->letter_capacity - tree->letter_count < length + 1 )
+    {
+        size_t capacity = ( tree->letter_capacity + length + 1 ) * 2;
+        char* letters = realloc( tree->letters, capacity );
+        if ( !letters )
+        {
+            return out_of_memory( b->source );
+        }
+        tree->letters = letters;
+        tree->letter_capacity = capacity;
+    }
+    *offset = (uint32_t)tree->letter_count;
+    memcpy( tree->letters + tree->letter_count, text, length );
+    tree->letters[tree->letter_count + length] = 0;
+    tree->letter_count += length + 1;
+    return WISP_OK;
+}
+
+static wisp_status grow_nodes( builder* b, const yaml_mark_t* mark )
+{
+    scene_tree* tree = b->tree;
+    if ( tree->node_count == SCENE_MAX_NODES )
+    {
+        return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
+                             "a scene holds at most %d values", SCENE_MAX_NODES );
+    }
+    if ( tree->node_count == tree->node_capacity )
+    {
+        int capacity = tree->node_capacity ? tree->node_capacity * 2 : 64;
+        scene_node* nodes = realloc( tree->nodes, (size_t)capacity * sizeof *nodes );
+        if ( !nodes )
+        {
+            return out_of_memory( b->source );
+        }
+        tree->nodes = nodes;
+        tree->node_capacity = capacity;
+    }
+    return WISP_OK;
+}
+
+// Append a value to the innermost open container, under the pending key if that is a map.
+static wisp_status add_node( builder* b, scene_kind kind, const yaml_mark_t* mark )
+{
+    wisp_status status = grow_nodes( b, mark );
+    if ( status )
+    {
+        return status;
+    }
+    int index = b->tree->node_count++;
+    b->tree->nodes[index] = ( scene_node ){
+        .line = (int)mark->line + 1,
+        .column = (int)mark->column + 1,
+        .key_line = b->key_line,
+        .key_column = b->key_column,
+        .key = b->key,
+        .first = -1,
+        .next = -1,
+        .kind = (uint8_t)kind,
+    };
+    b->has_key = false;
+
+    if ( b->depth > 0 )
+    {
+        int parent = b->open[b->depth - 1];
+        int before = b->last[b->depth - 1];
+        *( before < 0 ? &b->tree->nodes[parent].first : &b->tree->nodes[before].next ) = index;
+        b->tree->nodes[parent].count++;
+        b->last[b->depth - 1] = index;
+    }
+    return WISP_OK;
+}
+
+static bool wants_key( const builder* b )
+{
+    return b->depth > 0 && b->tree->nodes[b->open[b->depth - 1]].kind == SCENE_MAP && !b->has_key;
+}
+
+static wisp_status take_scalar( builder* b, const yaml_event_t* event )
+{
+    const yaml_mark_t* mark = &event->start_mark;
+    const char* value = (const char*)event->data.scalar.value;
+    size_t length = event->data.scalar.length;
+    bool plain = event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
+    if ( memchr( value, 0, length ) )
+    {
+        return refuse_mark( b, mark, "the text holds a NUL character" );
+    }
+    // libyaml drops the tag "!", which turns a number into text: only the byte itself tells.
+    if ( event->data.scalar.plain_implicit && length > 0 && letter_at( b, mark ) == '!' )
+    {
+        return refuse_mark( b, mark, "a YAML tag; a scene has no use for them" );
+    }
+
+    uint32_t text = 0;
+    wisp_status status = keep_letters( b, value, length, &text );
+    if ( status )
+    {
+        return status;
+    }
+    if ( wants_key( b ) )
+    {
+        b->has_key = true;
+        b->key = text;
+        b->key_line = (int)mark->line + 1;
+        b->key_column = (int)mark->column + 1;
+        return WISP_OK;
+    }
+    status = add_node( b, SCENE_SCALAR, mark );
+    if ( !status )
+    {
+        scene_node* node = &b->tree->nodes[b->tree->node_count - 1];
+        node->text = text;
+        node->plain = plain;
+    }
+    return status;
+}
+
+static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_t* mark )
+{
+    if ( wants_key( b ) )
+    {
+        return refuse_mark( b, mark, "a list or mapping is not usable as a key" );
+    }
+    if ( b->depth == SCENE_MAX_DEPTH )
+    {
+        return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
+                             "lists and mappings are nested more than %d deep", SCENE_MAX_DEPTH );
+    }
+    wisp_status status = add_node( b, kind, mark );
+    if ( !status )
+    {
+        b->open[b->depth] = b->tree->node_count - 1;
+        b->last[b->depth] = -1;
+        b->depth++;
+    }
+    return status;
+}
+
+static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark, const yaml_char_t* anchor,
+                                      const yaml_char_t* tag )
+{
+    if ( anchor )
+    {
+        return refuse_mark( b, mark, "an anchor (&); write the values out where they are used" );
+    }
+    return tag ? refuse_mark( b, mark, "a YAML tag; a scene has no use for them" ) : WISP_OK;
+}
+
+static wisp_status take_event( builder* b, const yaml_event_t* event )
+{
+    const yaml_mark_t* mark = &event->start_mark;
+    wisp_status status = WISP_OK;
+    switch ( event->type )
+    {
+        case YAML_DOCUMENT_START_EVENT:
+            return b->documents++ ? refuse_mark( b, mark, "a second document; a scene file holds one" ) : WISP_OK;
+        case YAML_ALIAS_EVENT:
+            return refuse_mark( b, mark, "an alias (*); write the values out where they are used" );
+        case YAML_SCALAR_EVENT:
+            status = refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag );
+            return status ? status : take_scalar( b, event );
+        case YAML_SEQUENCE_START_EVENT:
+            status = refuse_properties( b, mark, event->data.sequence_start.anchor, event->data.sequence_start.tag );
+            return status ? status : open_container( b, SCENE_LIST, mark );
+        case YAML_MAPPING_START_EVENT:
+            status = refuse_properties( b, mark, event->data.mapping_start.anchor, event->data.mapping_start.tag );
+            return status ? status : open_container( b, SCENE_MAP, mark );
+        case YAML_SEQUENCE_END_EVENT:
+        case YAML_MAPPING_END_EVENT:
+            b->depth--;
+            return WISP_OK;
+        default:
+            return WISP_OK;
+    }
+}
+
+static wisp_status take_events( builder* b )
+{
+    for ( ;; )
+    {
+        yaml_event_t event;
+        if ( !yaml_parser_parse( &b->parser, &event ) )
+        {
+            return refuse_syntax( b );
+        }
+        bool done = event.type == YAML_STREAM_END_EVENT;
+        wisp_status status = take_event( b, &event );
+        yaml_event_delete( &event );
+        if ( status || done )
+        {
+            return status;
+        }
+    }
+}
+
+wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
+{
+    *tree = ( scene_tree ){ 0 };
+    scene_source source = *given;
+    if ( source.size > SCENE_MAX_BYTES )
+    {
+        return scene_refuse( &source, 0, 0, "", "the scene is larger than %zu MiB", SCENE_MAX_BYTES >> 20 );
+    }
+    // A byte order mark says nothing in UTF-8, and would push the columns of the first line.
+    if ( source.size >= 3 && memcmp( source.text, "\xef\xbb\xbf", 3 ) == 0 )
+    {
+        source.text += 3;
+        source.size -= 3;
+    }
+    wisp_status status = check_letters( &source );
+    if ( status )
+    {
+        return status;
+    }
+
+    builder b = { .source = &source, .tree = tree };
+    if ( !yaml_parser_initialize( &b.parser ) )
+    {
+        return out_of_memory( &source );
+    }
+    yaml_parser_set_encoding( &b.parser, YAML_UTF8_ENCODING );
+    yaml_parser_set_input_string( &b.parser, (const unsigned char*)source.text, source.size );
+    status = take_events( &b );
+    yaml_parser_delete( &b.parser );
+
+    if ( !status && tree->node_count == 0 )
+    {
+        return scene_refuse( &source, 0, 0, "", "the scene is empty; it needs at least the line 'wisp: 1'" );
+    }
+    return status;
+}
+
+void scene_tree_release( scene_tree* tree )
+{
+    free( tree->nodes );
+    free( tree->letters );
+    *tree = ( scene_tree ){ 0 };
+}

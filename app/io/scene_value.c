@@ -1,0 +1,305 @@
+#include "scene_schema.h"
+#include "nearest.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// A float needs no more letters; what is longer is not a number anybody meant.
+#define LONGEST_NUMBER 64
+
+static const char SEED_RANGE[] = "a whole number in [0, 18446744073709551615]";
+
+// Not isdigit() and its kin, which follow the host's locale.
+static bool is_digit( char c )
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool is_letter( char c )
+{
+    return ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' );
+}
+
+static bool is_nothing( const char* text )
+{
+    return text[0] == 0 || strcmp( text, "~" ) == 0 || strcmp( text, "null" ) == 0;
+}
+
+static size_t digits( const char* text )
+{
+    size_t n = 0;
+    while ( is_digit( text[n] ) )
+    {
+        ++n;
+    }
+    return n;
+}
+
+// Letters of the decimal number that a text begins with: [+-] digits [. digits] [e [+-] digits]; 0 if there is none.
+// Hexadecimal, octal, underscores and base 60 are YAML 1.1 numbers, but nobody expects them.
+static size_t number_prefix( const char* text, bool* whole )
+{
+    size_t n = text[0] == '-' || text[0] == '+';
+    size_t integral = digits( text + n );
+    n += integral;
+    *whole = integral > 0;
+    size_t fraction = text[n] == '.' ? digits( text + n + 1 ) : 0;
+    if ( text[n] == '.' && integral + fraction > 0 )
+    {
+        n += 1 + fraction;
+        *whole = false;
+    }
+    if ( integral + fraction == 0 )
+    {
+        return 0;
+    }
+    if ( text[n] == 'e' || text[n] == 'E' )
+    {
+        size_t sign = text[n + 1] == '-' || text[n + 1] == '+';
+        size_t exponent = digits( text + n + 1 + sign );
+        if ( exponent > 0 )
+        {
+            n += 1 + sign + exponent;
+            *whole = false;
+        }
+    }
+    return n;
+}
+
+// YAML 1.1 reads 010 as 8, JSON refuses it, people mean 10.
+static bool has_leading_zero( const char* text )
+{
+    text += *text == '-' || *text == '+';
+    return text[0] == '0' && is_digit( text[1] );
+}
+
+static bool is_not_finite( const char* text )
+{
+    static const char* const words[] = { "nan", "inf", "infinity" };
+    text += *text == '-' || *text == '+';
+    text += *text == '.';
+    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    {
+        size_t n = 0;
+        while ( words[i][n] && ( text[n] == words[i][n] || text[n] == words[i][n] - 'a' + 'A' ) )
+        {
+            ++n;
+        }
+        if ( !words[i][n] && !text[n] )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// What follows a number is a unit if it is made of letters, a percent or a degree sign; 0x10 is not ten x.
+static bool is_unit( const char* text, size_t number )
+{
+    const char* rest = text + number;
+    if ( text[number - 1] == '0' && ( *rest == 'x' || *rest == 'o' || *rest == 'b' ) )
+    {
+        return false;
+    }
+    while ( *rest == ' ' )
+    {
+        ++rest;
+    }
+    for ( ; is_letter( *rest ) || *rest == '%' || *rest == '/' || *rest == '^' || (unsigned char)*rest >= 0x80;
+          ++rest )
+    {
+    }
+    return *rest == 0;
+}
+
+wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted )
+{
+    if ( node->kind != SCENE_SCALAR )
+    {
+        return scene_refuse_node( r, node, "must be %s, not a %s", wanted,
+                                  node->kind == SCENE_LIST ? "list" : "mapping" );
+    }
+    const char* text = scene_text_of( r->tree, node );
+    if ( text[0] == 0 || ( node->plain && is_nothing( text ) ) )
+    {
+        return scene_refuse_node( r, node, "must be %s, but nothing is written here", wanted );
+    }
+    return scene_refuse_node( r, node, "must be %s, not %s'%s'", wanted, node->plain ? "" : "the text ",
+                              scene_shorten( text ).text );
+}
+
+// A text that is a number, whole or not. On refusal the sentence guesses what was meant.
+static wisp_status expect_number( scene_reader* r, const scene_node* node, const char* unit, const char* wanted,
+                                  bool* whole )
+{
+    if ( node->kind != SCENE_SCALAR )
+    {
+        return scene_refuse_kind( r, node, wanted );
+    }
+    const char* text = scene_text_of( r->tree, node );
+    size_t length = strlen( text );
+    size_t prefix = length > LONGEST_NUMBER ? 0 : number_prefix( text, whole );
+    scene_quote quote = scene_shorten( text );
+    if ( prefix == 0 && is_not_finite( text ) )
+    {
+        return scene_refuse_node( r, node, "'%s' is not a finite number", quote.text );
+    }
+    if ( prefix == 0 )
+    {
+        return scene_refuse_kind( r, node, wanted );
+    }
+    if ( prefix == length && !node->plain )
+    {
+        return scene_refuse_node( r, node, "must be %s, not text: write %s without quotes", wanted, quote.text );
+    }
+    if ( prefix == length && has_leading_zero( text ) )
+    {
+        return scene_refuse_node(
+            r, node, "'%s' begins with a zero, which means octal in YAML 1.1; write decimal digits", quote.text );
+    }
+    if ( prefix == length )
+    {
+        return WISP_OK;
+    }
+    if ( text[prefix] == ',' && is_digit( text[prefix + 1] ) )
+    {
+        return scene_refuse_node( r, node, "'%s' has a comma; write a decimal point", quote.text );
+    }
+    if ( is_unit( text, prefix ) )
+    {
+        return scene_refuse_node( r, node, "'%s' has a unit; %s", quote.text,
+                                  unit ? unit : "this is a plain number without one" );
+    }
+    return scene_refuse_kind( r, node, wanted );
+}
+
+static wisp_status refuse_range( const scene_reader* r, const scene_node* node, const scene_range* range )
+{
+    return scene_refuse_node( r, node, "%s is out of range, must be in [%.9g, %.9g]",
+                              scene_shorten( scene_text_of( r->tree, node ) ).text, range->low, range->high );
+}
+
+wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out )
+{
+    bool whole = false;
+    wisp_status status = expect_number( r, node, field->unit, "a number", &whole );
+    if ( status )
+    {
+        return status;
+    }
+    // The range is checked as the module will see the number: after rounding. 1e999 becomes infinite here and is out
+    // of every range.
+    float value = strtof( scene_text_of( r->tree, node ), NULL );
+    if ( !( value >= (float)field->range.low && value <= (float)field->range.high ) )
+    {
+        return refuse_range( r, node, &field->range );
+    }
+    *out = value;
+    return WISP_OK;
+}
+
+wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out )
+{
+    bool whole = false;
+    wisp_status status = expect_number( r, node, field->unit, "a whole number", &whole );
+    if ( status )
+    {
+        return status;
+    }
+    if ( !whole )
+    {
+        return scene_refuse_kind( r, node, "a whole number" );
+    }
+    // strtoll stops at the ends of its range, and every field's range is narrower.
+    long long value = strtoll( scene_text_of( r->tree, node ), NULL, 10 );
+    if ( (double)value < field->range.low || (double)value > field->range.high )
+    {
+        return refuse_range( r, node, &field->range );
+    }
+    *out = (int)value;
+    return WISP_OK;
+}
+
+wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out )
+{
+    bool whole = false;
+    wisp_status status = expect_number( r, node, NULL, SEED_RANGE, &whole );
+    if ( status )
+    {
+        return status;
+    }
+    const char* text = scene_text_of( r->tree, node );
+    errno = 0;
+    unsigned long long value = strtoull( text, NULL, 10 );
+    if ( !whole || text[0] == '-' || errno == ERANGE )
+    {
+        return scene_refuse_kind( r, node, SEED_RANGE );
+    }
+    *out = value;
+    return WISP_OK;
+}
+
+// YAML 1.1 has yes, no, on and off as well; JSON and YAML 1.2 read those as text.
+wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out )
+{
+    const char* text = scene_text_of( r->tree, node );
+    bool yes = strcmp( text, "true" ) == 0, no = strcmp( text, "false" ) == 0;
+    if ( node->kind != SCENE_SCALAR || !node->plain || ( !yes && !no ) )
+    {
+        return scene_refuse_kind( r, node, "true or false" );
+    }
+    *out = yes;
+    return WISP_OK;
+}
+
+wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out )
+{
+    int count = 0;
+    char list[96] = "one of ";
+    for ( size_t used = strlen( list ); choices[count]; ++count )
+    {
+        int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", choices[count] );
+        used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
+    }
+    const char* text = scene_text_of( r->tree, node );
+    if ( node->kind != SCENE_SCALAR || ( node->plain && is_nothing( text ) ) )
+    {
+        return scene_refuse_kind( r, node, list );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strcmp( text, choices[i] ) == 0 )
+        {
+            *out = i;
+            return WISP_OK;
+        }
+    }
+    const char* near = nearest_word( text, choices, count );
+    return scene_refuse_node( r, node, "must be %s, not '%s'%s%s%s", list, scene_shorten( text ).text,
+                              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "" );
+}
+
+wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out )
+{
+    const char* text = scene_text_of( r->tree, node );
+    if ( node->kind != SCENE_SCALAR || text[0] == 0 || ( node->plain && is_nothing( text ) ) )
+    {
+        return scene_refuse_kind( r, node, "text" );
+    }
+    size_t length = strlen( text );
+    if ( length > 1000 )
+    {
+        return scene_refuse_node( r, node, "the text has %zu letters, at most 1000 are read", length );
+    }
+    char* copy = scene_take( r->scene, length + 1, 1 );
+    if ( !copy )
+    {
+        return scene_no_memory( r );
+    }
+    memcpy( copy, text, length );
+    *out = copy;
+    return WISP_OK;
+}

@@ -1,0 +1,507 @@
+// Reading, writing and checking grooms.
+#define _XOPEN_SOURCE 700
+
+#include "groom_fixture.h"
+
+#include <locale.h>
+#include <math.h>
+
+// ---- reading ---------------------------------------------------------------------------------------------------
+
+// Little-endian numbers, put down one after the other.
+typedef struct byte_row
+{
+    unsigned char bytes[1024];
+    size_t size;
+} byte_row;
+
+static void put_u16( byte_row* row, unsigned value )
+{
+    row->bytes[row->size++] = (unsigned char)( value & 255 );
+    row->bytes[row->size++] = (unsigned char)( value >> 8 & 255 );
+}
+
+static void put_u32( byte_row* row, uint32_t value )
+{
+    put_u16( row, value & 0xffff );
+    put_u16( row, value >> 16 );
+}
+
+static void put_float( byte_row* row, float value )
+{
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    put_u32( row, bits );
+}
+
+static void put_floats( byte_row* row, int count, float first, float step )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        put_float( row, first + step * (float)i );
+    }
+}
+
+static void put_hair_header( byte_row* row, uint32_t strands, uint32_t points, uint32_t flags, uint32_t segments )
+{
+    memset( row, 0, sizeof *row );
+    memcpy( row->bytes, "HAIR", 4 );
+    row->size = 4;
+    put_u32( row, strands );
+    put_u32( row, points );
+    put_u32( row, flags );
+    put_u32( row, segments );
+    row->size = 128;
+}
+
+static wisp_groom read_hair_row( const byte_row* row )
+{
+    wisp_groom groom;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_groom_read_hair( row->bytes, row->size, "row.hair", &groom, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return groom;
+}
+
+static void a_hand_made_hair_file_gives_its_strands_and_arrays( void** state )
+{
+    (void)state;
+    byte_row row;
+    put_hair_header( &row, 2, 3, 31, 77 );
+    put_u16( &row, 1 );
+    put_u16( &row, 0 ); // no segment, hence one vertex
+    put_floats( &row, 9, 1.0f, 1.0f );
+    put_floats( &row, 3, 0.5f, 0.25f );
+    put_floats( &row, 3, 0.0f, 0.5f );
+    put_floats( &row, 9, 0.0f, 0.125f );
+
+    wisp_groom groom = read_hair_row( &row );
+
+    assert_int_equal( groom.strand_count, 2 );
+    assert_int_equal( groom.vertex_count, 3 );
+    assert_int_equal( groom.dimension, 3 );
+    assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 2, 3 } ), 3 * sizeof( int ) );
+    assert_memory_equal( groom.points, ( ( float[] ){ 1, 2, 3, 4, 5, 6, 7, 8, 9 } ), 9 * sizeof( float ) );
+    assert_memory_equal( groom.thickness, ( ( float[] ){ 0.5f, 0.75f, 1.0f } ), 3 * sizeof( float ) );
+    assert_memory_equal( groom.transparency, ( ( float[] ){ 0.0f, 0.5f, 1.0f } ), 3 * sizeof( float ) );
+    assert_float_equal( groom.colour[2].z, 1.0f, 0.0f );
+    wisp_groom_release( &groom );
+}
+
+static void default_segments_apply_and_missing_arrays_stay_null( void** state )
+{
+    (void)state;
+    byte_row row;
+    put_hair_header( &row, 2, 6, 2, 2 );
+    for ( int v = 0; v < 6; ++v )
+    {
+        put_floats( &row, 2, (float)v, 1.0f );
+        put_float( &row, -0.0f );
+    }
+
+    wisp_groom groom = read_hair_row( &row );
+
+    assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 3, 6 } ), 3 * sizeof( int ) );
+    assert_null( groom.thickness );
+    assert_null( groom.transparency );
+    assert_null( groom.colour );
+    assert_int_equal( groom.dimension, 2 ); // a z of -0 is a z of 0
+    wisp_groom_release( &groom );
+}
+
+static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** state )
+{
+    (void)state;
+    byte_row row = { .size = 0 };
+    put_float( &row, 4.0f );
+    put_u32( &row, 2 );
+    put_u32( &row, 2 );
+    put_u32( &row, 240 ); // positions come last: sections are found by offset, not by order
+    put_u32( &row, 0 );
+    put_u32( &row, 0 );
+    put_u32( &row, 160 );
+    put_u32( &row, 176 );
+    row.size = 160;
+    put_floats( &row, 2, 0.5f, 0.25f );
+    row.size = 176;
+    put_floats( &row, 16, 0.0f, 0.0625f );
+    put_floats( &row, 16, 1.0f, 1.0f );
+    row.size += 6; // bytes that nobody claims
+
+    wisp_groom groom;
+    wisp_status status = wisp_groom_read_tfx( row.bytes, row.size, "row.tfx", &groom, NULL );
+
+    assert_int_equal( status, WISP_OK );
+    assert_int_equal( groom.dimension, 3 );
+    assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 2, 4 } ), 3 * sizeof( int ) );
+    // every fourth number is an inverse mass, and is left out
+    assert_memory_equal( groom.points, ( ( float[] ){ 1, 2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15 } ),
+                         12 * sizeof( float ) );
+    assert_memory_equal( groom.thickness, ( ( float[] ){ 0.5f, 0.5f, 0.75f, 0.75f } ), 4 * sizeof( float ) );
+    assert_float_equal( groom.colour[3].x, 0.75f, 0.0f );
+    assert_float_equal( groom.colour[3].z, 0.875f, 0.0f );
+    assert_null( groom.transparency );
+    wisp_groom_release( &groom );
+}
+
+static void a_sentence_keeps_its_reason_when_the_name_is_very_long( void** state )
+{
+    (void)state;
+    char name[2000];
+    memset( name, 'a', sizeof name - 1 );
+    strcpy( name + sizeof name - 11, "/last.hair" );
+    wisp_groom groom;
+    wisp_error error = { .status = WISP_OK };
+    wisp_groom_read_hair( "HAIR", 4, name, &groom, &error );
+    assert_contains( error.sentence, "/last.hair: byte 4: the file ends inside the header" );
+}
+
+// ---- writing ---------------------------------------------------------------------------------------------------
+
+static void a_hair_file_comes_back_bit_for_bit( void** state )
+{
+    (void)state;
+    wisp_groom groom = fixture_groom();
+    for ( int columns = 0; columns < 8; ++columns )
+    {
+        wisp_groom some = groom;
+        some.thickness = ( columns & 1 ) != 0 ? groom.thickness : NULL;
+        some.transparency = ( columns & 2 ) != 0 ? groom.transparency : NULL;
+        some.colour = ( columns & 4 ) != 0 ? groom.colour : NULL;
+        size_t size = 0;
+        char* bytes = fixture_written( wisp_groom_write_hair, &some, &size );
+        wisp_groom again;
+        assert_int_equal( wisp_groom_read_hair( bytes, size, "again", &again, NULL ), WISP_OK );
+        assert_same_groom( &some, &again );
+        wisp_groom_release( &again );
+        free( bytes );
+    }
+}
+
+static void the_header_of_a_hair_file_is_what_other_readers_expect( void** state )
+{
+    (void)state;
+    wisp_groom groom = fixture_groom();
+    size_t size = 0;
+    char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
+    static const unsigned char start[] = { 'H', 'A', 'I', 'R', 3, 0, 0, 0, 6, 0, 0, 0, 31, 0, 0, 0, 2, 0, 0, 0 };
+    assert_memory_equal( bytes, start, sizeof start );
+    // segments 2, 0, 1 follow the header of 128 bytes, then six vertices of 12 + 4 + 4 + 12 bytes
+    static const unsigned char segments[] = { 2, 0, 0, 0, 1, 0 };
+    assert_memory_equal( bytes + 128, segments, sizeof segments );
+    assert_int_equal( size, 128 + 6 + 6 * 32 );
+    free( bytes );
+}
+
+static wisp_groom long_strand( int vertex_count )
+{
+    wisp_groom groom = { .strand_count = 1, .vertex_count = vertex_count, .dimension = 2 };
+    groom.offsets = malloc( 2 * sizeof( int ) );
+    groom.points = calloc( (size_t)vertex_count, sizeof( wisp_vec3 ) );
+    assert_non_null( groom.offsets );
+    assert_non_null( groom.points );
+    groom.offsets[0] = 0;
+    groom.offsets[1] = vertex_count;
+    return groom;
+}
+
+static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** state )
+{
+    (void)state;
+    wisp_groom groom = long_strand( 65536 );
+    size_t size = 0;
+    char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
+    wisp_groom again;
+    assert_int_equal( wisp_groom_read_hair( bytes, size, "again", &again, NULL ), WISP_OK );
+    assert_same_groom( &groom, &again );
+    wisp_groom_release( &again );
+    wisp_groom_release( &groom );
+    free( bytes );
+
+    groom = long_strand( 65537 );
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_write_hair( stdout, &groom, "long.hair", &error ), WISP_BAD_INPUT );
+    assert_string_equal( error.sentence,
+                         "long.hair: strand 0 has 65537 vertices; a .hair file holds 1 to 65536 a strand" );
+    wisp_groom_release( &groom );
+}
+
+static void strands_that_a_format_cannot_hold_are_refused_by_number( void** state )
+{
+    (void)state;
+    static int with_empty[] = { 0, 3, 3, 6 };
+    wisp_groom groom = fixture_groom();
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_write_usda( stdout, &groom, "a.usda", &error ), WISP_BAD_INPUT );
+    assert_contains( error.sentence, "a.usda: strand 1 has 1 vertices; a curve in a .usda file needs at least 2" );
+    groom.offsets = with_empty;
+    assert_int_equal( wisp_groom_write_hair( stdout, &groom, "a.hair", &error ), WISP_BAD_INPUT );
+    assert_contains( error.sentence, "a.hair: strand 1 has 0 vertices" );
+}
+
+// ---- text formats, read back by a small parser -----------------------------------------------------------------
+
+// Skips everything that cannot start a number.
+static const char* next_number( const char* text, float* value )
+{
+    while ( strchr( "-0123456789", *text ) == NULL )
+    {
+        ++text;
+    }
+    assert_true( *text != 0 );
+    char* end = NULL;
+    *value = strtof( text, &end );
+    assert_true( end != text );
+    return end;
+}
+
+// The numbers between the brackets of one attribute, which must be exactly `count`.
+static void assert_attribute( const char* usda, const char* declaration, const float* expected, int count )
+{
+    const char* text = strstr( usda, declaration );
+    if ( text == NULL )
+    {
+        fail_msg( "no %s in:\n%s", declaration, usda );
+        return;
+    }
+    text = strstr( text, "= [" ) + 3;
+    const char* close = strchr( text, ']' );
+    assert_non_null( close );
+    for ( int i = 0; i < count; ++i )
+    {
+        float value;
+        text = next_number( text, &value );
+        assert_true( text <= close );
+        assert_memory_equal( &value, &expected[i], sizeof value );
+    }
+    while ( text < close )
+    {
+        assert_null( memchr( "0123456789", *text++, 10 ) );
+    }
+}
+
+static void assert_interpolated( const char* usda, const char* declaration )
+{
+    static const char expected[] = "\n    ] (\n        interpolation = \"vertex\"\n    )\n";
+    const char* text = strstr( usda, declaration );
+    assert_non_null( text );
+    text = strstr( text, "\n    ]" );
+    assert_non_null( text );
+    assert_int_equal( strncmp( text, expected, strlen( expected ) ), 0 );
+}
+
+static void a_usda_file_holds_the_same_curves_widths_and_colours( void** state )
+{
+    (void)state;
+    wisp_groom groom = fixture_curves();
+    char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
+    assert_contains( text, "uniform token type = \"linear\"" );
+    assert_contains( text, "metersPerUnit = 1\n" );
+    assert_attribute( text, "int[] curveVertexCounts", ( ( float[] ){ 4, 2 } ), 2 );
+    assert_attribute( text, "point3f[] points", &groom.points[0].x, 18 );
+    assert_attribute( text, "float[] widths", groom.thickness, 6 );
+    assert_attribute( text, "color3f[] primvars:displayColor", &groom.colour[0].x, 18 );
+    float opacity[6];
+    for ( int v = 0; v < 6; ++v )
+    {
+        opacity[v] = 1.0f - groom.transparency[v];
+    }
+    assert_attribute( text, "float[] primvars:displayOpacity", opacity, 6 );
+    assert_interpolated( text, "float[] widths" );
+    assert_interpolated( text, "color3f[] primvars:displayColor" );
+    assert_interpolated( text, "float[] primvars:displayOpacity" );
+    free( text );
+}
+
+static void the_extent_of_a_usda_file_holds_the_curves_with_their_widths( void** state )
+{
+    (void)state;
+    static int offsets[] = { 0, 2 };
+    static wisp_vec3 points[] = { { 1.0f, 2.0f, 3.0f }, { -1.0f, 5.0f, 3.0f } };
+    static float thickness[] = { 0.5f, 0.25f };
+    wisp_groom groom = { 1, 2, 3, offsets, points, thickness, NULL, NULL };
+    char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    assert_attribute( text, "float3[] extent", ( ( float[] ){ -1.25f, 1.75f, 2.75f, 1.25f, 5.25f, 3.25f } ), 6 );
+    assert_null( strstr( text, "displayColor" ) );
+    assert_null( strstr( text, "displayOpacity" ) );
+    free( text );
+}
+
+static void an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices( void** state )
+{
+    (void)state;
+    static const int segments[][2] = { { 1, 2 }, { 2, 3 }, { 5, 6 } };
+    wisp_groom groom = fixture_groom();
+    char* text = fixture_written( wisp_groom_write_obj, &groom, NULL );
+    int vertices = 0;
+    int lines = 0;
+    char* rest = text;
+    for ( char* line = strtok_r( rest, "\n", &rest ); line != NULL; line = strtok_r( NULL, "\n", &rest ) )
+    {
+        char* end = line + 2;
+        if ( line[0] == 'v' )
+        {
+            wisp_vec3 p = { strtof( end, &end ), 0.0f, 0.0f };
+            p.y = strtof( end, &end );
+            p.z = strtof( end, &end );
+            assert_int_equal( *end, 0 );
+            assert_memory_equal( &p, &groom.points[vertices], sizeof p );
+            ++vertices;
+        }
+        else if ( line[0] == 'l' )
+        {
+            assert_in_range( lines, 0, 2 );
+            assert_int_equal( strtol( end, &end, 10 ), segments[lines][0] );
+            assert_int_equal( strtol( end, &end, 10 ), segments[lines][1] );
+            assert_int_equal( *end, 0 );
+            ++lines;
+        }
+    }
+    assert_int_equal( vertices, 6 );
+    assert_int_equal( lines, 3 );
+    free( text );
+}
+
+static void text_has_decimal_points_where_the_locale_has_commas( void** state )
+{
+    (void)state;
+    static const char* const commas[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR", "ru_RU.UTF-8" };
+    wisp_groom groom = fixture_curves();
+    char* expected = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    const char* found = NULL;
+    for ( int i = 0; i < WISP_COUNT( commas ) && found == NULL; ++i )
+    {
+        found = setlocale( LC_NUMERIC, commas[i] );
+    }
+    char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
+    bool comma_afterwards = localeconv()->decimal_point[0] == ',';
+    setlocale( LC_NUMERIC, "C" );
+    assert_string_equal( text, expected );
+    free( text );
+    free( expected );
+    if ( found == NULL )
+    {
+        skip(); // no such locale is installed
+    }
+    assert_true( comma_afterwards );
+}
+
+// ---- checking --------------------------------------------------------------------------------------------------
+
+static void assert_check_says( const wisp_groom* groom, const char* words )
+{
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_check( groom, &error ), WISP_BAD_INPUT );
+    assert_contains( error.sentence, words );
+}
+
+// Two strands of two vertices, all arrays, ready to be spoiled.
+typedef struct small_groom
+{
+    int offsets[3];
+    wisp_vec3 points[4];
+    float thickness[4];
+    float transparency[4];
+    wisp_vec3 colour[4];
+    wisp_groom groom;
+} small_groom;
+
+static wisp_groom* make_small( small_groom* small )
+{
+    *small = ( small_groom ){ .offsets = { 0, 2, 4 } };
+    small->groom = ( wisp_groom ){
+        2, 4, 2, small->offsets, small->points, small->thickness, small->transparency, small->colour
+    };
+    return &small->groom;
+}
+
+static void a_check_accepts_the_limits_themselves( void** state )
+{
+    (void)state;
+    small_groom small;
+    wisp_groom* groom = make_small( &small );
+    small.points[0] = ( wisp_vec3 ){ WISP_GROOM_FARTHEST, -WISP_GROOM_FARTHEST, 0.0f };
+    small.transparency[3] = 1.0f;
+    small.colour[1] = ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
+    assert_int_equal( wisp_groom_check( groom, NULL ), WISP_OK );
+}
+
+static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** state )
+{
+    (void)state;
+    small_groom small;
+    wisp_groom* groom = make_small( &small );
+    small.points[3].y = NAN;
+    assert_check_says( groom, "strand 1, vertex 1: y is not a number" );
+    groom = make_small( &small );
+    small.points[2].x = -1.5e6f;
+    assert_check_says( groom, "strand 1, vertex 0: x is -1500000 and must be in -1e+06 .. 1e+06" );
+    groom = make_small( &small );
+    small.points[1].z = 0.5f;
+    assert_check_says( groom, "strand 0, vertex 1: z is 0.5 in a groom of two dimensions" );
+    groom = make_small( &small );
+    small.thickness[0] = -1e-5f;
+    assert_check_says( groom, "strand 0, vertex 0: thickness is" );
+    groom = make_small( &small );
+    small.transparency[0] = 1.5f;
+    assert_check_says( groom, "strand 0, vertex 0: transparency is 1.5 and must be in 0 .. 1" );
+    groom = make_small( &small );
+    small.groom.thickness = NULL;
+    small.transparency[0] = 2.0f;
+    assert_check_says( groom, "transparency is 2 and must be in 0 .. 1" );
+    groom = make_small( &small );
+    small.colour[2].z = -0.5f;
+    assert_check_says( groom, "strand 1, vertex 0: blue is -0.5" );
+}
+
+static void a_check_refuses_offsets_that_do_not_partition_the_vertices( void** state )
+{
+    (void)state;
+    small_groom small;
+    wisp_groom* groom = make_small( &small );
+    small.offsets[0] = 1;
+    assert_check_says( groom, "strand 0 starts at vertex 1" );
+    groom = make_small( &small );
+    small.offsets[1] = -1;
+    assert_check_says( groom, "strand 0 runs from vertex 0 to -1" );
+    groom = make_small( &small );
+    small.offsets[1] = 5;
+    assert_check_says( groom, "strand 0 runs from vertex 0 to 5 of 4" );
+    groom = make_small( &small );
+    small.offsets[2] = 3;
+    assert_check_says( groom, "the strands end at vertex 3 of 4" );
+    groom = make_small( &small );
+    groom->strand_count = 0;
+    assert_check_says( groom, "the groom is empty" );
+    groom = make_small( &small );
+    groom->points = NULL;
+    assert_check_says( groom, "the groom has no points" );
+    groom = make_small( &small );
+    groom->dimension = 4;
+    assert_check_says( groom, "4 dimensions" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_hand_made_hair_file_gives_its_strands_and_arrays ),
+        cmocka_unit_test( default_segments_apply_and_missing_arrays_stay_null ),
+        cmocka_unit_test( a_hand_made_tfx_file_gives_positions_thickness_and_colour ),
+        cmocka_unit_test( a_sentence_keeps_its_reason_when_the_name_is_very_long ),
+        cmocka_unit_test( a_hair_file_comes_back_bit_for_bit ),
+        cmocka_unit_test( the_header_of_a_hair_file_is_what_other_readers_expect ),
+        cmocka_unit_test( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more ),
+        cmocka_unit_test( strands_that_a_format_cannot_hold_are_refused_by_number ),
+        cmocka_unit_test( a_usda_file_holds_the_same_curves_widths_and_colours ),
+        cmocka_unit_test( the_extent_of_a_usda_file_holds_the_curves_with_their_widths ),
+        cmocka_unit_test( an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices ),
+        cmocka_unit_test( text_has_decimal_points_where_the_locale_has_commas ),
+        cmocka_unit_test( a_check_accepts_the_limits_themselves ),
+        cmocka_unit_test( a_check_names_the_first_wrong_number_by_strand_and_vertex ),
+        cmocka_unit_test( a_check_refuses_offsets_that_do_not_partition_the_vertices ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

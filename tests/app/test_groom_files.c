@@ -1,0 +1,351 @@
+// Grooms on disk: which format a path means, what a failed write leaves behind, and what `wisp info` prints.
+#define _XOPEN_SOURCE 700
+
+#include "groom_fixture.h"
+
+#include <dirent.h>
+#include <math.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// ---- a folder of its own for every test ------------------------------------------------------------------------
+
+typedef struct folder
+{
+    char path[64];
+} folder;
+
+static int make_folder( void** state )
+{
+    folder* f = malloc( sizeof *f );
+    if ( f == NULL )
+    {
+        return -1;
+    }
+    strcpy( f->path, "test-groom-XXXXXX" );
+    *state = f;
+    return mkdtemp( f->path ) != NULL ? 0 : -1;
+}
+
+static char* path_in( void** state, const char* name )
+{
+    static char path[512];
+    snprintf( path, sizeof path, "%s/%s", ( (folder*)*state )->path, name );
+    return path;
+}
+
+static int count_files( void** state )
+{
+    DIR* walk = opendir( ( (folder*)*state )->path );
+    assert_non_null( walk );
+    int count = 0;
+    for ( struct dirent* entry = readdir( walk ); entry != NULL; entry = readdir( walk ) )
+    {
+        count += strcmp( entry->d_name, "." ) != 0 && strcmp( entry->d_name, ".." ) != 0;
+    }
+    closedir( walk );
+    return count;
+}
+
+static int remove_folder( void** state )
+{
+    DIR* walk = opendir( ( (folder*)*state )->path );
+    for ( struct dirent* entry = walk != NULL ? readdir( walk ) : NULL; entry != NULL; entry = readdir( walk ) )
+    {
+        remove( path_in( state, entry->d_name ) );
+    }
+    if ( walk != NULL )
+    {
+        closedir( walk );
+    }
+    int status = rmdir( ( (folder*)*state )->path );
+    free( *state );
+    return status;
+}
+
+static void put_file( const char* path, const void* bytes, size_t size )
+{
+    FILE* file = fopen( path, "wb" );
+    assert_non_null( file );
+    assert_int_equal( fwrite( bytes, 1, size, file ), size );
+    fclose( file );
+}
+
+static void assert_file_is( const char* path, const char* text )
+{
+    char found[64] = { 0 };
+    FILE* file = fopen( path, "rb" );
+    assert_non_null( file );
+    size_t length = fread( found, 1, sizeof found - 1, file );
+    fclose( file );
+    assert_int_equal( length, strlen( text ) );
+    assert_string_equal( found, text );
+}
+
+// ---- reading and writing files ---------------------------------------------------------------------------------
+
+static void a_hair_file_on_disk_comes_back_bit_for_bit( void** state )
+{
+    wisp_groom groom = fixture_groom();
+    wisp_groom again;
+    assert_int_equal( wisp_groom_write( path_in( state, "a.HAIR" ), &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_read( path_in( state, "a.HAIR" ), &again, NULL ), WISP_OK );
+    assert_same_groom( &groom, &again );
+    wisp_groom_release( &again );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( void** state )
+{
+    wisp_groom groom = fixture_groom();
+    wisp_groom again;
+    size_t size = 0;
+    char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
+    put_file( path_in( state, "a.tfx" ), bytes, size );
+    free( bytes );
+    assert_int_equal( wisp_groom_read( path_in( state, "a.tfx" ), &again, NULL ), WISP_OK );
+    assert_same_groom( &groom, &again );
+    wisp_groom_release( &again );
+}
+
+static void a_large_groom_on_disk_comes_back_bit_for_bit( void** state )
+{
+    // More than the reader's first block of 64 KiB, and the extension in every text format.
+    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_CURLY, 3 );
+    recipe.strand_count = 500;
+    wisp_groom groom, again;
+    assert_int_equal( wisp_groom_make( &recipe, &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_write( path_in( state, "a.hair" ), &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_write( path_in( state, "a.usda" ), &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_write( path_in( state, "a.obj" ), &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_read( path_in( state, "a.hair" ), &again, NULL ), WISP_OK );
+    assert_same_groom( &groom, &again );
+    wisp_groom_release( &again );
+    wisp_groom_release( &groom );
+    assert_int_equal( count_files( state ), 3 );
+}
+
+static void a_path_that_cannot_be_read_is_an_error_that_names_it( void** state )
+{
+    wisp_groom groom;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_read( path_in( state, "none.hair" ), &groom, &error ), WISP_IO_ERROR );
+    assert_contains( error.sentence, "none.hair: cannot open: " );
+    assert_int_equal( wisp_groom_read( path_in( state, "." ), &groom, &error ), WISP_BAD_INPUT );
+    assert_contains( error.sentence, "this is a folder" );
+    wisp_groom_release( &groom );
+}
+
+static void an_unknown_extension_is_refused_before_anything_is_written( void** state )
+{
+    wisp_groom groom = fixture_groom();
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_write( path_in( state, "a.abc" ), &groom, &error ), WISP_BAD_INPUT );
+    assert_contains( error.sentence, "a.abc: grooms are written as .hair, .usda or .obj" );
+    assert_int_equal( wisp_groom_write( path_in( state, "none/a.hair" ), &groom, &error ), WISP_IO_ERROR );
+    assert_contains( error.sentence, "none/a.hair: cannot create a file beside it" );
+    assert_int_equal( count_files( state ), 0 );
+}
+
+static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
+{
+    wisp_groom groom = fixture_curves();
+    wisp_vec3 points[6];
+    memcpy( points, groom.points, sizeof points );
+    points[5].x = NAN;
+    groom.points = points;
+    static const char* const names[] = { "a.hair", "a.usda", "a.obj" };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        char* path = path_in( state, names[i] );
+        put_file( path, "precious", 8 );
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( wisp_groom_write( path, &groom, &error ), WISP_BAD_INPUT );
+        assert_contains( error.sentence, names[i] );
+        assert_contains( error.sentence, "strand 1, vertex 1: x is not a number" );
+        assert_file_is( path, "precious" );
+    }
+    assert_int_equal( count_files( state ), 3 );
+}
+
+static void a_disk_without_room_leaves_the_old_file( void** state )
+{
+    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_WAVY, 3 );
+    wisp_groom groom;
+    assert_int_equal( wisp_groom_make( &recipe, &groom, NULL ), WISP_OK );
+    char* path = path_in( state, "a.hair" );
+    put_file( path, "precious", 8 );
+
+    // Files may not grow beyond 8 KiB: the write fails in the middle, as on a full disk.
+    struct rlimit before;
+    assert_int_equal( getrlimit( RLIMIT_FSIZE, &before ), 0 );
+    struct rlimit small = { 8192, before.rlim_max };
+    void ( *old )( int ) = signal( SIGXFSZ, SIG_IGN );
+    assert_int_equal( setrlimit( RLIMIT_FSIZE, &small ), 0 );
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = wisp_groom_write( path, &groom, &error );
+    assert_int_equal( setrlimit( RLIMIT_FSIZE, &before ), 0 );
+    signal( SIGXFSZ, old );
+
+    assert_int_equal( status, WISP_IO_ERROR );
+    assert_contains( error.sentence, "a.hair: cannot write" );
+    assert_file_is( path, "precious" );
+    assert_int_equal( count_files( state ), 1 );
+    wisp_groom_release( &groom );
+}
+
+static void a_device_is_written_in_place_and_survives_a_failed_write( void** state )
+{
+    char target[] = "/dev/full";
+    struct stat info;
+    if ( stat( target, &info ) != 0 || !S_ISCHR( info.st_mode ) )
+    {
+        skip();
+    }
+    wisp_groom groom = fixture_groom();
+    char* path = path_in( state, "full.hair" );
+    assert_int_equal( symlink( target, path ), 0 );
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_groom_write( path, &groom, &error ), WISP_IO_ERROR );
+    assert_contains( error.sentence, "full.hair: cannot write: " );
+    assert_int_equal( stat( target, &info ), 0 );
+    assert_true( S_ISCHR( info.st_mode ) );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+static void a_symbolic_link_and_the_permissions_of_its_file_survive_a_write( void** state )
+{
+    wisp_groom groom = fixture_groom();
+    char file[512];
+    strcpy( file, path_in( state, "file.hair" ) );
+    char* link = path_in( state, "link.hair" );
+    put_file( file, "old", 3 );
+    assert_int_equal( chmod( file, 0640 ), 0 );
+    assert_int_equal( symlink( "file.hair", link ), 0 );
+    assert_int_equal( wisp_groom_write( link, &groom, NULL ), WISP_OK );
+
+    struct stat info;
+    assert_int_equal( lstat( link, &info ), 0 );
+    assert_true( S_ISLNK( info.st_mode ) );
+    assert_int_equal( stat( file, &info ), 0 );
+    assert_int_equal( info.st_mode & 0777, 0640 );
+    wisp_groom again;
+    assert_int_equal( wisp_groom_read( file, &again, NULL ), WISP_OK );
+    assert_same_groom( &groom, &again );
+    wisp_groom_release( &again );
+}
+
+// ---- wisp info -------------------------------------------------------------------------------------------------
+
+static void info_prints_counts_bounds_and_lengths( void** state )
+{
+    (void)state;
+    static int offsets[] = { 0, 3, 5 };
+    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 }, { 3, 0, 0 }, { 3, 0, 4 } };
+    static float thickness[] = { 0.5f, 0.5f, 0.5f, 0.25f, 0.25f };
+    wisp_groom groom = { 2, 5, 3, offsets, points, thickness, NULL, NULL };
+    char* text = fixture_info( &groom, WISP_OK );
+    assert_string_equal( text, "head.hair: groom in 3 dimensions\n"
+                               "  strands              2\n"
+                               "  vertices             5\n"
+                               "  vertices a strand    min 2, mean 2.5, max 3\n"
+                               "  bounds               x 0 .. 3, y -2 .. 0, z 0 .. 4 m\n"
+                               "  length               min 2, mean 3, max 4 m\n"
+                               "  thickness            min 0.25, mean 0.4, max 0.5 m\n"
+                               "  colour               none\n"
+                               "  nothing is wrong with it\n" );
+    free( text );
+}
+
+static void info_names_what_is_wrong_by_element( void** state )
+{
+    (void)state;
+    static int offsets[] = { 0, 2, 2, 3, 6, 8 };
+    static wisp_vec3 points[] = {
+        { 1, 0, 0 }, { 1, 1, 0 },                  // strand 0
+        { 5, 0, 0 },                               // strand 2, no segment
+        { 1, 0, 0 }, { 2, 2, 0 },     { 2, 2, 0 }, // strand 3, the root of strand 0, a segment of zero length
+        { 7, 0, 0 }, { 0, -2e6f, 0 },              // strand 4, out of this world
+    };
+    wisp_groom groom = { 5, 8, 2, offsets, points, NULL, NULL, NULL };
+    char* text = fixture_info( &groom, WISP_OK );
+    assert_contains( text, "  wrong: segments of zero length: 1\n    strand 3, from vertex 1\n" );
+    assert_contains( text,
+                     "  wrong: strands without a segment: 2\n    strand 1, vertices 0\n    strand 2, vertices 1\n" );
+    assert_contains( text, "  wrong: strands that repeat a root: 1\n    strand 3, the root of strand 0\n" );
+    assert_contains( text, "  wrong: vertices beyond 1e+06 m: 1\n    strand 4, vertex 1\n" );
+    assert_null( strstr( text, "nothing is wrong" ) );
+    free( text );
+}
+
+static void info_lists_the_first_ten_and_counts_the_rest( void** state )
+{
+    (void)state;
+    int offsets[14];
+    wisp_vec3 points[26];
+    for ( int s = 0; s < 14; ++s )
+    {
+        offsets[s] = 2 * s;
+    }
+    for ( int v = 0; v < 26; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ 0.5f, 0.25f, 0.0f };
+    }
+    wisp_groom groom = { 13, 26, 2, offsets, points, NULL, NULL, NULL };
+    char* text = fixture_info( &groom, WISP_OK );
+    assert_contains( text, "segments of zero length: 13\n    strand 0, from vertex 0\n" );
+    assert_contains( text, "    strand 9, from vertex 0\n    and 3 more\n" );
+    assert_null( strstr( text, "strand 10, from vertex" ) );
+    // the first of the thirteen does not repeat a root, the others repeat its
+    assert_contains( text, "repeat a root: 12\n    strand 1, the root of strand 0\n" );
+    assert_contains( text, "    strand 10, the root of strand 0\n    and 2 more\n" );
+    free( text );
+}
+
+static void info_says_which_number_is_out_of_its_range( void** state )
+{
+    (void)state;
+    static int offsets[] = { 0, 2 };
+    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
+    static float transparency[] = { 0.0f, 7.0f };
+    wisp_groom groom = { 1, 2, 2, offsets, points, NULL, transparency, NULL };
+    char* text = fixture_info( &groom, WISP_OK );
+    assert_contains( text, "  wrong: groom: strand 0, vertex 1: transparency is 7 and must be in 0 .. 1\n" );
+    free( text );
+}
+
+static void info_of_a_malformed_groom_is_one_sentence( void** state )
+{
+    (void)state;
+    static int offsets[] = { 0, 9 };
+    static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
+    wisp_groom groom = { 1, 2, 2, offsets, points, NULL, NULL, NULL };
+    char* text = fixture_info( &groom, WISP_BAD_INPUT );
+    assert_string_equal( text, "head.hair: strand 0 runs from vertex 0 to 9 of 2\n" );
+    free( text );
+}
+
+#define TEST_IN_FOLDER( name ) cmocka_unit_test_setup_teardown( name, make_folder, remove_folder )
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        TEST_IN_FOLDER( a_hair_file_on_disk_comes_back_bit_for_bit ),
+        TEST_IN_FOLDER( a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called ),
+        TEST_IN_FOLDER( a_large_groom_on_disk_comes_back_bit_for_bit ),
+        TEST_IN_FOLDER( a_path_that_cannot_be_read_is_an_error_that_names_it ),
+        TEST_IN_FOLDER( an_unknown_extension_is_refused_before_anything_is_written ),
+        TEST_IN_FOLDER( a_groom_that_cannot_be_written_leaves_the_old_file ),
+        TEST_IN_FOLDER( a_disk_without_room_leaves_the_old_file ),
+        TEST_IN_FOLDER( a_device_is_written_in_place_and_survives_a_failed_write ),
+        TEST_IN_FOLDER( a_symbolic_link_and_the_permissions_of_its_file_survive_a_write ),
+        cmocka_unit_test( info_prints_counts_bounds_and_lengths ),
+        cmocka_unit_test( info_names_what_is_wrong_by_element ),
+        cmocka_unit_test( info_lists_the_first_ten_and_counts_the_rest ),
+        cmocka_unit_test( info_says_which_number_is_out_of_its_range ),
+        cmocka_unit_test( info_of_a_malformed_groom_is_one_sentence ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

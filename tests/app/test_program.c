@@ -1,0 +1,587 @@
+// The built program, whose path is the first argument, is started with right and wrong input: exit statuses, one
+// sentence for what is wrong, help of every verb, and nothing but plain bytes where there is no terminal.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "wisp/base.h"
+
+#include <fcntl.h>
+#include <jansson.h>
+#include <pty.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define OUTPUT_MAX 65536
+#define ARGUMENTS_MAX 12
+
+static char program[4096];
+
+/// What a run left behind.
+typedef struct run_result
+{
+    int status; ///< exit status, -1 if a signal ended it
+    char out[OUTPUT_MAX], err[OUTPUT_MAX];
+} run_result;
+
+static run_result result;
+
+// ---- starting it ----
+
+static void read_back( FILE* file, char* text )
+{
+    rewind( file );
+    text[fread( text, 1, OUTPUT_MAX - 1, file )] = '\0';
+    fclose( file );
+}
+
+static _Noreturn void become_program( char** arguments, int out, int err )
+{
+    dup2( out, STDOUT_FILENO );
+    dup2( err, STDERR_FILENO );
+    execv( program, arguments );
+    _exit( 127 );
+}
+
+static int wait_for( pid_t child )
+{
+    int status = 0;
+    assert_int_equal( waitpid( child, &status, 0 ), child );
+    return WIFEXITED( status ) ? WEXITSTATUS( status ) : -1;
+}
+
+/// Words of a command line, split at blanks.
+static void split( char* line, char** arguments )
+{
+    int count = 0;
+    arguments[count++] = program;
+    for ( char* word = strtok( line, " " ); word && count < ARGUMENTS_MAX; word = strtok( NULL, " " ) )
+    {
+        arguments[count++] = word;
+    }
+    arguments[count] = NULL;
+}
+
+/// Run the program with its two streams in files; fills `result`.
+static void run( const char* command )
+{
+    char line[1024], *arguments[ARGUMENTS_MAX + 1];
+    snprintf( line, sizeof( line ), "%s", command );
+    split( line, arguments );
+    FILE *out = tmpfile(), *err = tmpfile();
+    assert_true( out && err );
+    pid_t child = fork();
+    if ( child == 0 )
+    {
+        become_program( arguments, fileno( out ), fileno( err ) );
+    }
+    result.status = wait_for( child );
+    read_back( out, result.out );
+    read_back( err, result.err );
+}
+
+/// Run the program with its error stream on a terminal; what the terminal got is in result.err.
+static void run_on_terminal( const char* command )
+{
+    char line[1024], *arguments[ARGUMENTS_MAX + 1];
+    snprintf( line, sizeof( line ), "%s", command );
+    split( line, arguments );
+    int near_end, far_end;
+    assert_int_equal( openpty( &near_end, &far_end, NULL, NULL, NULL ), 0 );
+    FILE* out = tmpfile();
+    assert_non_null( out );
+    pid_t child = fork();
+    if ( child == 0 )
+    {
+        close( near_end );
+        become_program( arguments, fileno( out ), far_end );
+    }
+    close( far_end );
+
+    // A terminal whose other end is gone reports an error instead of an end of file.
+    size_t size = 0;
+    for ( ssize_t count = 1; count > 0 && size<OUTPUT_MAX - 1; size += count> 0 ? (size_t)count : 0 )
+    {
+        count = read( near_end, result.err + size, OUTPUT_MAX - 1 - size );
+    }
+    result.err[size] = '\0';
+    close( near_end );
+    result.status = wait_for( child );
+    read_back( out, result.out );
+}
+
+static int line_count( const char* text )
+{
+    int count = 0;
+    for ( ; *text; ++text )
+    {
+        count += *text == '\n';
+    }
+    return count;
+}
+
+static void write_file( const char* path, const char* text )
+{
+    FILE* file = fopen( path, "w" );
+    assert_non_null( file );
+    assert_true( fputs( text, file ) >= 0 );
+    fclose( file );
+}
+
+/// The run must have been refused as input: status 2, nothing on standard output, one sentence that names something.
+static void assert_refused( const char* command, const char* named )
+{
+    run( command );
+    if ( result.status != 2 || line_count( result.err ) != 1 || strncmp( result.err, "wisp: ", 6 ) != 0 ||
+         !strstr( result.err, named ) )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
+}
+
+/// The command line must have been refused: status 64, nothing on standard output, a sentence that names something.
+static void assert_usage( const char* command, const char* named )
+{
+    run( command );
+    if ( result.status != 64 || result.out[0] || !strstr( result.err, named ) )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
+}
+
+// ---- scenes ----
+
+static const char good_scene[] =
+    "wisp: 1\n"
+    "steps: 3\n"
+    "strands:\n"
+    "  - name: hair\n"
+    "    make: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
+    "    frozen_hair:\n"
+    "      freeze: {}\n"
+    "      align: { cursor: [0, -0.3, 0] }\n"
+    "      clump: { radius: 0.006 }\n"
+    "    look: {}\n"
+    "    want: [points, width, colour]\n"
+    "commands:\n"
+    "  - { step: 1, strands: hair, cursor: [0.1, -0.2, 0] }\n"
+    "output:\n"
+    "  - { strands: hair, file: written.hair }\n"
+    "  - { strands: hair, file: written.obj }\n";
+
+static int enter_folder( void** state )
+{
+    static char folder[] = P_tmpdir "/wisp_program_XXXXXX";
+    *state = mkdtemp( folder );
+    if ( !*state || chdir( folder ) != 0 )
+    {
+        return -1;
+    }
+    unsetenv( "NO_COLOR" );
+    write_file( "good.yaml", good_scene );
+    return 0;
+}
+
+static int leave_folder( void** state )
+{
+    static const char* const files[] = { "good.yaml", "bad.yaml",    "empty.yaml", "written.hair", "written.obj",
+                                         "cut.hair",  "result.json", "other.txt",  "summary.csv" };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        remove( files[i] );
+    }
+    return chdir( "/" ) == 0 ? rmdir( *state ) : -1;
+}
+
+// ---- the command line ----
+
+static void the_version_is_told( void** state )
+{
+    (void)state;
+    run( "--version" );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.out, "wisp " WISP_VERSION_STRING "\n" );
+    assert_string_equal( result.err, "" );
+}
+
+static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** state )
+{
+    (void)state;
+    static const char* const commands[][2] = {
+        { "--help", "Usage: wisp [OPTION...] VERB" },
+        { "run --help", "Usage: wisp run [OPTION...] SCENE" },
+        { "plan --help", "Usage: wisp plan [OPTION...] SCENE" },
+        { "bench --help", "Usage: wisp bench [OPTION...] [CASE...]" },
+        { "info --help", "Usage: wisp info [OPTION...] FILE" },
+    };
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        run( commands[i][0] );
+        assert_int_equal( result.status, 0 );
+        assert_non_null( strstr( result.out, commands[i][1] ) );
+        assert_non_null( strstr( result.out, "Exit status: 0 good" ) );
+        assert_string_equal( result.err, "" );
+    }
+}
+
+static void usage_of_every_verb_is_told( void** state )
+{
+    (void)state;
+    static const char* const commands[] = { "--usage", "run --usage", "plan --usage", "bench --usage",
+                                            "info --usage" };
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        run( commands[i] );
+        assert_int_equal( result.status, 0 );
+        assert_memory_equal( result.out, "Usage: wisp", 11 );
+    }
+}
+
+static void a_misspelt_verb_is_answered_with_the_nearest( void** state )
+{
+    (void)state;
+    assert_usage( "rnu good.yaml", "did you mean 'run'?" );
+    assert_usage( "bnech", "did you mean 'bench'?" );
+    assert_usage( "simulate", "there is no verb 'simulate'" );
+    assert_int_equal( line_count( result.err ), 1 );
+}
+
+static void a_missing_or_second_argument_is_wrong_usage( void** state )
+{
+    (void)state;
+    assert_usage( "", "which verb?" );
+    assert_usage( "run", "which scene?" );
+    assert_usage( "plan", "which scene?" );
+    assert_usage( "info", "which file?" );
+    assert_usage( "run good.yaml good.yaml", "one scene at a time" );
+    assert_usage( "info good.yaml good.yaml", "one file at a time" );
+}
+
+static void an_unknown_option_is_wrong_usage( void** state )
+{
+    (void)state;
+    assert_usage( "--colour", "--colour" );
+    assert_usage( "run good.yaml --fast", "--fast" );
+    assert_usage( "plan good.yaml -x", "x" );
+    assert_usage( "bench --stpes", "--stpes" );
+    assert_usage( "info --deep good.yaml", "--deep" );
+}
+
+static void a_number_out_of_its_range_is_wrong_usage( void** state )
+{
+    (void)state;
+    assert_usage( "run good.yaml --steps 0", "--steps: '0'" );
+    assert_usage( "run good.yaml --steps -1", "--steps: '-1'" );
+    assert_usage( "run good.yaml --steps 1.5", "--steps: '1.5'" );
+    assert_usage( "run good.yaml --steps 99999999999999999999", "--steps" );
+    assert_usage( "run good.yaml --workers 65", "--workers: '65'" );
+    assert_usage( "bench --workers two", "--workers: 'two'" );
+    assert_usage( "bench --seconds 0", "--seconds: '0'" );
+    assert_usage( "bench --seconds nan", "--seconds: 'nan'" );
+}
+
+static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** state )
+{
+    (void)state;
+    assert_usage( "run good.yaml --format jsn", "did you mean 'json'?" );
+    assert_usage( "run good.yaml --isa avx22", "did you mean 'avx2'?" );
+    assert_usage( "run good.yaml --isa quantum", "only baseline, avx2, avx512" );
+    assert_usage( "bench papre", "did you mean 'paper'?" );
+    assert_usage( "bench --format xml", "--format" );
+}
+
+// ---- files ----
+
+static void a_file_that_is_not_there_is_named_in_one_sentence( void** state )
+{
+    (void)state;
+    assert_refused( "run absent.yaml", "absent.yaml" );
+    assert_refused( "plan absent.yaml", "absent.yaml" );
+    assert_refused( "info absent.hair", "absent.hair" );
+    assert_refused( "run .", "." );
+    assert_refused( "info .", "." );
+    assert_string_equal( result.out, "" );
+}
+
+static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** state )
+{
+    (void)state;
+    write_file( "bad.yaml", "wisp: 1\n"
+                            "strands:\n"
+                            "  - name: hair\n"
+                            "    make: { shape: wavy, dimension: 2, strnads: 40 }\n" );
+    assert_refused( "run bad.yaml", "bad.yaml:4:" );
+    assert_non_null( strstr( result.err, "did you mean 'strands'?" ) );
+    assert_refused( "plan bad.yaml", "bad.yaml:4:" );
+    assert_refused( "info bad.yaml", "bad.yaml:4:" );
+    assert_string_equal( result.out, "" );
+}
+
+static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene( void** state )
+{
+    (void)state;
+    write_file( "bad.yaml", "wisp: 1\n"
+                            "strands:\n"
+                            "  - name: hair\n"
+                            "    file: absent.hair\n"
+                            "    want: [points]\n" );
+    assert_refused( "run bad.yaml", "bad.yaml:3:" );
+    assert_non_null( strstr( result.err, "absent.hair" ) );
+    assert_refused( "info bad.yaml", "bad.yaml:3:" );
+}
+
+static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** state )
+{
+    (void)state;
+    run( "run good.yaml" );
+    assert_int_equal( result.status, 0 );
+    write_file( "bad.yaml", "wisp: 1\n"
+                            "strands:\n"
+                            "  - name: hair\n"
+                            "    file: written.hair\n"
+                            "    frozen_hair:\n"
+                            "      align: { intensity: [0.5, 0.6, 0.7] }\n"
+                            "    want: [points]\n" );
+    assert_refused( "run bad.yaml", "bad.yaml:3:" );
+    assert_non_null( strstr( result.err, "intensity lists 3 numbers for 40 strands" ) );
+}
+
+static void results_that_cannot_be_written_fail_the_run( void** state )
+{
+    (void)state;
+    assert_refused( "run good.yaml --output absent/summary.csv", "absent/summary.csv" );
+    if ( access( "/dev/full", W_OK ) == 0 )
+    {
+        assert_refused( "run good.yaml --output /dev/full", "/dev/full" );
+    }
+}
+
+// ---- what it does ----
+
+static json_t* run_for_json( const char* command )
+{
+    run( command );
+    assert_int_equal( result.status, 0 );
+    json_t* root = json_loads( result.out, JSON_REJECT_DUPLICATES, NULL );
+    assert_non_null( root );
+    return root;
+}
+
+static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set( void** state )
+{
+    (void)state;
+    static const char* const commands[] = {
+        "run good.yaml --format json --workers 1",
+        "run good.yaml --format json --workers 2",
+        "run good.yaml --format json --workers 5",
+        "run good.yaml --format json --isa baseline",
+    };
+    char first[17] = "";
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        json_t* root = run_for_json( commands[i] );
+        json_t* row = json_array_get( json_object_get( root, "rows" ), 0 );
+        const char* hash = json_string_value( json_object_get( row, "hash" ) );
+        assert_int_equal( strlen( hash ), 16 );
+        if ( i == 0 )
+        {
+            strcpy( first, hash );
+        }
+        assert_string_equal( hash, first );
+        assert_int_equal( json_integer_value( json_object_get( row, "steps" ) ), 3 );
+        assert_int_equal( json_integer_value( json_object_get( json_object_get( row, "size" ), "vertices" ) ), 800 );
+        json_decref( root );
+    }
+}
+
+static void a_run_prints_passes_counters_and_hash( void** state )
+{
+    (void)state;
+    run( "run good.yaml --steps 2" );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.err, "" );
+    static const char* const expected[] = { "frozen_hair.freeze",
+                                            "frozen_hair.clump",
+                                            "strand_look.width",
+                                            "neighbours",
+                                            "2 steps with",
+                                            "bytes a vertex",
+                                            "Hash " };
+    for ( int i = 0; i < WISP_COUNT( expected ); ++i )
+    {
+        assert_non_null( strstr( result.out, expected[i] ) );
+    }
+}
+
+static void every_format_can_be_asked_for( void** state )
+{
+    (void)state;
+    static const char* const starts[][2] = {
+        { "run good.yaml --format text", "machine: " },   { "run good.yaml --format markdown", "machine: " },
+        { "run good.yaml --format csv", "case,variant" }, { "run good.yaml --format json", "{" },
+        { "run good.yaml --format gbench", "{" },
+    };
+    for ( int i = 0; i < WISP_COUNT( starts ); ++i )
+    {
+        run( starts[i][0] );
+        assert_int_equal( result.status, 0 );
+        assert_memory_equal( result.out, starts[i][1], strlen( starts[i][1] ) );
+    }
+}
+
+static void the_summary_goes_to_a_file_when_asked( void** state )
+{
+    (void)state;
+    run( "run good.yaml --format csv --output summary.csv" );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.out, "" );
+    assert_int_equal( access( "summary.csv", R_OK ), 0 );
+}
+
+static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** state )
+{
+    (void)state;
+    remove( "written.hair" );
+    remove( "written.obj" );
+    run( "run good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_int_equal( access( "written.obj", R_OK ), 0 );
+    run( "info written.hair" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "800" ) );
+    // the defaults of the look: 80 micrometres at the root, 20 at the tip
+    assert_non_null( strstr( result.out, "min 2e-05" ) );
+    assert_non_null( strstr( result.out, "max 8e-05" ) );
+    assert_non_null( strstr( result.out, "a vertex" ) );
+}
+
+static void a_scene_without_wishes_has_a_plan_without_passes( void** state )
+{
+    (void)state;
+    write_file( "empty.yaml", "wisp: 1\n"
+                              "strands:\n"
+                              "  - name: hair\n"
+                              "    make: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n" );
+    run( "plan empty.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, ": 0 passes" ) );
+    run( "plan good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "frozen_hair.freeze" ) );
+    assert_null( strstr( result.out, ": 0 passes" ) );
+}
+
+static void info_tells_scenes_results_and_grooms_apart( void** state )
+{
+    (void)state;
+    run( "info good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "hair (line 4): 40 strands, 800 vertices" ) );
+    run( "run good.yaml --format json --output result.json" );
+    assert_int_equal( result.status, 0 );
+    run( "info result.json" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "good.yaml/run strands=40 vertices=800" ) );
+    run( "info written.hair" );
+    assert_int_equal( result.status, 0 );
+}
+
+static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
+{
+    (void)state;
+    write_file( "other.txt", "a letter\n" );
+    assert_refused( "info other.txt", "neither a groom" );
+    write_file( "cut.hair", "HAIR" );
+    assert_refused( "info cut.hair", "cut.hair" );
+    write_file( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );
+    assert_refused( "info result.json", "rows[0].case" );
+}
+
+static void bench_lists_its_cases( void** state )
+{
+    (void)state;
+    run( "bench --list" );
+    assert_int_equal( result.status, 0 );
+    assert_memory_equal( result.out, "paper ", 6 );
+}
+
+// ---- terminals ----
+
+static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
+{
+    (void)state;
+    setenv( "TERM", "xterm", 1 );
+    run_on_terminal( "run good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.err, "\033[32m" ) );
+    assert_int_equal( result.err[strlen( result.err ) - 1], '\r' );
+}
+
+static void no_color_takes_the_colour_away_and_leaves_the_bar( void** state )
+{
+    (void)state;
+    setenv( "TERM", "xterm", 1 );
+    setenv( "NO_COLOR", "1", 1 );
+    run_on_terminal( "run good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_null( strchr( result.err, '\033' ) );
+    assert_non_null( strstr( result.err, "\r[" ) );
+    setenv( "NO_COLOR", "", 1 );
+    run_on_terminal( "run good.yaml" );
+    assert_non_null( strstr( result.err, "\033[32m" ) );
+    unsetenv( "NO_COLOR" );
+}
+
+static void a_dumb_terminal_and_a_file_see_no_bar( void** state )
+{
+    (void)state;
+    setenv( "TERM", "dumb", 1 );
+    run_on_terminal( "run good.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.err, "" );
+    setenv( "TERM", "xterm", 1 );
+    run( "run good.yaml" );
+    assert_string_equal( result.err, "" );
+    assert_null( strchr( result.out, '\033' ) );
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || !realpath( argv[1], program ) )
+    {
+        fputs( "usage: test_program PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_version_is_told ),
+        cmocka_unit_test( help_of_every_verb_names_its_usage_and_the_exit_statuses ),
+        cmocka_unit_test( usage_of_every_verb_is_told ),
+        cmocka_unit_test( a_misspelt_verb_is_answered_with_the_nearest ),
+        cmocka_unit_test( a_missing_or_second_argument_is_wrong_usage ),
+        cmocka_unit_test( an_unknown_option_is_wrong_usage ),
+        cmocka_unit_test( a_number_out_of_its_range_is_wrong_usage ),
+        cmocka_unit_test( a_misspelt_word_of_an_option_is_answered_with_the_nearest ),
+        cmocka_unit_test( a_file_that_is_not_there_is_named_in_one_sentence ),
+        cmocka_unit_test( a_misspelt_key_is_named_with_its_line_and_the_nearest_key ),
+        cmocka_unit_test( a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene ),
+        cmocka_unit_test( a_list_of_numbers_must_have_one_for_each_strand_of_the_file ),
+        cmocka_unit_test( results_that_cannot_be_written_fail_the_run ),
+        cmocka_unit_test( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set ),
+        cmocka_unit_test( a_run_prints_passes_counters_and_hash ),
+        cmocka_unit_test( every_format_can_be_asked_for ),
+        cmocka_unit_test( the_summary_goes_to_a_file_when_asked ),
+        cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
+        cmocka_unit_test( a_scene_without_wishes_has_a_plan_without_passes ),
+        cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
+        cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),
+        cmocka_unit_test( bench_lists_its_cases ),
+        cmocka_unit_test( progress_is_drawn_on_a_terminal_and_wiped_out_again ),
+        cmocka_unit_test( no_color_takes_the_colour_away_and_leaves_the_bar ),
+        cmocka_unit_test( a_dumb_terminal_and_a_file_see_no_bar ),
+    };
+    return cmocka_run_group_tests_name( "program", tests, enter_folder, leave_folder );
+}

@@ -1,0 +1,411 @@
+// Every format of the results is read again: what a program would find in it must be what was measured.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "info_results.h"
+#include "results.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// ---- results with everything that can go wrong in a format ----
+
+static void fill( results* all )
+{
+    *all = ( results ){ .machine = machine_describe( "avx2" ) };
+    results_row* row = results_add_row( all, "paper", "source" );
+    results_put( &row->size, "strands", 100 );
+    row->ms_median = 6.8;
+
+    row = results_add_row( all, "comma, \"quote\"", "wisp" );
+    results_put( &row->size, "strands", 500 );
+    results_put( &row->size, "bytes_a_vertex", 566.25 );
+    row->workers = 2;
+    row->ms_median = 0.75;
+    row->ms_p10 = 0.5;
+    row->ms_p90 = 1.25;
+    row->steps = 40;
+    results_put( &row->stages, "frozen_hair.freeze", 0.25 );
+    results_put( &row->stages, "frozen_hair.clump", 0.5 );
+    snprintf( row->error_reference, sizeof( row->error_reference ), "oracle" );
+    results_put( &row->error, "max_m", 1.5e-7 );
+    row->hash = 0xfedcba9876543210u;
+    row->has_hash = true;
+
+    int table = results_add_table( all, "A title", 3, ( const char* const[] ){ "who", "ms", "note" } );
+    results_add_cells( all, table, ( const char* const[] ){ "wisp", "0.75", "a|b" } );
+    results_add_cells( all, table, ( const char* const[] ){ "a longer name", "-", "" } );
+    results_add_note( all, "%d notes", 1 );
+}
+
+/// A format as text, to be freed.
+static char* written( const results* all, results_format format )
+{
+    char* text = NULL;
+    size_t size = 0;
+    FILE* stream = open_memstream( &text, &size );
+    wisp_error error = { 0 };
+    assert_non_null( stream );
+    assert_int_equal( results_write( all, format, stream, &error ), WISP_OK );
+    fclose( stream );
+    return text;
+}
+
+static char* written_example( results_format format )
+{
+    results all;
+    fill( &all );
+    char* text = written( &all, format );
+    results_free( &all );
+    return text;
+}
+
+static json_t* parsed( results_format format )
+{
+    char* text = written_example( format );
+    json_error_t error;
+    json_t* root = json_loads( text, JSON_REJECT_DUPLICATES, &error );
+    assert_non_null( root );
+    free( text );
+    return root;
+}
+
+// ---- JSON ----
+
+static void json_has_the_keys_of_its_schema( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_JSON );
+    assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 1 );
+    static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa" };
+    static const char* const build[] = { "version", "commit", "compiler", "flags", "type" };
+    static const char* const row_keys[] = { "case",   "variant", "size",   "workers", "ms_median", "ms_p10",
+                                            "ms_p90", "steps",   "stages", "error",   "hash" };
+    for ( int i = 0; i < WISP_COUNT( machine ); ++i )
+    {
+        assert_non_null( json_object_get( json_object_get( root, "machine" ), machine[i] ) );
+    }
+    for ( int i = 0; i < WISP_COUNT( build ); ++i )
+    {
+        assert_non_null( json_object_get( json_object_get( root, "build" ), build[i] ) );
+    }
+    json_t* rows = json_object_get( root, "rows" );
+    assert_int_equal( json_array_size( rows ), 2 );
+    for ( size_t r = 0; r < 2; ++r )
+    {
+        json_t* row = json_array_get( rows, r );
+        assert_int_equal( json_object_size( row ), WISP_COUNT( row_keys ) );
+        for ( int i = 0; i < WISP_COUNT( row_keys ); ++i )
+        {
+            assert_non_null( json_object_get( row, row_keys[i] ) );
+        }
+    }
+    json_decref( root );
+}
+
+static void json_keeps_every_number_of_a_row( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_JSON );
+    json_t* row = json_array_get( json_object_get( root, "rows" ), 1 );
+    assert_string_equal( json_string_value( json_object_get( row, "case" ) ), "comma, \"quote\"" );
+    assert_true( json_number_value( json_object_get( row, "ms_median" ) ) == 0.75 );
+    assert_int_equal( json_integer_value( json_object_get( row, "workers" ) ), 2 );
+    assert_int_equal( json_integer_value( json_object_get( row, "steps" ) ), 40 );
+    assert_true( json_number_value( json_object_get( json_object_get( row, "size" ), "bytes_a_vertex" ) ) == 566.25 );
+    assert_true( json_number_value( json_object_get( json_object_get( row, "stages" ), "frozen_hair.clump" ) ) ==
+                 0.5 );
+    json_t* error = json_object_get( row, "error" );
+    assert_true( json_number_value( json_object_get( error, "max_m" ) ) == 1.5e-7 );
+    assert_string_equal( json_string_value( json_object_get( error, "against" ) ), "oracle" );
+    // a hash has a bit more than a JSON integer
+    assert_string_equal( json_string_value( json_object_get( row, "hash" ) ), "fedcba9876543210" );
+    json_decref( root );
+}
+
+static void json_says_null_where_nothing_is_known( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_JSON );
+    json_t* row = json_array_get( json_object_get( root, "rows" ), 0 );
+    assert_true( json_is_null( json_object_get( row, "ms_p10" ) ) );
+    assert_true( json_is_null( json_object_get( row, "error" ) ) );
+    assert_true( json_is_null( json_object_get( row, "hash" ) ) );
+    json_decref( root );
+}
+
+static void text_that_is_not_utf8_does_not_break_json( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    results_add_row( &all, "\xff\xfe", "run" );
+    all.machine = machine_describe( "baseline" );
+    char* text = written( &all, RESULTS_JSON );
+    json_t* root = json_loads( text, 0, NULL );
+    assert_non_null( root );
+    json_decref( root );
+    free( text );
+    results_free( &all );
+}
+
+// ---- google-benchmark ----
+
+static void gbench_has_the_keys_that_its_readers_need( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_GBENCH );
+    static const char* const context[] = { "date",     "host_name",           "executable",
+                                           "num_cpus", "mhz_per_cpu",         "caches",
+                                           "load_avg", "cpu_scaling_enabled", "library_build_type" };
+    for ( int i = 0; i < WISP_COUNT( context ); ++i )
+    {
+        assert_non_null( json_object_get( json_object_get( root, "context" ), context[i] ) );
+    }
+    json_t* benchmarks = json_object_get( root, "benchmarks" );
+
+    // the source's printed time is nobody's run
+    assert_int_equal( json_array_size( benchmarks ), 1 );
+    json_t* run = json_array_get( benchmarks, 0 );
+    assert_string_equal( json_string_value( json_object_get( run, "name" ) ),
+                         "comma, \"quote\"/wisp/strands:500/workers:2" );
+    assert_string_equal( json_string_value( json_object_get( run, "run_name" ) ),
+                         json_string_value( json_object_get( run, "name" ) ) );
+    assert_string_equal( json_string_value( json_object_get( run, "run_type" ) ), "iteration" );
+    assert_string_equal( json_string_value( json_object_get( run, "time_unit" ) ), "ms" );
+    assert_int_equal( json_integer_value( json_object_get( run, "iterations" ) ), 40 );
+    assert_int_equal( json_integer_value( json_object_get( run, "threads" ) ), 2 );
+    assert_true( json_number_value( json_object_get( run, "real_time" ) ) == 0.75 );
+    assert_true( json_number_value( json_object_get( run, "cpu_time" ) ) == 0.75 );
+    assert_true( json_number_value( json_object_get( run, "ms.frozen_hair.freeze" ) ) == 0.25 );
+    json_decref( root );
+}
+
+// ---- CSV ----
+
+#define CSV_COLUMNS 32
+
+/// Split one line of RFC 4180 in place. @return the number of fields
+static int split_csv( char* line, char* fields[CSV_COLUMNS] )
+{
+    int count = 0;
+    for ( char* at = line; at && count < CSV_COLUMNS; )
+    {
+        char* to = at;
+        fields[count++] = to;
+        bool quoted = *at == '"';
+        at += quoted;
+        while ( *at && ( quoted || *at != ',' ) )
+        {
+            if ( quoted && at[0] == '"' && at[1] != '"' )
+            {
+                quoted = false;
+                ++at;
+                continue;
+            }
+            at += quoted && at[0] == '"';
+            *to++ = *at++;
+        }
+        bool more = *at == ',';
+        *to = '\0';
+        at = more ? at + 1 : NULL;
+    }
+    return count;
+}
+
+static const char* csv_field( char* header[CSV_COLUMNS], char* row[CSV_COLUMNS], int count, const char* name )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strcmp( header[i], name ) == 0 )
+        {
+            return row[i];
+        }
+    }
+    fail_msg( "no column %s", name );
+    return "";
+}
+
+static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
+{
+    (void)state;
+    char* text = written_example( RESULTS_CSV );
+    char *lines[4] = { NULL }, *header[CSV_COLUMNS], *source[CSV_COLUMNS], *wisp[CSV_COLUMNS];
+    int line_count = 0;
+    for ( char* line = text; *line && line_count < 4; ++line_count )
+    {
+        char* end = strstr( line, "\r\n" );
+        assert_non_null( end );
+        *end = '\0';
+        lines[line_count] = line;
+        line = end + 2;
+    }
+    assert_int_equal( line_count, 3 );
+    int columns = split_csv( lines[0], header );
+    assert_int_equal( split_csv( lines[1], source ), columns );
+    assert_int_equal( split_csv( lines[2], wisp ), columns );
+
+    assert_string_equal( csv_field( header, wisp, columns, "case" ), "comma, \"quote\"" );
+    assert_string_equal( csv_field( header, wisp, columns, "variant" ), "wisp" );
+    assert_string_equal( csv_field( header, wisp, columns, "hash" ), "fedcba9876543210" );
+    assert_true( strtod( csv_field( header, wisp, columns, "ms_p90" ), NULL ) == 1.25 );
+    assert_true( strtod( csv_field( header, wisp, columns, "size.bytes_a_vertex" ), NULL ) == 566.25 );
+    assert_true( strtod( csv_field( header, wisp, columns, "stages.frozen_hair.clump" ), NULL ) == 0.5 );
+    assert_true( strtod( csv_field( header, wisp, columns, "error.max_m" ), NULL ) == 1.5e-7 );
+    // what a row does not have is an empty field
+    assert_string_equal( csv_field( header, source, columns, "ms_p10" ), "" );
+    assert_string_equal( csv_field( header, source, columns, "size.bytes_a_vertex" ), "" );
+    assert_true( strtod( csv_field( header, source, columns, "ms_median" ), NULL ) == 6.8 );
+    free( text );
+}
+
+// ---- text and Markdown ----
+
+static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state )
+{
+    (void)state;
+    char* text = written_example( RESULTS_TEXT );
+    assert_non_null( strstr( text, "\nwho              ms  note\n" ) );
+    assert_non_null( strstr( text, "\nwisp           0.75  a|b\n" ) );
+    assert_non_null( strstr( text, "\na longer name     -  \n" ) );
+    assert_non_null( strstr( text, "\n1 notes\n" ) );
+    assert_null( strchr( text, '\033' ) );
+    free( text );
+}
+
+static void markdown_escapes_the_bar_that_would_end_a_cell( void** state )
+{
+    (void)state;
+    char* text = written_example( RESULTS_MARKDOWN );
+    assert_non_null( strstr( text, "\n| who | ms | note |\n|---|---:|---|\n" ) );
+    assert_non_null( strstr( text, "| wisp | 0.75 | a\\|b |\n" ) );
+    assert_non_null( strstr( text, "\n- 1 notes\n" ) );
+    free( text );
+}
+
+// ---- failures ----
+
+static void a_failure_marks_the_results_and_says_so( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    assert_false( all.failed );
+    results_add_failure( &all, "hash %d", 3 );
+    assert_true( all.failed );
+    assert_string_equal( all.notes[0], "FAILED: hash 3" );
+    results_free( &all );
+}
+
+static void a_full_disk_is_an_error_in_every_format( void** state )
+{
+    (void)state;
+    if ( access( "/dev/full", W_OK ) != 0 )
+    {
+        skip();
+    }
+    results all;
+    fill( &all );
+    for ( int format = 0; format < RESULTS_FORMAT_COUNT; ++format )
+    {
+        wisp_error error = { 0 };
+        assert_int_equal( results_write_file( &all, (results_format)format, "/dev/full", &error ), WISP_IO_ERROR );
+        assert_true( strlen( error.sentence ) > 0 );
+    }
+    results_free( &all );
+}
+
+static void a_folder_that_is_not_there_is_an_error_that_names_the_file( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    assert_int_equal( results_write_file( &all, RESULTS_TEXT, "no such folder/out.txt", &error ), WISP_IO_ERROR );
+    assert_non_null( strstr( error.sentence, "no such folder/out.txt" ) );
+}
+
+// ---- reading our own ----
+
+/// info_results() on a text. @return its status
+static wisp_status info_on( const char* text, wisp_error* error )
+{
+    char path[] = "test_results_XXXXXX";
+    int file = mkstemp( path );
+    assert_true( file >= 0 );
+    assert_int_equal( write( file, text, strlen( text ) ), (ssize_t)strlen( text ) );
+    close( file );
+    FILE* nowhere = fopen( "/dev/null", "w" );
+    assert_non_null( nowhere );
+    wisp_status status = info_results( path, nowhere, error );
+    fclose( nowhere );
+    remove( path );
+    return status;
+}
+
+static void info_accepts_what_the_writer_writes( void** state )
+{
+    (void)state;
+    char* text = written_example( RESULTS_JSON );
+    wisp_error error = { 0 };
+    assert_true( info_is_results( text, strlen( text ) ) );
+    assert_int_equal( info_on( text, &error ), WISP_OK );
+    free( text );
+}
+
+static void info_names_what_is_wrong_with_a_result( void** state )
+{
+    (void)state;
+#define HEAD "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":["
+#define ROW( median, workers, hash )                                                                                 \
+    "{\"case\":\"a\",\"variant\":\"b\",\"size\":{},\"workers\":" workers ",\"ms_median\":" median                    \
+    ",\"ms_p10\":null,\"ms_p90\":null,\"steps\":1,\"stages\":{},\"error\":null,\"hash\":" hash "}"
+    static const struct
+    {
+        const char *text, *named;
+    } wrong[] = {
+        { "", "1:0" },
+        { "{\"wisp_results\":1,", "1:1" },
+        { "[]", "wisp_results" },
+        { "{\"wisp_results\":2,\"machine\":{},\"build\":{},\"rows\":[]}", "wisp_results" },
+        { "{\"wisp_results\":1,\"build\":{},\"rows\":[]}", "machine" },
+        { "{\"wisp_results\":1,\"machine\":{},\"build\":{}}", "rows" },
+        { HEAD "3]}", "rows[0]" },
+        { HEAD "{}]}", "rows[0].case" },
+        { HEAD ROW( "\"fast\"", "1", "null" ) "]}", "rows[0].ms_median" },
+        { HEAD ROW( "-1", "1", "null" ) "]}", "rows[0].ms_median" },
+        { HEAD ROW( "1", "1", "null" ) "," ROW( "1", "1.5", "null" ) "]}", "rows[1].workers" },
+        { HEAD ROW( "1", "1", "\"xyz\"" ) "]}", "rows[0].hash" },
+        { HEAD ROW( "1", "1", "null" ) "],\"rows\":[]}", "duplicate" },
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        wisp_error error = { 0 };
+        assert_int_equal( info_on( wrong[i].text, &error ), WISP_BAD_INPUT );
+        assert_non_null( strstr( error.sentence, wrong[i].named ) );
+    }
+    wisp_error error = { 0 };
+    assert_int_equal( info_on( HEAD ROW( "1", "1", "null" ) "]}", &error ), WISP_OK );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( json_has_the_keys_of_its_schema ),
+        cmocka_unit_test( json_keeps_every_number_of_a_row ),
+        cmocka_unit_test( json_says_null_where_nothing_is_known ),
+        cmocka_unit_test( text_that_is_not_utf8_does_not_break_json ),
+        cmocka_unit_test( gbench_has_the_keys_that_its_readers_need ),
+        cmocka_unit_test( csv_has_one_line_a_row_and_the_same_columns_in_each ),
+        cmocka_unit_test( text_aligns_numbers_to_the_right_and_names_to_the_left ),
+        cmocka_unit_test( markdown_escapes_the_bar_that_would_end_a_cell ),
+        cmocka_unit_test( a_failure_marks_the_results_and_says_so ),
+        cmocka_unit_test( a_full_disk_is_an_error_in_every_format ),
+        cmocka_unit_test( a_folder_that_is_not_there_is_an_error_that_names_the_file ),
+        cmocka_unit_test( info_accepts_what_the_writer_writes ),
+        cmocka_unit_test( info_names_what_is_wrong_with_a_result ),
+    };
+    return cmocka_run_group_tests_name( "results", tests, NULL, NULL );
+}

@@ -1,0 +1,605 @@
+// Scenes that are good: every key reaches its place, and what is left out has its default.
+#define _XOPEN_SOURCE 700
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "nearest.h"
+#include "scene.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+// The text in a block exactly as long, so that a checker sees the first read past its end.
+static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
+{
+    char* exact = malloc( size + ( size == 0 ) );
+    assert_non_null( exact );
+    memcpy( exact, text, size );
+    wisp_status status = wisp_scene_parse( exact, size, "scenes/test.yaml", scene, error );
+    free( exact );
+    return status;
+}
+
+static wisp_scene good( const char* text )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( parse( text, strlen( text ), &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
+    return scene;
+}
+
+static void demand_refusal( const char* text, const char* sentence )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( parse( text, strlen( text ), &scene, &error ), WISP_BAD_INPUT );
+    assert_string_equal( error.sentence, sentence );
+}
+
+static wisp_scene read_good( const char* file )
+{
+    char path[1024];
+    int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, file );
+    assert_true( length > 0 && (size_t)length < sizeof path );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
+    return scene;
+}
+
+static void assert_vector( wisp_vec3 v, float x, float y, float z )
+{
+    assert_true( v.x == x && v.y == y && v.z == z );
+}
+
+// ---- what is left out ----
+
+static void a_scene_of_one_key_has_the_defaults( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\n" );
+    assert_string_equal( scene.name, "scenes/test.yaml" );
+    assert_true( scene.step_seconds == 1.0f / 60.0f );
+    assert_int_equal( scene.steps, 1 );
+    assert_int_equal( scene.substeps, 1 );
+    assert_int_equal( scene.iterations, 1 );
+    assert_int_equal( scene.workers, 0 );
+    assert_int_equal( scene.strands_count + scene.command_count + scene.output_count, 0 );
+    wisp_scene_release( &scene );
+}
+
+static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, make: {} }\n" );
+    const wisp_scene_strands* s = &scene.strands[0];
+    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 );
+    assert_true( s->is_made );
+    assert_null( s->file );
+    assert_int_equal( s->line, 3 );
+    assert_int_equal( s->column, 5 );
+    assert_int_equal( s->recipe.strand_count, recipe.strand_count );
+    assert_int_equal( s->recipe.vertices_per_strand, recipe.vertices_per_strand );
+    assert_false( s->has_frozen_hair || s->has_climate || s->has_look );
+    assert_false( s->frozen_hair.freeze || s->frozen_hair.align || s->frozen_hair.clump );
+    assert_false( s->want_points || s->want_width || s->want_colour );
+    assert_true( s->frozen_hair.clump_radius == wisp_default_frozen_hair_def().clump_radius );
+    assert_int_equal( s->frozen_hair.made_by_default, wisp_default_frozen_hair_def().made_by_default );
+    assert_true( s->climate.stiffness[1] == wisp_default_climate_def().stiffness[1] );
+    assert_true( s->look.root_width == wisp_default_strand_look_def().root_width );
+    wisp_scene_release( &scene );
+}
+
+static void a_stage_is_asked_for_by_its_key_alone( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nstrands:\n"
+                             "  - { name: a, make: {}, frozen_hair: { freeze: {} } }\n"
+                             "  - { name: b, make: {}, frozen_hair: { align: {} } }\n"
+                             "  - { name: c, make: {}, frozen_hair: { clump: {} } }\n"
+                             "  - { name: d, make: {}, frozen_hair: {} }\n" );
+    for ( int i = 0; i < 4; ++i )
+    {
+        const wisp_frozen_hair_def* hair = &scene.strands[i].frozen_hair;
+        assert_true( scene.strands[i].has_frozen_hair );
+        assert_int_equal( hair->freeze, i == 0 );
+        assert_int_equal( hair->align, i == 1 );
+        assert_int_equal( hair->clump, i == 2 );
+    }
+    // Lengths that follow the radius stay undecided, so that the module computes them from it.
+    assert_true( scene.strands[2].frozen_hair.clump_step == wisp_default_frozen_hair_def().clump_step );
+    wisp_scene_release( &scene );
+}
+
+static void a_recipe_takes_the_defaults_of_its_shape_wherever_the_shape_stands( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nstrands:\n"
+                             "  - { name: a, make: { length: 0.5, dimension: 2, shape: curly } }\n" );
+    wisp_groom_recipe expected = wisp_default_groom_recipe( WISP_GROOM_CURLY, 2 );
+    const wisp_groom_recipe* recipe = &scene.strands[0].recipe;
+    assert_int_equal( recipe->shape, WISP_GROOM_CURLY );
+    assert_int_equal( recipe->dimension, 2 );
+    assert_int_equal( recipe->strand_count, expected.strand_count );
+    assert_int_equal( recipe->vertices_per_strand, expected.vertices_per_strand );
+    assert_true( recipe->wave_length == expected.wave_length );
+    assert_true( recipe->length == 0.5f );
+    wisp_scene_release( &scene );
+}
+
+// ---- what is written ----
+
+static const char EVERY_KEY[] =
+    "wisp: 1\nstep_seconds: 0.25\nsteps: 5\nsubsteps: 2\niterations: 3\nworkers: 4\n"
+    "output: [ { file: out/a.usda, strands: hair } ]\n" // before the strands that it names
+    "strands:\n"
+    "  - name: hair\n"
+    "    look: { root_width: 1e-4, tip_width: 2e-5, root_colour: [0.1, 0.2, 0.3], tip_colour: [.4, 0.5, 0.6], "
+    "colour_bias: 0.7 }\n"
+    "    climate: { temperature: -5.5, wetness: 0.5, freezing: -1, span: 8, curve: [[0, 30], [0.25, 9], [1, 2]] }\n"
+    "    want: [colour, width]\n"
+    "    make: { shape: wavy, dimension: 2, strands: 3, vertices: 11, length: 0.3, spacing: 0.004, scalp_radius: "
+    "0.2, "
+    "wave_amplitude: 0.01, wave_length: 0.06, length_variation: 0.5, thickness: 1e-4, seed: 18446744073709551615 }\n"
+    "    frozen_hair:\n"
+    "      seed: 9\n      base: previous\n      event: frame\n      epsilon: 1e-6\n"
+    "      freeze: { stretch_stiffness: 3, bend_stiffness: [1, 2.5, +4e1], bend_angle_max: 1.5 }\n"
+    "      align: { intensity: [0, 0.5, 1], cursor: [1, -2, 3.5], reach: 0.4, reach_by: nearest, blend: chord, "
+    "direction: root }\n"
+    "      clump: { radius: 0.02, iterations: 6, step: 0.003, gap: closing, gap_reference: iteration, guard: false, "
+    "distance_min: 0.0004, lambda_min: 0.125, neighbour_limit: 99 }\n"
+    "commands: [ { cursor: [4, 5, 6], strands: hair, step: 2 } ]\n";
+
+static void assert_frozen_hair( const wisp_scene_strands* s )
+{
+    const wisp_frozen_hair_def* hair = &s->frozen_hair;
+    assert_true( s->has_frozen_hair && hair->freeze && hair->align && hair->clump );
+    assert_int_equal( hair->seed, 9 );
+    assert_int_equal( hair->base, WISP_BASE_PREVIOUS );
+    assert_int_equal( hair->event, WISP_EVENT_FRAME );
+    assert_true( hair->epsilon == 1e-6f );
+
+    assert_true( hair->stretch_stiffness == 3.0f && hair->bend_angle_max == 1.5f );
+    assert_null( hair->strand_stretch_stiffness );
+    assert_int_equal( s->stretch_count, 0 );
+    assert_int_equal( s->bend_count, 3 );
+    assert_true( hair->strand_bend_stiffness[0] == 1.0f && hair->strand_bend_stiffness[1] == 2.5f );
+    assert_true( hair->strand_bend_stiffness[2] == 40.0f );
+
+    assert_int_equal( s->intensity_count, 3 );
+    assert_true( hair->strand_intensity[1] == 0.5f && hair->strand_intensity[2] == 1.0f );
+    assert_vector( hair->cursor, 1.0f, -2.0f, 3.5f );
+    assert_true( hair->reach == 0.4f && hair->reach_nearest && hair->blend_chord && hair->direction_from_root );
+
+    assert_true( hair->clump_radius == 0.02f && hair->clump_step == 0.003f );
+    assert_int_equal( hair->clump_iterations, 6 );
+    assert_int_equal( hair->gap, WISP_GAP_CLOSING );
+    assert_true( hair->gap_by_iteration && !hair->guard );
+    assert_true( hair->distance_min == 0.0004f && hair->lambda_min == 0.125f );
+    assert_int_equal( hair->neighbour_limit, 99 );
+}
+
+static void assert_recipe( const wisp_groom_recipe* recipe )
+{
+    assert_int_equal( recipe->shape, WISP_GROOM_WAVY );
+    assert_int_equal( recipe->dimension, 2 );
+    assert_int_equal( recipe->strand_count, 3 );
+    assert_int_equal( recipe->vertices_per_strand, 11 );
+    assert_true( recipe->length == 0.3f && recipe->spacing == 0.004f && recipe->scalp_radius == 0.2f );
+    assert_true( recipe->wave_amplitude == 0.01f && recipe->wave_length == 0.06f );
+    assert_true( recipe->length_variation == 0.5f && recipe->thickness == 1e-4f );
+    assert_true( recipe->seed == UINT64_MAX );
+}
+
+static void every_key_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( EVERY_KEY );
+    assert_true( scene.step_seconds == 0.25f );
+    assert_int_equal( scene.steps, 5 );
+    assert_int_equal( scene.substeps, 2 );
+    assert_int_equal( scene.iterations, 3 );
+    assert_int_equal( scene.workers, 4 );
+    assert_int_equal( scene.strands_count, 1 );
+
+    const wisp_scene_strands* s = &scene.strands[0];
+    assert_string_equal( s->name, "hair" );
+    assert_recipe( &s->recipe );
+    assert_frozen_hair( s );
+
+    assert_true( s->has_climate && s->climate.temperature == -5.5f && s->climate.wetness == 0.5f );
+    assert_true( s->climate.freezing == -1.0f && s->climate.span == 8.0f );
+    assert_int_equal( s->climate.point_count, 3 );
+    assert_true( s->climate.ice[1] == 0.25f && s->climate.stiffness[1] == 9.0f && s->climate.stiffness[2] == 2.0f );
+
+    assert_true( s->has_look && s->look.root_width == 1e-4f && s->look.tip_width == 2e-5f );
+    assert_vector( s->look.root_colour, 0.1f, 0.2f, 0.3f );
+    assert_vector( s->look.tip_colour, 0.4f, 0.5f, 0.6f );
+    assert_true( s->look.colour_bias == 0.7f && s->want_width && s->want_colour );
+
+    assert_int_equal( scene.command_count, 1 );
+    assert_int_equal( scene.commands[0].step, 2 );
+    assert_int_equal( scene.commands[0].strands, 0 );
+    assert_vector( scene.commands[0].cursor, 4.0f, 5.0f, 6.0f );
+    assert_int_equal( scene.output_count, 1 );
+    assert_string_equal( scene.outputs[0].file, "out/a.usda" );
+    assert_int_equal( scene.outputs[0].strands, 0 );
+    assert_int_equal( scene.outputs[0].line, 7 );
+    wisp_scene_release( &scene );
+}
+
+static void points_are_wanted_where_an_output_writes_them( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nstrands: [ { name: a, make: {} }, { name: b, make: {} } ]\n"
+                             "output: [ { strands: b, file: b.obj } ]\n" );
+    assert_false( scene.strands[0].want_points );
+    assert_true( scene.strands[1].want_points );
+    wisp_scene_release( &scene );
+}
+
+static void commands_come_in_the_order_of_their_steps( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
+                             "strands:\n"
+                             "  - { name: b, make: {}, frozen_hair: {} }\n"
+                             "  - { name: a, make: {}, frozen_hair: {} }\n"
+                             "commands:\n"
+                             "  - { step: 8, strands: a, cursor: [8, 0, 0] }\n"
+                             "  - { step: 0, strands: a, cursor: [1, 0, 0] }\n"
+                             "  - { step: 0, strands: b, cursor: [0, 0, 0] }\n"
+                             "  - { step: 4, strands: b, cursor: [4, 0, 0] }\n" );
+    static const float cursors[] = { 0.0f, 1.0f, 4.0f, 8.0f };
+    static const int lines[] = { 9, 8, 10, 7 };
+    assert_int_equal( scene.command_count, 4 );
+    for ( int i = 0; i < 4; ++i )
+    {
+        assert_true( scene.commands[i].cursor.x == cursors[i] );
+        assert_int_equal( scene.commands[i].line, lines[i] );
+    }
+    wisp_scene_release( &scene );
+}
+
+static void files_are_looked_for_beside_the_scene( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nstrands:\n"
+                             "  - { name: a, file: ../grooms/hair.hair, frozen_hair: { freeze: "
+                             "{ bend_stiffness: [1, 2, 3, 4, 5] } } }\n"
+                             "  - { name: b, file: /grooms/hair.hair }\n" );
+    assert_string_equal( scene.strands[0].file, "scenes/../grooms/hair.hair" );
+    assert_false( scene.strands[0].is_made );
+    assert_int_equal( scene.strands[0].bend_count, 5 );
+    assert_string_equal( scene.strands[1].file, "/grooms/hair.hair" );
+    wisp_scene_release( &scene );
+}
+
+// ---- files ----
+
+static void the_scenes_of_the_project_are_read( void** state )
+{
+    (void)state;
+    static const char* const files[] = { "empty.yaml",       "frozen_2d.yaml",   "frozen_3d_curly.yaml",
+                                         "freeze_only.yaml", "freeze_only.json", "climate_and_look.yaml" };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        wisp_scene scene = read_good( files[i] );
+        assert_int_equal( scene.strands_count, 1 );
+        // All but the first ask for something.
+        assert_int_equal( scene.strands[0].want_points, i > 0 );
+        wisp_scene_release( &scene );
+    }
+}
+
+static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
+{
+    (void)state;
+    wisp_scene yaml = read_good( "freeze_only.yaml" ), json = read_good( "freeze_only.json" );
+    const wisp_scene_strands *a = yaml.strands, *b = json.strands;
+    assert_string_equal( a->name, b->name );
+    assert_int_equal( a->stretch_count, 8 );
+    assert_int_equal( b->stretch_count, 8 );
+    assert_memory_equal( a->frozen_hair.strand_stretch_stiffness, b->frozen_hair.strand_stretch_stiffness,
+                         8 * sizeof( float ) );
+    assert_memory_equal( a->frozen_hair.strand_bend_stiffness, b->frozen_hair.strand_bend_stiffness,
+                         8 * sizeof( float ) );
+    assert_int_equal( a->recipe.shape, b->recipe.shape );
+    assert_int_equal( a->recipe.strand_count, b->recipe.strand_count );
+    assert_true( a->recipe.seed == b->recipe.seed );
+    wisp_scene_release( &yaml );
+    wisp_scene_release( &json );
+}
+
+static void the_example_of_the_documentation_is_a_scene( void** state )
+{
+    (void)state;
+    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
+    assert_non_null( file );
+    static char text[32768];
+    size_t size = fread( text, 1, sizeof text - 1, file );
+    fclose( file );
+    text[size] = 0;
+    char* begin = strstr( text, "```yaml\n" );
+    assert_non_null( begin );
+    begin += strlen( "```yaml\n" );
+    char* end = strstr( begin, "```" );
+    assert_non_null( end );
+    *end = 0;
+
+    wisp_scene scene = good( begin );
+    assert_int_equal( scene.strands_count, 1 );
+    assert_int_equal( scene.strands[0].bend_count, 4 );
+    assert_int_equal( scene.command_count, 2 );
+    assert_int_equal( scene.output_count, 1 );
+    wisp_scene_release( &scene );
+}
+
+static void a_missing_file_is_an_error_of_the_system( void** state )
+{
+    (void)state;
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_scene_read( "no_such_folder/scene.yaml", &scene, &error ), WISP_IO_ERROR );
+    assert_non_null( strstr( error.sentence, "no_such_folder/scene.yaml" ) );
+    assert_null( scene.blocks );
+    wisp_scene_release( &scene );
+    wisp_scene_release( NULL );
+}
+
+// ---- text ----
+
+static void line_ends_byte_order_marks_and_comments_do_not_matter( void** state )
+{
+    (void)state;
+    static const char* const texts[] = {
+        "wisp: 1\r\nsteps: 7 # seven\r\n",
+        "\xef\xbb\xbfwisp: 1\nsteps: 7\n",
+        "# caf\xc3\xa9\n---\n\nwisp: 1\nsteps: +7\n...\n",
+        "{\n\t\"wisp\": 1,\n\t\"steps\": 7\n}\n",
+        "{\"wisp\":1,\"steps\":7}",
+    };
+    for ( int i = 0; i < WISP_COUNT( texts ); ++i )
+    {
+        wisp_scene scene = good( texts[i] );
+        assert_int_equal( scene.steps, 7 );
+        wisp_scene_release( &scene );
+    }
+}
+
+static void a_byte_order_mark_does_not_push_the_column( void** state )
+{
+    (void)state;
+    demand_refusal( "\xef\xbb\xbfwisp: 2\n",
+                    "scenes/test.yaml:1:7: wisp: the scene has version 2, this program reads version 1" );
+}
+
+static void columns_count_characters_and_not_bytes( void** state )
+{
+    (void)state;
+    demand_refusal( "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
+                    "scenes/test.yaml:1:14: unknown key '\xc3\xa4', known are wisp, step_seconds, steps, substeps, "
+                    "iterations, workers, strands, commands, output" );
+    demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"make\": 3 } ] }",
+                    "scenes/test.yaml:1:37: strands[0].name: '\xc3\xa4\xc3\xa4' is not a name: 1 to 64 of the "
+                    "characters A-Z a-z 0-9 _ -" );
+    demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"file\": \"\xc3\xa4\xc3\xa4\", \"name\": 3.5 } ] }",
+                    "scenes/test.yaml:1:51: strands[0].name: '3.5' is not a name: 1 to 64 of the characters "
+                    "A-Z a-z 0-9 _ -" );
+}
+
+static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
+{
+    (void)state;
+    static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
+    const char* comma = NULL;
+    for ( int i = 0; i < WISP_COUNT( names ) && !comma; ++i )
+    {
+        comma = setlocale( LC_ALL, names[i] );
+    }
+    if ( !comma )
+    {
+        print_message( "no locale with a decimal comma is installed\n" );
+        skip();
+    }
+    assert_string_equal( localeconv()->decimal_point, "," );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    static const char text[] = "wisp: 1\nstep_seconds: 0.25\n", bad[] = "wisp: 1\nworkers: 99\n";
+    wisp_status status = parse( text, strlen( text ), &scene, &error );
+    float seconds = scene.step_seconds;
+    wisp_scene_release( &scene );
+    wisp_status refusal = parse( bad, strlen( bad ), &scene, &error );
+    char point = *localeconv()->decimal_point;
+    setlocale( LC_ALL, "C" );
+
+    assert_int_equal( status, WISP_OK );
+    assert_true( seconds == 0.25f );
+    assert_int_equal( refusal, WISP_BAD_INPUT );
+    // and the host has its own back, after success and after a refusal
+    assert_int_equal( point, ',' );
+}
+
+// ---- limits ----
+
+static char* repeat( const char* head, const char* part, size_t size )
+{
+    char* text = malloc( size + 1 );
+    assert_non_null( text );
+    size_t at = strlen( head ), length = strlen( part );
+    memcpy( text, head, at );
+    for ( ; at < size; ++at )
+    {
+        text[at] = part[( at - strlen( head ) ) % length];
+    }
+    text[size] = 0;
+    return text;
+}
+
+static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state )
+{
+    (void)state;
+    const size_t most = (size_t)16 << 20;
+    static const struct
+    {
+        const char *head, *part;
+        size_t over; // bytes beyond the most that is read
+        const char* sentence;
+    } hostile[] = {
+        { "wisp: 1\n", "\n", 1, "scenes/test.yaml: the scene is larger than 16 MiB" },
+        { "wisp: 1\nstrands: ", "[", 0, "scenes/test.yaml:2:41: lists and mappings are nested more than 32 deep" },
+        { "wisp: 1\nstrands:\n", "- ", 0, "scenes/test.yaml:3:63: lists and mappings are nested more than 32 deep" },
+        // A root, the 1, the list and 1048573 items are 1048576 values.
+        { "wisp: 1\nstrands: [", "1,", 0, "scenes/test.yaml:2:2097157: a scene holds at most 1048576 values" },
+    };
+    for ( int i = 0; i < WISP_COUNT( hostile ); ++i )
+    {
+        char* text = repeat( hostile[i].head, hostile[i].part, most + hostile[i].over );
+        demand_refusal( text, hostile[i].sentence );
+        free( text );
+    }
+}
+
+static void a_scene_of_16_mebibytes_and_not_one_more_is_read( void** state )
+{
+    (void)state;
+    char* text = repeat( "wisp: 1\n", "\n", (size_t)16 << 20 );
+    wisp_scene scene = good( text );
+    assert_int_equal( scene.steps, 1 );
+    wisp_scene_release( &scene );
+    free( text );
+}
+
+static void a_list_of_32_levels_is_only_refused_for_what_it_is( void** state )
+{
+    (void)state;
+    char text[128] = "wisp: 1\nsteps: ";
+    memset( text + strlen( text ), '[', 31 );
+    memset( text + strlen( text ), ']', 31 );
+    demand_refusal( text, "scenes/test.yaml:2:8: steps: must be a whole number, not a list" );
+}
+
+static void a_long_name_keeps_its_end_in_the_sentence( void** state )
+{
+    (void)state;
+    char name[1200];
+    memset( name, 'd', sizeof name );
+    memcpy( name + sizeof name - 12, "/scene.yaml", 12 );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_scene_parse( "wisp: 2", 7, name, &scene, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.sentence, "/scene.yaml:1:7: wisp: the scene has version 2" ) );
+}
+
+static void numbers_are_checked_as_the_module_sees_them( void** state )
+{
+    (void)state;
+    // 3.14159265358979 rounds up to the float above pi, which is the float that the module compares with.
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, make: {}, frozen_hair: { freeze: { bend_angle_max: "
+                             "3.14159265358979 }, align: { intensity: 1.00000000001 } } }\n" );
+    assert_true( scene.strands[0].frozen_hair.bend_angle_max == 3.14159274f );
+    assert_true( scene.strands[0].frozen_hair.intensity == 1.0f );
+    wisp_scene_release( &scene );
+}
+
+// ---- nearest.h ----
+
+static void the_nearest_word_is_the_one_that_was_meant( void** state )
+{
+    (void)state;
+    static const char* const words[] = { "radius", "iterations", "step", "gap", "guard" };
+    static const struct
+    {
+        const char *typed, *meant;
+    } pairs[] = {
+        { "raduis", "radius" }, // a swap counts once
+        { "RADIUS", "radius" }, // capitals do not count
+        { "iteration", "iterations" },
+        { "itterattions", "iterations" },
+        { "stop", "step" },
+        { "gaurd", "guard" },
+        { "gap", "gap" },
+        { "ga", "gap" },
+        { "mass", NULL }, // half of its letters differ
+        { "p", NULL },
+        { "", NULL },
+    };
+    for ( int i = 0; i < WISP_COUNT( pairs ); ++i )
+    {
+        const char* near = nearest_word( pairs[i].typed, words, WISP_COUNT( words ) );
+        assert_int_equal( near == NULL, pairs[i].meant == NULL );
+        if ( near )
+        {
+            assert_string_equal( near, pairs[i].meant );
+        }
+    }
+    assert_null( nearest_word( "radius", words, 0 ) );
+}
+
+static void of_words_equally_near_the_first_is_taken( void** state )
+{
+    (void)state;
+    static const char* const words[] = { "cat", "bat" };
+    assert_ptr_equal( nearest_word( "hat", words, 2 ), words[0] );
+}
+
+static void a_word_longer_than_any_key_is_near_nothing( void** state )
+{
+    (void)state;
+    char* word = repeat( "", "h", 1 << 20 );
+    char almost[66];
+    memset( almost, 'h', 64 );
+    almost[64] = 0;
+    const char* words[] = { almost };
+    assert_null( nearest_word( word, words, 1 ) );
+    word[63] = 0;
+    assert_ptr_equal( nearest_word( word, words, 1 ), almost );
+    free( word );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_scene_of_one_key_has_the_defaults ),
+        cmocka_unit_test( strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing ),
+        cmocka_unit_test( a_stage_is_asked_for_by_its_key_alone ),
+        cmocka_unit_test( a_recipe_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
+        cmocka_unit_test( every_key_reaches_its_place ),
+        cmocka_unit_test( points_are_wanted_where_an_output_writes_them ),
+        cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
+        cmocka_unit_test( files_are_looked_for_beside_the_scene ),
+        cmocka_unit_test( the_scenes_of_the_project_are_read ),
+        cmocka_unit_test( a_scene_in_json_says_the_same_as_in_yaml ),
+        cmocka_unit_test( the_example_of_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_missing_file_is_an_error_of_the_system ),
+        cmocka_unit_test( line_ends_byte_order_marks_and_comments_do_not_matter ),
+        cmocka_unit_test( a_byte_order_mark_does_not_push_the_column ),
+        cmocka_unit_test( columns_count_characters_and_not_bytes ),
+        cmocka_unit_test( numbers_have_points_whatever_the_locale_of_the_host ),
+        cmocka_unit_test( what_is_too_much_is_refused_where_it_becomes_too_much ),
+        cmocka_unit_test( a_scene_of_16_mebibytes_and_not_one_more_is_read ),
+        cmocka_unit_test( a_list_of_32_levels_is_only_refused_for_what_it_is ),
+        cmocka_unit_test( a_long_name_keeps_its_end_in_the_sentence ),
+        cmocka_unit_test( numbers_are_checked_as_the_module_sees_them ),
+        cmocka_unit_test( the_nearest_word_is_the_one_that_was_meant ),
+        cmocka_unit_test( of_words_equally_near_the_first_is_taken ),
+        cmocka_unit_test( a_word_longer_than_any_key_is_near_nothing ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,142 @@
+// Order statistics, straight lines, and the profile over many steps.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "profile_samples.h"
+#include "stats.h"
+
+#include <float.h>
+#include <math.h>
+
+static void the_median_of_an_odd_count_is_the_middle_one( void** state )
+{
+    (void)state;
+    double samples[] = { 9.0, 1.0, 5.0, 700.0, 3.0 };
+    stats_summary s = stats_summarise( samples, 5 );
+    assert_int_equal( s.count, 5 );
+    assert_true( s.median == 5.0 );
+    assert_true( s.minimum == 1.0 );
+}
+
+static void the_median_of_an_even_count_lies_between_the_middle_two( void** state )
+{
+    (void)state;
+    double samples[] = { 4.0, 1.0, 2.0, 8.0 };
+    assert_true( stats_summarise( samples, 4 ).median == 3.0 );
+}
+
+static void percentiles_interpolate_between_neighbours( void** state )
+{
+    (void)state;
+    double samples[12];
+    for ( int i = 0; i < 12; ++i )
+    {
+        samples[i] = 11 - i;
+    }
+    // 0 .. 11: the tenth percentile lies at place 1.1, the ninetieth at 9.9; one rounding of the place remains
+    stats_summary s = stats_summarise( samples, 12 );
+    assert_float_equal( s.p10, 1.1, 4 * DBL_EPSILON * 11 );
+    assert_float_equal( s.p90, 9.9, 4 * DBL_EPSILON * 11 );
+    assert_true( stats_quantile( samples, 12, 0.0 ) == 0.0 );
+    assert_true( stats_quantile( samples, 12, 1.0 ) == 11.0 );
+}
+
+static void one_sample_is_its_own_median_and_percentiles( void** state )
+{
+    (void)state;
+    double sample = 2.5;
+    stats_summary s = stats_summarise( &sample, 1 );
+    assert_true( s.median == 2.5 && s.p10 == 2.5 && s.p90 == 2.5 && s.minimum == 2.5 );
+}
+
+static void no_samples_have_no_median( void** state )
+{
+    (void)state;
+    stats_summary s = stats_summarise( NULL, 0 );
+    assert_true( isnan( s.median ) && isnan( s.p10 ) && isnan( s.p90 ) && isnan( s.minimum ) );
+}
+
+static void points_on_a_line_give_the_line( void** state )
+{
+    (void)state;
+    double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 0.5, 2.5, 4.5, 6.5 };
+    stats_line line = stats_fit_line( x, y, 4 );
+    // all sums are exact here
+    assert_true( line.intercept == 0.5 && line.slope == 2.0 && line.r_squared == 1.0 );
+}
+
+static void the_source_table_gives_the_line_that_it_is_known_for( void** state )
+{
+    (void)state;
+    double thousands[] = { 2.0, 6.0, 10.0 }, ms[] = { 6.8, 16.5, 28.7 };
+    stats_line line = stats_fit_line( thousands, ms, 3 );
+    // stated to two decimals: 0.91 ms + 2.74 ms per 1000 vertices
+    assert_float_equal( line.intercept, 0.91, 0.005 );
+    assert_float_equal( line.slope, 2.74, 0.005 );
+    assert_true( line.r_squared > 0.99 && line.r_squared < 1.0 );
+}
+
+static void noise_without_a_trend_is_not_explained( void** state )
+{
+    (void)state;
+    double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 1.0, -1.0, -1.0, 1.0 };
+    stats_line line = stats_fit_line( x, y, 4 );
+    assert_true( line.slope == 0.0 && line.r_squared == 0.0 );
+}
+
+static void a_line_far_from_the_origin_keeps_its_digits( void** state )
+{
+    (void)state;
+    double x[] = { 1e9, 1e9 + 1.0, 1e9 + 2.0 }, y[] = { 3.0, 4.0, 5.0 };
+    stats_line line = stats_fit_line( x, y, 3 );
+    // the mean of x is off by a few of its last places, 1.2e-7 each; the slope sees their square
+    assert_float_equal( line.slope, 1.0, 1e-6 );
+    assert_float_equal( line.r_squared, 1.0, 1e-6 );
+}
+
+static void a_single_x_has_no_line( void** state )
+{
+    (void)state;
+    double x[] = { 2.0, 2.0 }, y[] = { 1.0, 3.0 };
+    stats_line line = stats_fit_line( x, y, 2 );
+    assert_true( isnan( line.slope ) && isnan( line.intercept ) && isnan( line.r_squared ) );
+    assert_true( isnan( stats_fit_line( x, y, 0 ).slope ) );
+}
+
+static void passes_keep_their_own_samples_when_the_plan_changes( void** state )
+{
+    (void)state;
+    profile_samples samples = { 0 };
+    const wisp_profile_line both[] = { { "a.first", 1.0, 10 }, { "b.second", 5.0, 20 } };
+    const wisp_profile_line second[] = { { "b.second", 7.0, 30 } };
+    assert_int_equal( profile_samples_add( &samples, ( wisp_profile ){ both, 2, 6.0 } ), WISP_OK );
+    assert_int_equal( profile_samples_add( &samples, ( wisp_profile ){ second, 1, 7.0 } ), WISP_OK );
+
+    assert_int_equal( samples.pass_count, 2 );
+    assert_string_equal( samples.passes[1].name, "b.second" );
+    assert_int_equal( samples.passes[1].items, 30 );
+    assert_true( profile_samples_median( &samples, 0 ) == 1.0 );
+    assert_true( profile_samples_median( &samples, 1 ) == 6.0 );
+    profile_samples_free( &samples );
+    assert_int_equal( samples.pass_count, 0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_median_of_an_odd_count_is_the_middle_one ),
+        cmocka_unit_test( the_median_of_an_even_count_lies_between_the_middle_two ),
+        cmocka_unit_test( percentiles_interpolate_between_neighbours ),
+        cmocka_unit_test( one_sample_is_its_own_median_and_percentiles ),
+        cmocka_unit_test( no_samples_have_no_median ),
+        cmocka_unit_test( points_on_a_line_give_the_line ),
+        cmocka_unit_test( the_source_table_gives_the_line_that_it_is_known_for ),
+        cmocka_unit_test( noise_without_a_trend_is_not_explained ),
+        cmocka_unit_test( a_line_far_from_the_origin_keeps_its_digits ),
+        cmocka_unit_test( a_single_x_has_no_line ),
+        cmocka_unit_test( passes_keep_their_own_samples_when_the_plan_changes ),
+    };
+    return cmocka_run_group_tests_name( "stats", tests, NULL, NULL );
+}

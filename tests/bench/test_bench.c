@@ -1,0 +1,175 @@
+// The runner: variants take turns, warm-up steps are not samples, and failures end the run.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "bench.h"
+
+#include <string.h>
+
+typedef struct step_log
+{
+    char order[4096]; ///< a letter a step, in the order in which steps were made
+    int count;
+} step_log;
+
+/// A variant that takes a given time and can fail.
+typedef struct pretender
+{
+    step_log* log;
+    char letter;
+    double seconds;
+    int fails_at; ///< number of the step that fails, from 1; 0: none
+    int steps, afters;
+} pretender;
+
+static wisp_status pretend( void* context, wisp_error* error )
+{
+    pretender* p = context;
+    if ( p->log->count < WISP_COUNT( p->log->order ) - 1 )
+    {
+        p->log->order[p->log->count++] = p->letter;
+    }
+    double end = wisp_clock_seconds() + p->seconds;
+    while ( wisp_clock_seconds() < end )
+    {
+        // A step that takes its time.
+    }
+    return ++p->steps == p->fails_at ? wisp_fail( error, WISP_CONFLICT, "step %d", p->steps ) : WISP_OK;
+}
+
+static wisp_status count_after( void* context )
+{
+    ++( (pretender*)context )->afters;
+    return WISP_OK;
+}
+
+static bench_variant variant_of( pretender* p )
+{
+    return ( bench_variant ){ .step = pretend, .after = count_after, .context = p };
+}
+
+static void long_steps_alternate_one_by_one( void** state )
+{
+    (void)state;
+    step_log log = { .count = 0 };
+    pretender a = { &log, 'A', 0.03, 0, 0, 0 }, b = { &log, 'B', 0.03, 0, 0, 0 };
+    bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
+    const bench_effort effort = { .seconds = 10.0, .rounds_min = 1, .samples_max = 3 };
+    wisp_error error = { 0 };
+    assert_int_equal( bench_interleave( variants, 2, &effort, &error ), WISP_OK );
+
+    // two warm-up steps each, then turns of one step
+    assert_string_equal( log.order, "AABB"
+                                    "ABABAB" );
+    assert_int_equal( variants[0].sample_count, 3 );
+    assert_int_equal( a.afters, 3 );
+    assert_true( variants[1].samples[0] >= 30.0 );
+    bench_free_samples( variants, 2 );
+}
+
+static void short_steps_have_longer_turns_whose_first_step_does_not_count( void** state )
+{
+    (void)state;
+    step_log log = { .count = 0 };
+    pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 0, 0, 0 };
+    bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
+
+    // told and not measured, so that a busy machine cannot make the steps look long
+    variants[0].warm_ms = variants[1].warm_ms = 0.01;
+    const bench_effort effort = { .seconds = 10.0, .rounds_min = 1, .samples_max = 20 };
+    wisp_error error = { 0 };
+    assert_int_equal( bench_interleave( variants, 2, &effort, &error ), WISP_OK );
+
+    assert_int_equal( variants[0].sample_count, 20 );
+    assert_int_equal( variants[1].sample_count, 20 );
+    assert_int_equal( a.steps, 1 + 20 );
+    assert_string_equal( log.order, "AAAAAAAAAAAAAAAAAAAAA"
+                                    "BBBBBBBBBBBBBBBBBBBBB" );
+    bench_free_samples( variants, 2 );
+}
+
+static void a_variant_that_is_warm_already_is_not_warmed_up( void** state )
+{
+    (void)state;
+    step_log log = { .count = 0 };
+    pretender a = { &log, 'A', 0.0, 0, 0, 0 };
+    bench_variant variant = variant_of( &a );
+    variant.warm_ms = 1000.0;
+    const bench_effort effort = { .seconds = 10.0, .rounds_min = 1, .samples_max = 2 };
+    wisp_error error = { 0 };
+    assert_int_equal( bench_interleave( &variant, 1, &effort, &error ), WISP_OK );
+
+    assert_string_equal( log.order, "AA" );
+    bench_free_samples( &variant, 1 );
+}
+
+static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state )
+{
+    (void)state;
+    step_log log = { .count = 0 };
+    pretender a = { &log, 'A', 0.011, 0, 0, 0 };
+    bench_variant variant = variant_of( &a );
+    const bench_effort effort = { .seconds = 0.0, .rounds_min = 2, .samples_max = 100 };
+    wisp_error error = { 0 };
+    assert_int_equal( bench_interleave( &variant, 1, &effort, &error ), WISP_OK );
+
+    assert_int_equal( variant.sample_count, 2 );
+    bench_free_samples( &variant, 1 );
+}
+
+static void a_step_that_fails_ends_the_run_with_its_sentence( void** state )
+{
+    (void)state;
+    step_log log = { .count = 0 };
+    pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 5, 0, 0 };
+    bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
+    const bench_effort effort = { .seconds = 10.0, .rounds_min = 1, .samples_max = 100 };
+    wisp_error error = { 0 };
+    assert_int_equal( bench_interleave( variants, 2, &effort, &error ), WISP_CONFLICT );
+
+    assert_string_equal( error.sentence, "step 5" );
+    bench_free_samples( variants, 2 );
+}
+
+static void every_case_has_a_name_of_its_own_and_a_purpose( void** state )
+{
+    (void)state;
+    int count;
+    const bench_case* cases = bench_cases( &count );
+    assert_true( count > 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_true( cases[i].name[0] && cases[i].purpose[0] && cases[i].run );
+        for ( int k = 0; k < i; ++k )
+        {
+            assert_string_not_equal( cases[i].name, cases[k].name );
+        }
+    }
+}
+
+static void quick_is_shorter_unless_the_user_says_how_long( void** state )
+{
+    (void)state;
+    bench_options options = bench_default_options();
+    double full = bench_seconds( &options );
+    options.quick = true;
+    assert_true( bench_seconds( &options ) <= 20.0 && bench_seconds( &options ) < full );
+    options.seconds = 3.0;
+    assert_true( bench_seconds( &options ) == 3.0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( long_steps_alternate_one_by_one ),
+        cmocka_unit_test( short_steps_have_longer_turns_whose_first_step_does_not_count ),
+        cmocka_unit_test( a_variant_that_is_warm_already_is_not_warmed_up ),
+        cmocka_unit_test( the_time_ends_the_run_after_the_least_number_of_rounds ),
+        cmocka_unit_test( a_step_that_fails_ends_the_run_with_its_sentence ),
+        cmocka_unit_test( every_case_has_a_name_of_its_own_and_a_purpose ),
+        cmocka_unit_test( quick_is_shorter_unless_the_user_says_how_long ),
+    };
+    return cmocka_run_group_tests_name( "bench", tests, NULL, NULL );
+}

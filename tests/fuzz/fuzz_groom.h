@@ -1,0 +1,96 @@
+/// What both groom fuzz targets do with a groom that was read: describe it, check it, and write and read it again.
+#pragma once
+
+#ifndef _XOPEN_SOURCE
+#define _XOPEN_SOURCE 700 // open_memstream
+#endif
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "groom.h"
+
+/// Called by libFuzzer or by replay.c.
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
+
+static inline void fuzz_demand( bool condition )
+{
+    if ( !condition )
+    {
+        abort();
+    }
+}
+
+static inline bool fuzz_same( const void* a, const void* b, size_t size )
+{
+    return ( a == NULL ) == ( b == NULL ) && ( a == NULL || memcmp( a, b, size ) == 0 );
+}
+
+typedef wisp_status fuzz_writer( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error );
+
+/// @return the text or bytes, for free(); null when the format cannot hold the groom
+static inline char* fuzz_write( fuzz_writer* write, const wisp_groom* groom, size_t* size )
+{
+    char* bytes = NULL;
+    *size = 0;
+    FILE* stream = open_memstream( &bytes, size );
+    fuzz_demand( stream != NULL );
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = write( stream, groom, "fuzz", &error );
+    fclose( stream );
+    if ( status != WISP_OK )
+    {
+        fuzz_demand( status == WISP_BAD_INPUT && error.sentence[0] != 0 && *size == 0 );
+        free( bytes );
+        return NULL;
+    }
+    return bytes;
+}
+
+static inline void fuzz_round_trip( const wisp_groom* groom )
+{
+    size_t size = 0;
+    char* bytes = fuzz_write( wisp_groom_write_hair, groom, &size );
+    if ( bytes == NULL )
+    {
+        return;
+    }
+    wisp_groom again;
+    fuzz_demand( wisp_groom_read_hair( bytes, size, "again", &again, NULL ) == WISP_OK );
+    free( bytes );
+    size_t vertices = (size_t)groom->vertex_count;
+    fuzz_demand( again.strand_count == groom->strand_count && again.vertex_count == groom->vertex_count );
+    fuzz_demand( again.dimension == groom->dimension );
+    fuzz_demand( fuzz_same( again.offsets, groom->offsets, ( (size_t)groom->strand_count + 1 ) * sizeof( int ) ) );
+    fuzz_demand( fuzz_same( again.points, groom->points, vertices * sizeof( wisp_vec3 ) ) );
+    fuzz_demand( fuzz_same( again.thickness, groom->thickness, vertices * sizeof( float ) ) );
+    fuzz_demand( fuzz_same( again.transparency, groom->transparency, vertices * sizeof( float ) ) );
+    fuzz_demand( fuzz_same( again.colour, groom->colour, vertices * sizeof( wisp_vec3 ) ) );
+    wisp_groom_release( &again );
+}
+
+/// @param status what the reader said
+static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_groom* groom )
+{
+    if ( status != WISP_OK )
+    {
+        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->sentence[0] != 0 );
+        fuzz_demand( groom->offsets == NULL && groom->points == NULL );
+        return;
+    }
+    // Either answer is right; a refusal must come with its sentence.
+    wisp_error check = { .status = WISP_OK };
+    fuzz_demand( wisp_groom_check( groom, &check ) == WISP_OK || check.sentence[0] != 0 );
+    fuzz_round_trip( groom );
+    size_t size = 0;
+    free( fuzz_write( wisp_groom_write_usda, groom, &size ) );
+    free( fuzz_write( wisp_groom_write_obj, groom, &size ) );
+    char* text = NULL;
+    FILE* stream = open_memstream( &text, &size );
+    fuzz_demand( stream != NULL );
+    fuzz_demand( wisp_groom_info( stream, groom, "fuzz" ) == WISP_OK );
+    fclose( stream );
+    free( text );
+    wisp_groom_release( groom );
+}

@@ -1,0 +1,11 @@
+// Any bytes as a .hair file: refused with a sentence, or read, checked, described, written and read again.
+#include "fuzz_groom.h"
+
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
+{
+    wisp_groom groom;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = wisp_groom_read_hair( data, size, "fuzz.hair", &groom, &error );
+    fuzz_use( status, &error, &groom );
+    return 0;
+}
