@@ -32,12 +32,14 @@ static int at_most( int a, int high )
 
 static void load_queries( const wisp_range_search_job* job, int slice, int count, search_slice* s )
 {
+    s->planar = job->planar;
     for ( int l = 0; l < count; ++l )
     {
         const float* q = job->quads + 4 * ( (size_t)slice * WISP_SLICE + (size_t)l );
         s->x[l] = q[0];
         s->y[l] = q[1];
         s->z[l] = q[2];
+        s->planar = s->planar && q[2] == job->origin[2];
         memcpy( s->owner + l, q + 3, sizeof( int32_t ) );
         for ( int axis = 0; axis < 3; ++axis )
         {
@@ -108,7 +110,7 @@ static void search_cell( const wisp_range_search_job* job, search_slice* s, int 
         {
             const int32_t* row = job->cell_begin + ( c * job->dims[job->axis[1]] + b ) * job->dims[job->axis[0]];
             int begin = row[fast.first], end = row[fast.last + 1];
-            if ( job->planar )
+            if ( s->planar )
             {
                 search_run( job, s, first, last, begin, end, true );
             }

@@ -269,9 +269,9 @@ static void assert_attribute( const char* usda, const char* declaration, const f
     text = strstr( text, "= [" ) + 3;
     const char* close = strchr( text, ']' );
     assert_non_null( close );
+    float value = 0.0f;
     for ( int i = 0; i < count; ++i )
     {
-        float value;
         text = next_number( text, &value );
         assert_true( text <= close );
         assert_memory_equal( &value, &expected[i], sizeof value );

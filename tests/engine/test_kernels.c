@@ -1,0 +1,298 @@
+// Every kernel table gives the same bits, and the sums through the grid are those of brute force, bit for bit.
+#include "frozen_hair.h"
+#include "kernel_tables.h"
+#include "trig.h"
+#include "world.h"
+
+#include "wisp/space.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+extern const wisp_kernels kernels_plain;
+#if defined( TEST_AVX512_EMULATED )
+extern const wisp_kernels kernels_avx512_emulated;
+#endif
+
+// Tables that run here: every one the processor has, the one without intrinsics, and AVX-512 emulated.
+static int usable_tables( const wisp_kernels* tables[5] )
+{
+    int count = 0;
+    tables[count++] = kernels_select( "baseline", NULL );
+    tables[count++] = &kernels_plain;
+#if defined( TEST_AVX512_EMULATED )
+    tables[count++] = &kernels_avx512_emulated;
+#endif
+    const char* const caps[] = { "avx2", "avx512" };
+    for ( int i = 0; i < WISP_COUNT( caps ); ++i )
+    {
+        const wisp_kernels* k = kernels_select( caps[i], NULL );
+        if ( strcmp( k->isa, caps[i] ) == 0 )
+        {
+            tables[count++] = k;
+        }
+    }
+    return count;
+}
+
+// ---- whole pipeline ----
+
+enum
+{
+    STRANDS = 150,
+    LONGEST = 23,
+};
+
+typedef struct groom
+{
+    wisp_vec3 points[STRANDS * LONGEST];
+    int32_t offsets[STRANDS + 1];
+} groom;
+
+// Curly strands of 1 to 23 vertices, dense enough that every vertex of a long one has neighbours.
+static void make_groom( groom* g, int dimension )
+{
+    g->offsets[0] = 0;
+    for ( int s = 0; s < STRANDS; ++s )
+    {
+        int count = 1 + ( s * 7 ) % LONGEST;
+        g->offsets[s + 1] = g->offsets[s] + count;
+        for ( int i = 0; i < count; ++i )
+        {
+            float sine, cosine;
+            trig_sincos( 0.7f * (float)i + 0.3f * (float)s, &sine, &cosine );
+            g->points[g->offsets[s] + i] = ( wisp_vec3 ){
+                0.002f * (float)( s % 15 ) + 0.003f * sine,
+                -0.01f * (float)i,
+                dimension == 3 ? 0.002f * (float)( s / 15 ) + 0.003f * cosine : 0.0f,
+            };
+        }
+    }
+}
+
+static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int dimension,
+                              const wisp_frozen_hair_def* def )
+{
+    const wisp_module* modules[] = { &wisp_frozen_hair_module };
+    wisp_world_def world_def = wisp_default_world_def();
+    world_def.modules = modules;
+    world_def.module_count = 1;
+    world_def.workers = 2;
+    wisp_world* world;
+    assert_int_equal( wisp_world_create( &world_def, &world, NULL ), WISP_OK );
+    world_set_kernels( world, kernels );
+
+    wisp_strands_def strands = wisp_default_strands_def();
+    strands.points = g->points;
+    strands.offsets = g->offsets;
+    strands.strand_count = STRANDS;
+    strands.dimension = dimension;
+    wisp_entity id;
+    assert_int_equal( wisp_add_strands( world, &strands, &id ), WISP_OK );
+    assert_int_equal( wisp_set_frozen_hair( world, id, def ), WISP_OK );
+    assert_int_equal( wisp_want( world, id, WISP_STRAND_POINTS ), WISP_OK );
+    for ( int step = 0; step < 3; ++step )
+    {
+        wisp_vec3 cursor = { 0.05f, -0.1f - 0.03f * (float)step, 0.0f };
+        assert_int_equal( wisp_command_frozen_hair( world, id, cursor ), WISP_OK );
+        assert_int_equal( wisp_world_step( world, 0.01f ), WISP_OK );
+    }
+    uint64_t hash;
+    assert_int_equal( wisp_world_hash_column( world, id, WISP_STRAND_POINTS, &hash ), WISP_OK );
+    wisp_world_destroy( world );
+    return hash;
+}
+
+static void every_table_gives_the_same_bits( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[5];
+    int table_count = usable_tables( tables );
+    groom* g = malloc( sizeof( groom ) );
+    assert_non_null( g );
+    for ( int dimension = 2; dimension <= 3; ++dimension )
+    {
+        make_groom( g, dimension );
+        for ( int variant = 0; variant < 8; ++variant )
+        {
+            wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+            def.reach = 0.3f;
+            def.gap = (wisp_gap)( variant % 4 );
+            def.gap_by_iteration = variant >= 4;
+            def.blend_chord = variant % 3 == 1;
+            def.reach_nearest = variant % 3 == 2;
+            def.direction_from_root = variant % 2 == 1;
+            def.guard = variant != 5;
+            def.clump_iterations = 1 + variant;
+            def.base = variant == 6 ? WISP_BASE_PREVIOUS : WISP_BASE_REST;
+            uint64_t truth = run_pipeline( tables[0], g, dimension, &def );
+            for ( int t = 1; t < table_count; ++t )
+            {
+                uint64_t hash = run_pipeline( tables[t], g, dimension, &def );
+                if ( hash != truth )
+                {
+                    fail_msg( "%s differs from %s: dimension %d, variant %d", tables[t]->isa, tables[0]->isa,
+                              dimension, variant );
+                }
+            }
+        }
+    }
+    free( g );
+}
+
+// ---- the sum of eq. 15 against brute force ----
+
+enum
+{
+    CLOUD = 1003, // not a multiple of eight
+    OWNERS = 60,
+};
+
+typedef struct cloud
+{
+    float quads[CLOUD + 8][4];
+    int32_t vertex[CLOUD + 8];
+} cloud;
+
+static void make_cloud( cloud* c, int dimension, uint64_t seed )
+{
+    memset( c, 0, sizeof( *c ) );
+    wisp_random_key key = wisp_random_make_key( seed, 0, 0 );
+    for ( int i = 0; i < CLOUD; ++i )
+    {
+        int32_t owner = i % OWNERS;
+        c->quads[i][0] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 0, 0 );
+        c->quads[i][1] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 1, 0 );
+        c->quads[i][2] = dimension == 3 ? 0.1f * wisp_random_unit_float( key, (uint32_t)i, 2, 0 ) : 0.0f;
+        memcpy( &c->quads[i][3], &owner, sizeof( owner ) );
+        c->vertex[i] = 1 + i / OWNERS;
+    }
+    memcpy( c->quads[77], c->quads[3], 3 * sizeof( float ) ); // a pair without a direction
+}
+
+// The displacement of one slot by the plainest loop over all slots, with the kernel's own roundings.
+static wisp_vec3 brute_force( const float ( *q )[4], const int32_t* owner, int slot, float h, float step )
+{
+    float inverse_h = 1.0f / h;
+    wisp_vec3 force = { 0.0f, 0.0f, 0.0f };
+    for ( int j = 0; j < CLOUD; ++j )
+    {
+        float x = q[j][0] - q[slot][0], y = q[j][1] - q[slot][1], z = q[j][2] - q[slot][2];
+        float r = sqrtf( x * x + y * y + z * z );
+        if ( owner[j] != owner[slot] && r > 0.0f && r < h )
+        {
+            float u = 1.0f - r * inverse_h, pull = u * u / r;
+            force.x += x * pull;
+            force.y += y * pull;
+            force.z += z * pull;
+        }
+    }
+    return ( wisp_vec3 ){ force.x * step, force.y * step, force.z * step };
+}
+
+typedef struct attraction
+{
+    wisp_grid grid;
+    wisp_neighbours neighbours;
+    _Alignas( 64 ) float quads[CLOUD + 8][4];
+    _Alignas( 64 ) float tentative[CLOUD + 8][4];
+    _Alignas( 64 ) float displacement[( CLOUD + 7 ) / 8][3][8];
+    int32_t vertex[CLOUD + 8];
+} attraction;
+
+static void attract( attraction* a, const wisp_kernels* kernels, const wisp_parallel* parallel, const cloud* c,
+                     float h, bool planar )
+{
+    assert_int_equal( wisp_grid_build( &a->grid, parallel, c->quads[0], CLOUD, 1.6f * h ), WISP_OK );
+    memset( a->quads, 0, sizeof( a->quads ) );
+    memset( a->vertex, 0, sizeof( a->vertex ) );
+    for ( int slot = 0; slot < CLOUD; ++slot )
+    {
+        memcpy( a->quads[slot], c->quads[a->grid.item[slot]], 4 * sizeof( float ) );
+        a->vertex[slot] = c->vertex[a->grid.item[slot]];
+    }
+    wisp_neighbour_query query = {
+        .quads = a->quads[0], .query_count = CLOUD, .near_radius = 1.0001f * h, .shell_radius = 1.6f * h, .limit = 512
+    };
+    assert_int_equal( wisp_neighbours_build( &a->neighbours, parallel, kernels, &a->grid, &query ), WISP_OK );
+    wisp_adhesion_job job = {
+        .current = a->quads[0],
+        .tentative = a->tentative[0],
+        .displacement = a->displacement[0][0],
+        .searched = a->quads[0],
+        .owner = a->grid.owner,
+        .vertex = a->vertex,
+        .attracting = { a->neighbours.near },
+        .attracting_count = 1,
+        .radius = h,
+        .step = 0.1f * h,
+        .planar = planar,
+    };
+    kernels->adhesion_attract( &job, 0, a->neighbours.slice_count );
+}
+
+static void sums_through_the_grid_are_those_of_brute_force( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[5];
+    int table_count = usable_tables( tables );
+    const wisp_allocator allocator = { 0 };
+    jobs_pool* pool = jobs_create( &allocator, 1, NULL, NULL );
+    cloud* c = malloc( sizeof( cloud ) );
+    attraction* a = aligned_alloc( 64, ( sizeof( attraction ) + 63 ) / 64 * 64 );
+    assert_non_null( c );
+    assert_non_null( a );
+    memset( a, 0, sizeof( *a ) );
+    for ( int round = 0; round < 8; ++round )
+    {
+        int dimension = 2 + round % 2;
+        float h = dimension == 2 ? 0.006f : 0.015f;
+        make_cloud( c, dimension, (uint64_t)round );
+        const wisp_kernels* kernels = tables[( round / 2 ) % table_count];
+        attract( a, kernels, jobs_everyone( pool ), c, h, dimension == 2 );
+        for ( int slot = 0; slot < CLOUD; ++slot )
+        {
+            wisp_vec3 truth = brute_force( (const float( * )[4])a->quads, a->grid.owner, slot, h, 0.1f * h );
+            float found[3] = { a->displacement[slot / 8][0][slot % 8], a->displacement[slot / 8][1][slot % 8],
+                               a->displacement[slot / 8][2][slot % 8] };
+            assert_memory_equal( found, &truth, sizeof( truth ) );
+        }
+    }
+    wisp_grid_release( &a->grid, &allocator );
+    wisp_neighbours_release( &a->neighbours, &allocator );
+    free( a );
+    free( c );
+    jobs_destroy( pool );
+}
+
+static void a_cap_names_a_table_at_most_that_wide_or_is_refused( void** state )
+{
+    (void)state;
+    wisp_error error = { 0 };
+    assert_string_equal( kernels_select( "baseline", &error )->isa, "baseline" );
+    assert_null( kernels_select( "avx9", &error ) );
+    assert_int_equal( error.status, WISP_BAD_INPUT );
+    assert_non_null( strstr( error.sentence, "avx9" ) );
+
+    assert_int_equal( setenv( "WISP_ISA", "baseline", 1 ), 0 );
+    assert_string_equal( kernels_select( NULL, &error )->isa, "baseline" );
+    assert_int_equal( setenv( "WISP_ISA", "sse9", 1 ), 0 );
+    assert_null( kernels_select( NULL, &error ) );
+    assert_non_null( strstr( error.sentence, "WISP_ISA" ) );
+    unsetenv( "WISP_ISA" );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_table_gives_the_same_bits ),
+        cmocka_unit_test( sums_through_the_grid_are_those_of_brute_force ),
+        cmocka_unit_test( a_cap_names_a_table_at_most_that_wide_or_is_refused ),
+    };
+    return cmocka_run_group_tests_name( "kernels", tests, NULL, NULL );
+}
