@@ -1,0 +1,13 @@
+/// What `wisp info` says about a result file of ours, and what is wrong with it.
+#pragma once
+
+#include "wisp/base.h"
+
+#include <stdio.h>
+
+/// Whether bytes that begin a file look like a result and not like a scene, which may be JSON too.
+bool info_is_results( const char* bytes, size_t size );
+
+/// Check a result file against the schema and print its facts and rows.
+/// @return WISP_BAD_INPUT the sentence names the line, or the row and key; WISP_IO_ERROR
+wisp_status info_results( const char* path, FILE* out, wisp_error* error );

@@ -1,0 +1,167 @@
+#include "verbs.h"
+
+#include "bench.h"
+#include "nearest.h"
+#include "progress.h"
+#include "wisp/wisp.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define CASES_MAX 64
+
+typedef struct bench_arguments
+{
+    bench_options options;
+    results_format format;
+    const char* output;
+    const bench_case* chosen[CASES_MAX];
+    int chosen_count;
+    bool only_list;
+} bench_arguments;
+
+// ---- the command line ----
+
+enum
+{
+    KEY_WORKERS = 'w',
+    KEY_FORMAT = 'f',
+    KEY_OUTPUT = 'o',
+    KEY_QUICK = 'q',
+    KEY_LIST = 'l',
+    KEY_SECONDS = 256,
+};
+
+static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
+                          "\v"
+                          "A hash that differs between worker counts, or an error above its tolerance, is a failed "
+                          "run.\n" STATUS_HELP;
+
+static const struct argp_option option_list[] = {
+    { "list", KEY_LIST, NULL, 0, "Print the cases and what each is for", 0 },
+    { "quick", KEY_QUICK, NULL, 0, "Fewer samples of the same sizes: 20 seconds a case instead of 90", 0 },
+    { "seconds", KEY_SECONDS, "S", 0, "About how long a case may take", 0 },
+    { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
+    { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
+    { 0 },
+};
+
+static void choose_case( struct argp_state* state, bench_arguments* arguments, const char* word )
+{
+    int count;
+    const bench_case* cases = bench_cases( &count );
+    const char* names[CASES_MAX];
+    for ( int i = 0; i < count && i < CASES_MAX; ++i )
+    {
+        names[i] = cases[i].name;
+    }
+    int place = option_word( state, "CASE", word, names, count < CASES_MAX ? count : CASES_MAX );
+    if ( arguments->chosen_count == CASES_MAX )
+    {
+        argp_error( state, "no more than %d cases in one run", CASES_MAX );
+    }
+    arguments->chosen[arguments->chosen_count++] = &cases[place];
+}
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    bench_arguments* arguments = state->input;
+    switch ( key )
+    {
+        case KEY_LIST:
+            arguments->only_list = true;
+            return 0;
+        case KEY_QUICK:
+            arguments->options.quick = true;
+            return 0;
+        case KEY_SECONDS:
+            arguments->options.seconds = option_positive( state, "--seconds", argument, 1e6 );
+            return 0;
+        case KEY_WORKERS:
+            arguments->options.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
+            return 0;
+        case KEY_FORMAT:
+            arguments->format = (results_format)option_word( state, "--format", argument, results_format_names,
+                                                             RESULTS_FORMAT_COUNT );
+            return 0;
+        case KEY_OUTPUT:
+            arguments->output = argument;
+            return 0;
+        case ARGP_KEY_ARG:
+            choose_case( state, arguments, argument );
+            return 0;
+        default:
+            return ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- running ----
+
+static int list_cases( void )
+{
+    int count;
+    const bench_case* cases = bench_cases( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        printf( "%-12s %s\n", cases[i].name, cases[i].purpose );
+    }
+    return STATUS_GOOD;
+}
+
+static void show_progress( void* user, double share, const char* what )
+{
+    progress_show( user, share, what );
+}
+
+static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
+{
+    int count;
+    const bench_case* cases = bench_cases( &count );
+    for ( int i = 0; arguments->chosen_count == 0 && i < count && i < CASES_MAX; ++i )
+    {
+        arguments->chosen[i] = &cases[i];
+    }
+    count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
+
+    progress bar = progress_begin();
+    arguments->options.progress = show_progress;
+    arguments->options.progress_user = &bar;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        status = arguments->chosen[i]->run( &arguments->options, out, error );
+    }
+    progress_end( &bar );
+    return status;
+}
+
+int verb_bench( int argc, char** argv )
+{
+    bench_arguments arguments = { .options = bench_default_options() };
+    const struct argp parser = { option_list, parse, "[CASE...]", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &arguments );
+    if ( arguments.only_list )
+    {
+        return list_cases();
+    }
+
+    results out = { .machine = machine_describe( "none" ) };
+    wisp_error error = { 0 };
+    wisp_status status = run_cases( &arguments, &out, &error );
+    if ( status == WISP_OK )
+    {
+        status = results_write_file( &out, arguments.format, arguments.output, &error );
+    }
+    bool failed = out.failed;
+    results_free( &out );
+    if ( status != WISP_OK )
+    {
+        return verb_fail( &error );
+    }
+    if ( failed )
+    {
+        fprintf( stderr, "wisp: a result is wrong; the lines that begin with FAILED say which.\n" );
+    }
+    return failed ? STATUS_FAILED : STATUS_GOOD;
+}

@@ -1,0 +1,274 @@
+#include "verbs.h"
+
+#include "profile_samples.h"
+#include "progress.h"
+#include "scene.h"
+#include "stats.h"
+#include "world_from_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define STEPS_MAX 100000000
+
+typedef struct run_options
+{
+    const char* scene;
+    int steps; ///< 0: as the scene says
+    scene_world_options world;
+    results_format format;
+    const char* output;
+} run_options;
+
+/// What the steps leave behind.
+typedef struct run_record
+{
+    profile_samples profile;
+    double* ms; ///< [steps]
+    int steps;
+} run_record;
+
+// ---- the command line ----
+
+enum
+{
+    KEY_STEPS = 's',
+    KEY_WORKERS = 'w',
+    KEY_FORMAT = 'f',
+    KEY_OUTPUT = 'o',
+    KEY_ISA = 256,
+};
+
+static const char doc[] = "Simulate a scene, write the files it asks for, and print a summary.\n"
+                          "\v" STATUS_HELP;
+
+static const struct argp_option option_list[] = {
+    { "steps", KEY_STEPS, "N", 0, "Simulate N steps instead of the scene's", 0 },
+    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64, instead of the scene's or one a core", 0 },
+    { "isa", KEY_ISA, "SET", 0, "Use at most this instruction set: baseline, avx2 or avx512", 0 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "Summary as text (default), markdown, csv, json or gbench", 0 },
+    { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE instead of standard output", 0 },
+    { 0 },
+};
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    run_options* options = state->input;
+    switch ( key )
+    {
+        case KEY_STEPS:
+            options->steps = option_whole( state, "--steps", argument, 1, STEPS_MAX );
+            return 0;
+        case KEY_WORKERS:
+            options->world.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
+            return 0;
+        case KEY_ISA:
+            options->world.isa = option_isa_words[option_word( state, "--isa", argument, option_isa_words, 3 )];
+            return 0;
+        case KEY_FORMAT:
+            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
+                                                           RESULTS_FORMAT_COUNT );
+            return 0;
+        case KEY_OUTPUT:
+            options->output = argument;
+            return 0;
+        case ARGP_KEY_ARG:
+            if ( options->scene )
+            {
+                argp_error( state, "one scene at a time, but there is also '%s'", argument );
+            }
+            options->scene = argument;
+            return 0;
+        case ARGP_KEY_NO_ARGS:
+            argp_error( state, "which scene?" );
+            return 0;
+        default:
+            return ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- the steps ----
+
+static wisp_status simulate( scene_world* world, int steps, run_record* record, wisp_error* error )
+{
+    record->ms = calloc( (size_t)steps + 1, sizeof( double ) );
+    if ( !record->ms )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d steps", steps );
+    }
+    progress bar = progress_begin();
+    wisp_status status = WISP_OK;
+    while ( record->steps < steps && status == WISP_OK )
+    {
+        double start = wisp_clock_seconds();
+        status = scene_world_step( world, error );
+        record->ms[record->steps] = 1e3 * ( wisp_clock_seconds() - start );
+        if ( status == WISP_OK )
+        {
+            ++record->steps;
+            status = profile_samples_add( &record->profile, wisp_world_profile( world->world ) );
+            if ( status != WISP_OK )
+            {
+                wisp_fail( error, status, "no memory for the profile of %d steps", steps );
+            }
+        }
+        progress_show( &bar, (double)record->steps / steps, "steps" );
+    }
+    progress_end( &bar );
+    return status;
+}
+
+// ---- the summary ----
+
+static void add_profile_table( results* out, run_record* record, double step_ms )
+{
+    const char* const header[] = { "pass", "items", "ms", "share %" };
+    int table = results_add_table( out, "Passes, median over the steps that ran them", 4, header );
+    for ( int i = 0; i < record->profile.pass_count; ++i )
+    {
+        double ms = 1e3 * profile_samples_median( &record->profile, i );
+        char items[16], time[24], share[16];
+        snprintf( items, sizeof( items ), "%d", record->profile.passes[i].items );
+        snprintf( time, sizeof( time ), "%.4f", ms );
+        snprintf( share, sizeof( share ), "%.1f", step_ms > 0.0 ? 100.0 * ms / step_ms : 0.0 );
+        results_add_cells( out, table,
+                           ( const char* const[] ){ record->profile.passes[i].name, items, time, share } );
+    }
+}
+
+static void add_counter_table( results* out, const wisp_world* world )
+{
+    const char* const header[] = { "counter", "value" };
+    int table = results_add_table( out, "Counters over the whole run", 2, header );
+    for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
+    {
+        char value[24];
+        snprintf( value, sizeof( value ), "%llu", (unsigned long long)wisp_world_counter( world, (wisp_counter)i ) );
+        results_add_cells( out, table, ( const char* const[] ){ wisp_counter_name( (wisp_counter)i ), value } );
+    }
+}
+
+static const char* last_part( const char* path )
+{
+    const char* slash = strrchr( path, '/' );
+    return slash ? slash + 1 : path;
+}
+
+static void add_row( results* out, const scene_world* world, run_record* record, stats_summary times )
+{
+    results_row* row = results_add_row( out, last_part( world->scene->name ), "run" );
+    if ( !row )
+    {
+        return;
+    }
+    int vertices = scene_world_vertices( world );
+    results_put( &row->size, "strands", scene_world_strands( world ) );
+    results_put( &row->size, "vertices", vertices );
+    if ( vertices > 0 )
+    {
+        results_put( &row->size, "bytes_a_vertex", (double)wisp_world_memory( world->world ) / vertices );
+    }
+    row->workers = wisp_world_workers( world->world );
+    row->ms_median = times.median;
+    row->ms_p10 = times.p10;
+    row->ms_p90 = times.p90;
+    row->steps = record->steps;
+    for ( int i = 0; i < record->profile.pass_count; ++i )
+    {
+        results_put( &row->stages, record->profile.passes[i].name,
+                     1e3 * profile_samples_median( &record->profile, i ) );
+    }
+    row->hash = wisp_world_hash( world->world );
+    row->has_hash = true;
+}
+
+static void add_notes( results* out, const scene_world* world, const run_record* record, stats_summary times )
+{
+    const wisp_scene* scene = world->scene;
+    int vertices = scene_world_vertices( world );
+    double bytes = (double)wisp_world_memory( world->world );
+    if ( record->steps > 0 )
+    {
+        results_add_note( out, "%d steps with %d workers: %.4f ms a step (p10 %.4f, p90 %.4f).", record->steps,
+                          wisp_world_workers( world->world ), times.median, times.p10, times.p90 );
+    }
+    else
+    {
+        results_add_note( out, "No step was made; what is written is the rest shape." );
+    }
+    results_add_note( out, "%d strands, %d vertices, %.0f bytes, %.1f bytes a vertex.", scene_world_strands( world ),
+                      vertices, bytes, vertices > 0 ? bytes / vertices : 0.0 );
+    for ( int i = 0; i < scene->output_count; ++i )
+    {
+        results_add_note( out, "Written: %s", scene->outputs[i].file );
+    }
+    if ( world->next_command < scene->command_count )
+    {
+        results_add_note( out, "%d of %d commands come after the last step and were not given.",
+                          scene->command_count - world->next_command, scene->command_count );
+    }
+    uint64_t capped = wisp_world_counter( world->world, WISP_COUNT_CAPPED );
+    if ( capped > 0 )
+    {
+        results_add_note( out, "%llu neighbour queries ran into the limit, and the vertices beyond it were left out.",
+                          (unsigned long long)capped );
+    }
+    results_add_note( out, "Hash %016llx", (unsigned long long)wisp_world_hash( world->world ) );
+}
+
+static void summarise( const scene_world* world, run_record* record, results* out )
+{
+    out->machine = machine_describe( wisp_world_isa( world->world ) );
+    stats_summary times = stats_summarise( record->ms, record->steps );
+    add_row( out, world, record, times );
+    add_profile_table( out, record, times.median );
+    add_counter_table( out, world->world );
+    add_notes( out, world, record, times );
+}
+
+static wisp_status run_scene( const run_options* options, const wisp_scene* scene, results* out, wisp_error* error )
+{
+    scene_world world;
+    run_record record = { 0 };
+    wisp_status status = scene_world_create( scene, &options->world, &world, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = simulate( &world, options->steps > 0 ? options->steps : scene->steps, &record, error );
+    if ( status == WISP_OK )
+    {
+        status = scene_world_write_outputs( &world, error );
+    }
+    if ( status == WISP_OK )
+    {
+        summarise( &world, &record, out );
+    }
+    profile_samples_free( &record.profile );
+    free( record.ms );
+    scene_world_destroy( &world );
+    return status;
+}
+
+int verb_run( int argc, char** argv )
+{
+    run_options options = { 0 };
+    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &options );
+
+    wisp_error error = { 0 };
+    wisp_scene scene;
+    if ( wisp_scene_read( options.scene, &scene, &error ) != WISP_OK )
+    {
+        return verb_fail( &error );
+    }
+    results out = { 0 };
+    wisp_status status = run_scene( &options, &scene, &out, &error );
+    if ( status == WISP_OK )
+    {
+        status = results_write_file( &out, options.format, options.output, &error );
+    }
+    results_free( &out );
+    wisp_scene_release( &scene );
+    return status == WISP_OK ? STATUS_GOOD : verb_fail( &error );
+}

@@ -1,0 +1,63 @@
+#include "verbs.h"
+
+#include "nearest.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char* const option_isa_words[3] = { "baseline", "avx2", "avx512" };
+
+int verb_fail( const wisp_error* error )
+{
+    const char* sentence = error->sentence[0] ? error->sentence : wisp_status_name( error->status );
+    fprintf( stderr, "wisp: %s\n", sentence );
+    return STATUS_FAILED;
+}
+
+int option_whole( struct argp_state* state, const char* option, const char* text, int low, int high )
+{
+    char* end = NULL;
+    errno = 0;
+    long value = strtol( text, &end, 10 );
+    if ( end == text || *end || errno || value < low || value > high )
+    {
+        argp_error( state, "%s: '%s' is not a whole number from %d to %d", option, text, low, high );
+    }
+    return (int)value;
+}
+
+double option_positive( struct argp_state* state, const char* option, const char* text, double high )
+{
+    char* end = NULL;
+    double value = strtod( text, &end );
+    if ( end == text || *end || !( value > 0.0 ) || !( value <= high ) )
+    {
+        argp_error( state, "%s: '%s' is not a number above 0 and up to %g", option, text, high );
+    }
+    return value;
+}
+
+int option_word( struct argp_state* state, const char* option, const char* text, const char* const* words, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strcmp( text, words[i] ) == 0 )
+        {
+            return i;
+        }
+    }
+    const char* nearest = nearest_word( text, words, count );
+    if ( nearest )
+    {
+        argp_error( state, "%s: there is no '%s'; did you mean '%s'?", option, text, nearest );
+    }
+    char all[200] = "";
+    for ( int i = 0; i < count; ++i )
+    {
+        strncat( all, i > 0 ? ", " : "", sizeof( all ) - strlen( all ) - 1 );
+        strncat( all, words[i], sizeof( all ) - strlen( all ) - 1 );
+    }
+    argp_error( state, "%s: there is no '%s', only %s", option, text, all );
+    return 0;
+}

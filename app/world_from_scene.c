@@ -1,0 +1,347 @@
+#include "world_from_scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define WISP_MODULE( name ) extern const wisp_module wisp_##name##_module;
+#include "modules.inc"
+#undef WISP_MODULE
+
+#define WISP_MODULE( name ) &wisp_##name##_module,
+static const wisp_module* const all_modules[] = {
+#include "modules.inc"
+};
+#undef WISP_MODULE
+
+const wisp_module* const* scene_world_modules( int* count )
+{
+    *count = WISP_COUNT( all_modules );
+    return all_modules;
+}
+
+// ---- errors that name the scene's line ----
+
+static wisp_status fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
+                                    wisp_error* error )
+{
+    const wisp_scene_strands* entry = &scene->strands[strands];
+    return wisp_fail( error, status, "%s:%d:%d: strands '%s': %s", scene->name, entry->line, entry->column,
+                      entry->name, sentence );
+}
+
+static wisp_status fail_at_line( const scene_world* world, int line, int column, wisp_status status,
+                                 const char* sentence, wisp_error* error )
+{
+    return wisp_fail( error, status, "%s:%d:%d: %s", world->scene->name, line, column, sentence );
+}
+
+// An error that ends a call comes back as its status and would be printed twice; one that a call survives, such as an
+// entity put back to its last good state, must not be lost.
+static void keep_log( void* user, wisp_log_level level, const char* sentence )
+{
+    scene_world* world = user;
+    if ( level == WISP_LOG_WARNING )
+    {
+        fprintf( stderr, "wisp: warning: %s\n", sentence );
+    }
+    else if ( level == WISP_LOG_ERROR )
+    {
+        snprintf( world->late_error, sizeof( world->late_error ), "%s", sentence );
+    }
+}
+
+static void print_late_error( scene_world* world )
+{
+    if ( world->late_error[0] )
+    {
+        fprintf( stderr, "wisp: %s\n", world->late_error );
+        world->late_error[0] = '\0';
+    }
+}
+
+// ---- grooms ----
+
+// Lists of numbers a strand can only be checked once the groom's file has told how many strands there are.
+static wisp_status check_list( const wisp_scene* scene, int strands, const char* what, int listed, int strand_count,
+                               wisp_error* error )
+{
+    if ( listed == 0 || listed == strand_count )
+    {
+        return WISP_OK;
+    }
+    char sentence[200];
+    snprintf( sentence, sizeof( sentence ), "%s lists %d numbers for %d strands", what, listed, strand_count );
+    return fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
+}
+
+static wisp_status read_or_make( const wisp_scene_strands* entry, wisp_groom* out, wisp_error* error )
+{
+    if ( entry->is_made )
+    {
+        return wisp_groom_make( &entry->recipe, out, error );
+    }
+    wisp_status status = wisp_groom_read( entry->file, out, error );
+    return status == WISP_OK ? wisp_groom_check( out, error ) : status;
+}
+
+wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error )
+{
+    const wisp_scene_strands* entry = &scene->strands[strands];
+    *out = ( wisp_groom ){ 0 };
+    wisp_error cause = { 0 };
+    wisp_status status = read_or_make( entry, out, &cause );
+    if ( status != WISP_OK )
+    {
+        status = fail_at_strands( scene, strands, status, cause.sentence, error );
+    }
+    int count = out->strand_count;
+    if ( status == WISP_OK )
+    {
+        status = check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_list( scene, strands, "bend stiffness", entry->bend_count, count, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_list( scene, strands, "intensity", entry->intensity_count, count, error );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_groom_release( out );
+    }
+    return status;
+}
+
+// ---- the world ----
+
+static wisp_status create_world( const scene_world_options* options, scene_world* out, wisp_error* error )
+{
+    const wisp_scene* scene = out->scene;
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = all_modules;
+    def.module_count = WISP_COUNT( all_modules );
+    def.workers = options->workers > 0 ? options->workers : scene->workers;
+    def.isa = options->isa;
+    def.substeps = scene->substeps;
+    def.iterations = scene->iterations;
+    def.log = keep_log;
+    def.log_user = out;
+    return wisp_world_create( &def, &out->world, error );
+}
+
+static wisp_status wish( scene_world* out, int strands, bool wanted, wisp_component component )
+{
+    return wanted ? wisp_want( out->world, out->entities[strands], component ) : WISP_OK;
+}
+
+static wisp_status dress( scene_world* out, int strands )
+{
+    const wisp_scene_strands* entry = &out->scene->strands[strands];
+    wisp_entity entity = out->entities[strands];
+    wisp_status status = WISP_OK;
+    if ( entry->has_frozen_hair )
+    {
+        status = wisp_set_frozen_hair( out->world, entity, &entry->frozen_hair );
+    }
+    if ( status == WISP_OK && entry->has_climate )
+    {
+        status = wisp_set_climate( out->world, entity, &entry->climate );
+    }
+    if ( status == WISP_OK && entry->has_look )
+    {
+        status = wisp_set_strand_look( out->world, entity, &entry->look );
+    }
+    if ( status == WISP_OK )
+    {
+        status = wish( out, strands, entry->want_points, WISP_STRAND_POINTS );
+    }
+    if ( status == WISP_OK )
+    {
+        status = wish( out, strands, entry->want_width, WISP_POINT_WIDTH );
+    }
+    return status == WISP_OK ? wish( out, strands, entry->want_colour, WISP_POINT_COLOUR ) : status;
+}
+
+static wisp_status add_strands( scene_world* out, int strands, wisp_error* error )
+{
+    wisp_groom* groom = &out->grooms[strands];
+    wisp_status status = scene_groom( out->scene, strands, groom, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = groom->points;
+    def.offsets = groom->offsets;
+    def.strand_count = groom->strand_count;
+    def.dimension = groom->dimension;
+    status = wisp_add_strands( out->world, &def, &out->entities[strands] );
+    if ( status == WISP_OK )
+    {
+        status = dress( out, strands );
+    }
+    if ( status != WISP_OK )
+    {
+        return fail_at_strands( out->scene, strands, status, wisp_world_message( out->world ), error );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
+                                wisp_error* error )
+{
+    *out = ( scene_world ){ .scene = scene };
+
+    // One more than there are: an empty scene is a scene, and asking for no bytes may answer with null.
+    size_t count = (size_t)scene->strands_count + 1;
+    out->entities = calloc( count, sizeof( wisp_entity ) );
+    out->grooms = calloc( count, sizeof( wisp_groom ) );
+    wisp_status status = out->entities && out->grooms
+                             ? create_world( options, out, error )
+                             : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its strands", scene->name );
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = add_strands( out, i, error );
+    }
+    if ( status != WISP_OK )
+    {
+        scene_world_destroy( out );
+    }
+    else
+    {
+        print_late_error( out );
+    }
+    return status;
+}
+
+wisp_status scene_world_step( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    while ( world->next_command < scene->command_count &&
+            scene->commands[world->next_command].step <= world->next_step )
+    {
+        const wisp_scene_command* command = &scene->commands[world->next_command++];
+        wisp_status status =
+            wisp_command_frozen_hair( world->world, world->entities[command->strands], command->cursor );
+        if ( status != WISP_OK )
+        {
+            return fail_at_line( world, command->line, command->column, status, wisp_world_message( world->world ),
+                                 error );
+        }
+    }
+    wisp_status status = wisp_world_step( world->world, scene->step_seconds );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,
+                          wisp_world_message( world->world ) );
+    }
+    print_late_error( world );
+    ++world->next_step;
+    return WISP_OK;
+}
+
+// ---- outputs ----
+
+// A column of the world into an array of the groom, which may have to be made.
+static wisp_status copy_column( scene_world* world, int strands, wisp_component component, size_t size, void** array )
+{
+    wisp_view view;
+    wisp_status status = wisp_world_view( world->world, world->entities[strands], component, &view );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !*array )
+    {
+        *array = malloc( (size_t)view.count * size + 1 );
+    }
+    if ( !*array )
+    {
+        return WISP_NO_MEMORY;
+    }
+    for ( int i = 0; i < view.count; ++i )
+    {
+        memcpy( (char*)*array + (size_t)i * size, (const char*)view.data + (size_t)i * view.stride, size );
+    }
+    return WISP_OK;
+}
+
+static wisp_status copy_shape( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    wisp_groom* groom = &world->grooms[strands];
+    void* points = groom->points;
+    void* thickness = groom->thickness;
+    void* colour = groom->colour;
+    wisp_status status = copy_column( world, strands, WISP_STRAND_POINTS, sizeof( wisp_vec3 ), &points );
+    if ( status == WISP_OK && entry->want_width )
+    {
+        status = copy_column( world, strands, WISP_POINT_WIDTH, sizeof( float ), &thickness );
+    }
+    if ( status == WISP_OK && entry->want_colour )
+    {
+        status = copy_column( world, strands, WISP_POINT_COLOUR, sizeof( wisp_vec3 ), &colour );
+    }
+    groom->points = points;
+    groom->thickness = thickness;
+    groom->colour = colour;
+    return status;
+}
+
+wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    for ( int i = 0; i < scene->output_count; ++i )
+    {
+        // Before the first step no pass has written anything, and the rest shape is all there is.
+        const wisp_scene_output* output = &scene->outputs[i];
+        wisp_status status = world->next_step > 0 ? copy_shape( world, output->strands ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            const char* sentence =
+                status == WISP_NO_MEMORY ? "no memory to write it" : wisp_world_message( world->world );
+            return fail_at_line( world, output->line, output->column, status, sentence, error );
+        }
+        wisp_error cause = { 0 };
+        status = wisp_groom_write( output->file, &world->grooms[output->strands], &cause );
+        if ( status != WISP_OK )
+        {
+            return fail_at_line( world, output->line, output->column, status, cause.sentence, error );
+        }
+    }
+    return WISP_OK;
+}
+
+int scene_world_vertices( const scene_world* world )
+{
+    int sum = 0;
+    for ( int i = 0; i < world->scene->strands_count; ++i )
+    {
+        sum += world->grooms[i].vertex_count;
+    }
+    return sum;
+}
+
+int scene_world_strands( const scene_world* world )
+{
+    int sum = 0;
+    for ( int i = 0; i < world->scene->strands_count; ++i )
+    {
+        sum += world->grooms[i].strand_count;
+    }
+    return sum;
+}
+
+void scene_world_destroy( scene_world* world )
+{
+    wisp_world_destroy( world->world );
+    for ( int i = 0; world->grooms && i < world->scene->strands_count; ++i )
+    {
+        wisp_groom_release( &world->grooms[i] );
+    }
+    free( world->grooms );
+    free( world->entities );
+    *world = ( scene_world ){ 0 };
+}

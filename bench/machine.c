@@ -1,0 +1,78 @@
+#include "machine.h"
+
+#include "build_commit.h"
+#include "build_facts.h"
+#include "wisp/base.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+// The value of the first line "key<blanks>mark value" of a file, without quotes and the newline.
+static bool read_value( const char* path, const char* key, char mark, char* out, size_t size )
+{
+    FILE* file = fopen( path, "r" );
+    if ( !file )
+    {
+        return false;
+    }
+    char line[512];
+    bool found = false;
+    while ( !found && fgets( line, sizeof( line ), file ) )
+    {
+        char* value = strchr( line, mark );
+        if ( strncmp( line, key, strlen( key ) ) == 0 && value )
+        {
+            value += 1 + strspn( value + 1, " \t\"" );
+            value[strcspn( value, "\"\n" )] = '\0';
+            snprintf( out, size, "%s", value );
+            found = true;
+        }
+    }
+    fclose( file );
+    return found;
+}
+
+static void describe_system( machine_facts* facts )
+{
+    char distribution[64] = "";
+    read_value( "/etc/os-release", "PRETTY_NAME", '=', distribution, sizeof( distribution ) );
+
+    struct utsname name;
+    if ( uname( &name ) == 0 )
+    {
+        snprintf( facts->os, sizeof( facts->os ), "%s%s%.32s %.64s", distribution, *distribution ? ", " : "",
+                  name.sysname, name.release );
+        snprintf( facts->host, sizeof( facts->host ), "%.64s", name.nodename );
+    }
+}
+
+machine_facts machine_describe( const char* isa )
+{
+    machine_facts facts = {
+        .cpu = "unknown",
+        .os = "unknown",
+        .host = "unknown",
+        .version = WISP_VERSION_STRING,
+        .commit = WISP_BUILD_COMMIT,
+        .compiler = WISP_BUILD_COMPILER,
+        .flags = WISP_BUILD_FLAGS,
+        .build_type = WISP_BUILD_TYPE,
+    };
+    snprintf( facts.isa, sizeof( facts.isa ), "%s", isa );
+    describe_system( &facts );
+    read_value( "/proc/cpuinfo", "model name", ':', facts.cpu, sizeof( facts.cpu ) );
+
+    char mhz[32];
+    if ( read_value( "/proc/cpuinfo", "cpu MHz", ':', mhz, sizeof( mhz ) ) )
+    {
+        facts.mhz = strtod( mhz, NULL );
+    }
+    long cores = sysconf( _SC_NPROCESSORS_ONLN );
+    long pages = sysconf( _SC_PHYS_PAGES ), page_size = sysconf( _SC_PAGE_SIZE );
+    facts.cores = cores > 0 ? (int)cores : 0;
+    facts.memory_bytes = pages > 0 && page_size > 0 ? (double)pages * (double)page_size : 0.0;
+    return facts;
+}

@@ -1,0 +1,23 @@
+/// What a time was measured on: without it, a time means nothing.
+#pragma once
+
+typedef struct machine_facts
+{
+    char cpu[128]; ///< model name as the kernel states it
+    char os[192];  ///< distribution and kernel
+    char host[65];
+    int cores;           ///< processors that are online
+    double memory_bytes; ///< physical memory
+    double mhz;          ///< of the first processor now; 0: unknown
+    char isa[16];        ///< instruction set that the engine's kernels use
+
+    const char* version;    ///< of this program
+    const char* commit;     ///< "unknown" outside a git checkout
+    const char* compiler;   ///< name and version
+    const char* flags;      ///< that decide about speed and rounding
+    const char* build_type; ///< meson's
+} machine_facts;
+
+/// Read the facts from the running system. What it does not tell is "unknown" or 0.
+/// @param isa instruction set in use, as wisp_world_isa() names it
+machine_facts machine_describe( const char* isa );

@@ -1,0 +1,44 @@
+/// Table 1 of the frozen-hair source: what was measured at each size, and the tables made from it.
+#pragma once
+
+#include "bench.h"
+#include "stats.h"
+
+#define PAPER_SIZES 6
+#define PAPER_VARIANTS_MAX 3
+
+/// What float may lose to double: so many roundings (FLT_EPSILON) of the farthest coordinate. Positions are sums of
+/// coordinates, and four iterations hand errors on to neighbours; plain C and the engine stay below 10.
+#define PAPER_TOLERATED_ROUNDINGS 32.0
+
+/// One size of the table, measured.
+typedef struct paper_line
+{
+    int strands, vertices;
+    double source_ms, source_fps; ///< NaN where the source has no such size
+
+    stats_summary ms[PAPER_VARIANTS_MAX]; ///< plain C, then ours
+    double share[3];                  ///< of the parallel variant's step: freeze, align, clump; the rest is the rest
+    double neighbours;                ///< a vertex
+    double bytes;                     ///< a vertex, of the parallel variant's world
+    bool by_oracle;                   ///< errors are distances to the double oracle, else to plain C
+    double error[PAPER_VARIANTS_MAX]; ///< m, largest distance; NaN where a variant is the reference itself
+    double tolerance;                 ///< m
+    uint64_t hash;
+    bool plain_once; ///< plain C was timed a single time
+} paper_line;
+
+typedef struct paper_table
+{
+    int variant_count; ///< 2 with one worker, else 3
+    int workers[PAPER_VARIANTS_MAX];
+    double clump_radius; ///< m
+    char isa[16];
+    paper_line lines[PAPER_SIZES];
+} paper_table;
+
+/// Name of a variant as tables and rows have it: "plain", "wisp".
+const char* paper_variant_name( int variant );
+
+/// The table, the fit, and the sentences below them.
+void paper_report( const paper_table* table, results* out );

@@ -1,0 +1,396 @@
+#include "paper.h"
+#include "paper_entrants.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The oracle looks at all pairs: 10 000 vertices take it seconds, a million would take it days.
+#define ORACLE_VERTICES_MAX 10000
+// All variants are compared at one event of the command, whatever events their timed steps had.
+#define COMPARED_EVENT 7
+#define SAMPLES_MAX 400
+// A round with everybody's warm-up takes about so many times a step of plain C.
+#define ROUND_OF_PLAIN 2.0
+// Ours alone has enough samples after this time.
+#define ONCE_SECONDS 2.0
+
+typedef struct paper_size
+{
+    int strands;
+    double source_ms, source_fps;     ///< NaN: not in the source
+    double quick_weight, full_weight; ///< of the time that is left for this size and the larger ones
+} paper_size;
+
+static const paper_size sizes[PAPER_SIZES] = {
+    { 100, 6.8, 147.0, 1.0, 1.0 }, { 300, 16.5, 60.0, 1.0, 1.0 }, { 500, 28.7, 35.0, 1.0, 1.0 },
+    { 2000, NAN, NAN, 1.0, 1.0 },  { 10000, NAN, NAN, 2.0, 2.0 }, { 50000, NAN, NAN, 20.0, 4.0 },
+};
+
+/// Everything that one size needs while it is measured.
+typedef struct paper_race
+{
+    paper_scene scene;
+    plain_frozen_hair plain;
+    bool has_plain;
+    paper_world worlds[PAPER_VARIANTS_MAX]; ///< by variant; 0 is plain C and has none
+    bench_variant variants[PAPER_VARIANTS_MAX];
+    double* oracle; ///< [vertices][3] or null
+} paper_race;
+
+const char* paper_variant_name( int variant )
+{
+    return variant == 0 ? "plain" : "wisp";
+}
+
+// ---- entrants ----
+
+static wisp_status enter( const paper_table* table, int strands, paper_race* race, wisp_error* error )
+{
+    wisp_status status = paper_scene_make( strands, &race->scene, error );
+    if ( status == WISP_OK )
+    {
+        status = paper_plain_create( &race->scene, &race->plain, error );
+        race->has_plain = status == WISP_OK;
+        race->variants[0] = ( bench_variant ){ .name = "plain", .step = paper_plain_step, .context = &race->plain };
+    }
+    for ( int v = 1; v < table->variant_count && status == WISP_OK; ++v )
+    {
+        status = paper_world_create( &race->scene, table->workers[v], &race->worlds[v], error );
+        race->variants[v] = ( bench_variant ){
+            .name = "wisp", .step = paper_world_step, .after = paper_world_after, .context = &race->worlds[v]
+        };
+    }
+    return status;
+}
+
+static void leave( const paper_table* table, paper_race* race )
+{
+    bench_free_samples( race->variants, table->variant_count );
+    for ( int v = 1; v < table->variant_count; ++v )
+    {
+        paper_world_destroy( &race->worlds[v] );
+    }
+    if ( race->has_plain )
+    {
+        plain_frozen_hair_destroy( &race->plain );
+    }
+    paper_scene_free( &race->scene );
+    free( race->oracle );
+}
+
+// ---- errors and hashes ----
+
+static double largest_distance( const paper_race* race, const wisp_vec3* points )
+{
+    double largest = 0.0;
+    for ( int i = 0; i < race->scene.groom.vertex_count; ++i )
+    {
+        wisp_vec3 q = race->plain.position[i];
+        double reference[3] = { (double)q.x, (double)q.y, (double)q.z };
+        if ( race->oracle )
+        {
+            memcpy( reference, race->oracle + 3 * (size_t)i, sizeof( reference ) );
+        }
+        double dx = (double)points[i].x - reference[0];
+        double dy = (double)points[i].y - reference[1];
+        double dz = (double)points[i].z - reference[2];
+        double distance = sqrt( dx * dx + dy * dy + dz * dz );
+
+        // Not fmax: that would step over a NaN.
+        largest = distance <= largest ? largest : distance;
+    }
+    return largest;
+}
+
+static wisp_status run_oracle( paper_race* race, wisp_error* error )
+{
+    race->oracle = malloc( 3 * (size_t)race->scene.groom.vertex_count * sizeof( double ) );
+    return race->oracle ? paper_oracle_run( &race->scene, COMPARED_EVENT, race->oracle, error )
+                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
+}
+
+// Everybody runs the same event. Plain C comes first because it may be the reference of the others.
+static wisp_status judge( const paper_table* table, paper_race* race, paper_line* line, results* out,
+                          wisp_error* error )
+{
+    line->tolerance = PAPER_TOLERATED_ROUNDINGS * (double)FLT_EPSILON * race->scene.extent;
+    line->by_oracle = line->vertices <= ORACLE_VERTICES_MAX;
+    wisp_status status = line->by_oracle ? run_oracle( race, error ) : WISP_OK;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    double start = wisp_clock_seconds();
+    status = paper_plain_replay( &race->plain, COMPARED_EVENT, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    race->variants[0].warm_ms = 1e3 * ( wisp_clock_seconds() - start );
+    line->error[0] = line->by_oracle ? largest_distance( race, race->plain.position ) : NAN;
+    for ( int v = 1; v < table->variant_count; ++v )
+    {
+        const wisp_vec3* points;
+        uint64_t hash;
+        status = paper_world_replay( &race->worlds[v], COMPARED_EVENT, &points, &hash, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        line->error[v] = largest_distance( race, points );
+        line->hash = v == 1 ? hash : line->hash;
+        if ( hash != line->hash )
+        {
+            results_add_failure( out, "%d strands: %d workers give hash %016llx, %d worker gives %016llx.",
+                                 line->strands, table->workers[v], (unsigned long long)hash, table->workers[1],
+                                 (unsigned long long)line->hash );
+        }
+    }
+    return WISP_OK;
+}
+
+static void check_errors( const paper_table* table, const paper_line* line, results* out )
+{
+    for ( int v = 0; v < table->variant_count; ++v )
+    {
+        bool is_reference = v == 0 && !line->by_oracle;
+        if ( !is_reference && !( line->error[v] <= line->tolerance ) )
+        {
+            results_add_failure( out,
+                                 "%d strands: %s with %d workers is %.3g m from %s, more than the tolerated %.3g m.",
+                                 line->strands, paper_variant_name( v ), table->workers[v], line->error[v],
+                                 line->by_oracle ? "the double oracle" : "plain C", line->tolerance );
+        }
+    }
+}
+
+// After hundreds of other commands the same event from rest must still give the same bits.
+static wisp_status check_repeat( const paper_table* table, paper_race* race, const paper_line* line, results* out,
+                                 wisp_error* error )
+{
+    for ( int v = 1; v < table->variant_count; ++v )
+    {
+        const wisp_vec3* points;
+        uint64_t hash;
+        wisp_status status = paper_world_replay( &race->worlds[v], COMPARED_EVENT, &points, &hash, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        if ( hash != line->hash )
+        {
+            results_add_failure( out,
+                                 "%d strands, %d workers: event %d gave hash %016llx before the timed steps and "
+                                 "%016llx after them.",
+                                 line->strands, table->workers[v], COMPARED_EVENT, (unsigned long long)line->hash,
+                                 (unsigned long long)hash );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- times ----
+
+// Where not even one more round of plain C fits, the run that gave the reference is its sample: a first run, whose
+// page faults are below a hundredth of it at this size.
+static wisp_status time_race( const paper_table* table, paper_race* race, paper_line* line, bool quick,
+                              double seconds, wisp_error* error )
+{
+    double plain_ms = race->variants[0].warm_ms;
+    line->plain_once = quick && 1e-3 * plain_ms * ROUND_OF_PLAIN > seconds;
+    int first = line->plain_once ? 1 : 0;
+    const bench_effort effort = {
+        .seconds = line->plain_once ? fmin( seconds, ONCE_SECONDS ) : seconds,
+        .rounds_min = quick ? 1 : 3,
+        .samples_max = SAMPLES_MAX,
+    };
+    wisp_status status = bench_interleave( race->variants + first, table->variant_count - first, &effort, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    for ( int v = first; v < table->variant_count; ++v )
+    {
+        line->ms[v] = stats_summarise( race->variants[v].samples, race->variants[v].sample_count );
+    }
+    if ( line->plain_once )
+    {
+        line->ms[0] = stats_summarise( &plain_ms, 1 );
+    }
+    return WISP_OK;
+}
+
+static void find_shares( profile_samples* profile, double step_ms, double share[3] )
+{
+    static const char* const stages[3] = { ".freeze", ".align", ".clump" };
+    for ( int stage = 0; stage < 3; ++stage )
+    {
+        share[stage] = 0.0;
+        for ( int i = 0; i < profile->pass_count; ++i )
+        {
+            if ( strstr( profile->passes[i].name, stages[stage] ) )
+            {
+                share[stage] += 1e3 * profile_samples_median( profile, i ) / step_ms;
+            }
+        }
+    }
+}
+
+static wisp_status describe( const paper_table* table, paper_race* race, paper_line* line, wisp_error* error )
+{
+    paper_world* widest = &race->worlds[table->variant_count - 1];
+    find_shares( &widest->profile, line->ms[table->variant_count - 1].median, line->share );
+    line->bytes = (double)wisp_world_memory( widest->world ) / line->vertices;
+
+    wisp_frozen_hair_report report;
+    wisp_status status = wisp_report_frozen_hair( widest->world, widest->hair, &report );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s", wisp_world_message( widest->world ) );
+    }
+    line->neighbours = (double)report.neighbours / line->vertices;
+    return report.capped == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_CONFLICT, "%d strands: %llu vertices ran into the neighbour limit",
+                            line->strands, (unsigned long long)report.capped );
+}
+
+// ---- rows ----
+
+static void add_row( const paper_table* table, const paper_race* race, const paper_line* line, int v, results* out )
+{
+    results_row* row = results_add_row( out, "paper", paper_variant_name( v ) );
+    if ( !row )
+    {
+        return;
+    }
+    results_put( &row->size, "strands", line->strands );
+    results_put( &row->size, "vertices", line->vertices );
+    results_put( &row->size, "neighbours_a_vertex", line->neighbours );
+    row->workers = table->workers[v];
+    row->ms_median = line->ms[v].median;
+    row->ms_p10 = line->ms[v].p10;
+    row->ms_p90 = line->ms[v].p90;
+    row->steps = line->ms[v].count;
+    if ( isfinite( line->error[v] ) )
+    {
+        snprintf( row->error_reference, sizeof( row->error_reference ), "%s", line->by_oracle ? "oracle" : "plain" );
+        results_put( &row->error, "max_m", line->error[v] );
+        results_put( &row->error, "max_in_clump_radii", line->error[v] / table->clump_radius );
+        results_put( &row->error, "tolerance_m", line->tolerance );
+    }
+    if ( v > 0 )
+    {
+        profile_samples profile = race->worlds[v].profile;
+        for ( int i = 0; i < profile.pass_count; ++i )
+        {
+            results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
+        }
+        results_put( &row->size, "bytes_a_vertex",
+                     (double)wisp_world_memory( race->worlds[v].world ) / line->vertices );
+        row->hash = line->hash;
+        row->has_hash = true;
+    }
+}
+
+static void add_rows( const paper_table* table, const paper_race* race, const paper_line* line, results* out )
+{
+    results_row* source = isfinite( line->source_ms ) ? results_add_row( out, "paper", "source" ) : NULL;
+    if ( source )
+    {
+        results_put( &source->size, "strands", line->strands );
+        results_put( &source->size, "vertices", line->vertices );
+        source->ms_median = line->source_ms;
+    }
+    for ( int v = 0; v < table->variant_count; ++v )
+    {
+        add_row( table, race, line, v, out );
+    }
+}
+
+// ---- the case ----
+
+static wisp_status run_race( const paper_table* table, paper_race* race, paper_line* line, bool quick,
+                             double deadline, double share, results* out, wisp_error* error )
+{
+    wisp_status status = enter( table, line->strands, race, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    line->vertices = race->scene.groom.vertex_count;
+    status = judge( table, race, line, out, error );
+    if ( status == WISP_OK )
+    {
+        check_errors( table, line, out );
+        double left = fmax( share * ( deadline - wisp_clock_seconds() ), 0.0 );
+        status = time_race( table, race, line, quick, left, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_repeat( table, race, line, out, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = describe( table, race, line, error );
+    }
+    if ( status == WISP_OK )
+    {
+        add_rows( table, race, line, out );
+    }
+    return status;
+}
+
+// The share of what is left of the time that belongs to a size, the larger ones having theirs still to come.
+static double share_of_rest( int size, bool quick )
+{
+    double sum = 0.0;
+    for ( int i = size; i < PAPER_SIZES; ++i )
+    {
+        sum += quick ? sizes[i].quick_weight : sizes[i].full_weight;
+    }
+    return ( quick ? sizes[size].quick_weight : sizes[size].full_weight ) / sum;
+}
+
+static paper_table empty_table( const bench_options* options )
+{
+    paper_table table = { .variant_count = options->workers > 1 ? 3 : 2, .workers = { 1, 1, options->workers } };
+    for ( int i = 0; i < PAPER_SIZES; ++i )
+    {
+        table.lines[i].strands = sizes[i].strands;
+        table.lines[i].source_ms = sizes[i].source_ms;
+        table.lines[i].source_fps = sizes[i].source_fps;
+    }
+    return table;
+}
+
+wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_error* error )
+{
+    paper_table table = empty_table( options );
+    double deadline = wisp_clock_seconds() + bench_seconds( options );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < PAPER_SIZES && status == WISP_OK; ++i )
+    {
+        char what[64];
+        snprintf( what, sizeof( what ), "paper, %d strands", sizes[i].strands );
+        bench_progress( options, (double)i / PAPER_SIZES, what );
+
+        paper_race race = { 0 };
+        status = run_race( &table, &race, &table.lines[i], options->quick, deadline,
+                           share_of_rest( i, options->quick ), out, error );
+        if ( status == WISP_OK )
+        {
+            table.clump_radius = (double)race.scene.def.clump_radius;
+            snprintf( table.isa, sizeof( table.isa ), "%s", wisp_world_isa( race.worlds[1].world ) );
+        }
+        leave( &table, &race );
+    }
+    if ( status == WISP_OK )
+    {
+        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", table.isa );
+        paper_report( &table, out );
+    }
+    return status;
+}

@@ -1,0 +1,259 @@
+#include "paper.h"
+
+#include <math.h>
+#include <stdarg.h>
+
+// What this table has to show, at the largest size of the source and over all sizes.
+#define CONTRACT_SIZE 2
+#define CONTRACT_NEIGHBOURS 10.0
+#define CONTRACT_RATIO 8.0
+#define CONTRACT_MS 1.0
+#define CONTRACT_R_SQUARED 0.98
+
+// The sizes that the source has too come first.
+#define SOURCE_SIZES 3
+
+// ---- cells from left to right ----
+
+#define COLUMNS_MAX 24
+
+typedef struct cell_row
+{
+    char text[COLUMNS_MAX][32];
+    const char* cells[COLUMNS_MAX];
+    int count;
+} cell_row;
+
+static void cell( cell_row* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+
+static void cell( cell_row* row, const char* format, ... )
+{
+    WISP_ASSERT( row->count < COLUMNS_MAX );
+    char* text = row->text[row->count];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof( row->text[0] ), format, arguments );
+    va_end( arguments );
+    row->cells[row->count++] = text;
+}
+
+static void number_cell( cell_row* row, double value, int digits )
+{
+    if ( isfinite( value ) )
+    {
+        cell( row, "%.*f", digits, value );
+    }
+    else
+    {
+        cell( row, "-" );
+    }
+}
+
+static void small_cell( cell_row* row, double value )
+{
+    if ( isfinite( value ) )
+    {
+        cell( row, "%.1e", value );
+    }
+    else
+    {
+        cell( row, "-" );
+    }
+}
+
+static const char* workers_word( int workers )
+{
+    return workers == 1 ? "worker" : "workers";
+}
+
+// ---- the table ----
+
+static int add_header( const paper_table* table, results* out )
+{
+    cell_row row = { .count = 0 };
+    cell( &row, "strands" );
+    cell( &row, "vertices" );
+    cell( &row, "source ms" );
+    cell( &row, "FPS" );
+    cell( &row, "plain C ms" );
+    for ( int v = 1; v < table->variant_count; ++v )
+    {
+        cell( &row, "%d %s ms", table->workers[v], workers_word( table->workers[v] ) );
+    }
+    cell( &row, "plain/ours" );
+    cell( &row, "freeze %%" );
+    cell( &row, "align %%" );
+    cell( &row, "clump %%" );
+    cell( &row, "rest %%" );
+    cell( &row, "neighbours" );
+    cell( &row, "error m" );
+    cell( &row, "error/h" );
+    cell( &row, "against" );
+    cell( &row, "plain's m" );
+    cell( &row, "bytes/vertex" );
+    cell( &row, "hash" );
+    return results_add_table( out, "Frozen hair, Table 1: 20 vertices a strand, all stages, a command each step",
+                              row.count, row.cells );
+}
+
+static void add_line( const paper_table* table, const paper_line* line, int number, results* out )
+{
+    int last = table->variant_count - 1;
+    cell_row row = { .count = 0 };
+    cell( &row, "%d", line->strands );
+    cell( &row, "%d", line->vertices );
+    number_cell( &row, line->source_ms, 1 );
+    number_cell( &row, line->source_fps, 0 );
+    for ( int v = 0; v < table->variant_count; ++v )
+    {
+        number_cell( &row, line->ms[v].median, line->ms[v].median < 100.0 ? 3 : 1 );
+    }
+    number_cell( &row, line->ms[0].median / line->ms[last].median, 1 );
+    double rest = 1.0 - line->share[0] - line->share[1] - line->share[2];
+    for ( int stage = 0; stage < 3; ++stage )
+    {
+        number_cell( &row, 100.0 * line->share[stage], 1 );
+    }
+    number_cell( &row, 100.0 * fmax( rest, 0.0 ), 1 );
+    number_cell( &row, line->neighbours, 1 );
+    small_cell( &row, line->error[last] );
+    small_cell( &row, line->error[last] / table->clump_radius );
+    cell( &row, "%s", line->by_oracle ? "oracle" : "plain" );
+    small_cell( &row, line->error[0] );
+    number_cell( &row, line->bytes, 0 );
+    cell( &row, "%016llx", (unsigned long long)line->hash );
+    results_add_cells( out, number, row.cells );
+}
+
+// ---- the fit ----
+
+static stats_line fit( const paper_table* table, int variant, int size_count )
+{
+    double thousands[PAPER_SIZES], ms[PAPER_SIZES];
+    for ( int i = 0; i < size_count; ++i )
+    {
+        const paper_line* line = &table->lines[i];
+        thousands[i] = 1e-3 * line->vertices;
+        ms[i] = variant < 0 ? line->source_ms : line->ms[variant].median;
+    }
+    return stats_fit_line( thousands, ms, size_count );
+}
+
+// A variant below 0 is the source.
+static void add_fit( const paper_table* table, int variant, int size_count, int number, results* out )
+{
+    stats_line line = fit( table, variant, size_count );
+    cell_row row = { .count = 0 };
+    if ( variant < 0 )
+    {
+        cell( &row, "source" );
+    }
+    else if ( variant == 0 )
+    {
+        cell( &row, "plain C" );
+    }
+    else
+    {
+        cell( &row, "ours, %d %s", table->workers[variant], workers_word( table->workers[variant] ) );
+    }
+    cell( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
+    cell( &row, "%.3f", line.intercept );
+    cell( &row, "%.4f", line.slope );
+    cell( &row, "%.5f", line.r_squared );
+    results_add_cells( out, number, row.cells );
+}
+
+static void add_fits( const paper_table* table, results* out )
+{
+    const char* const header[] = { "who", "vertices", "ms at none", "ms per 1000", "R^2" };
+    int number = results_add_table( out, "Time against vertices: straight lines by least squares", 5, header );
+    add_fit( table, -1, SOURCE_SIZES, number, out );
+    for ( int v = 0; v < table->variant_count; ++v )
+    {
+        add_fit( table, v, SOURCE_SIZES, number, out );
+    }
+    for ( int v = 0; v < table->variant_count; ++v )
+    {
+        add_fit( table, v, PAPER_SIZES, number, out );
+    }
+}
+
+// ---- the sentences ----
+
+static const char* met( bool is_met )
+{
+    return is_met ? "met" : "MISSED";
+}
+
+static void add_contract( const paper_table* table, results* out )
+{
+    const paper_line* line = &table->lines[CONTRACT_SIZE];
+    int last = table->variant_count - 1;
+    double ratio = line->ms[0].median / line->ms[last].median;
+    double ms = line->ms[last].median;
+    results_add_note(
+        out,
+        "Contract at %d x 20 with %d %s: %.1f neighbours a vertex (at least %.0f: %s), %.1f times faster "
+        "than plain C (at least %.0f: %s), %.3f ms (below %.0f ms: %s).",
+        line->strands, table->workers[last], workers_word( table->workers[last] ), line->neighbours,
+        CONTRACT_NEIGHBOURS, met( line->neighbours >= CONTRACT_NEIGHBOURS ), ratio, CONTRACT_RATIO,
+        met( ratio >= CONTRACT_RATIO ), ms, CONTRACT_MS, met( ms < CONTRACT_MS ) );
+    for ( int v = 1; v < table->variant_count; ++v )
+    {
+        double r_squared = fit( table, v, PAPER_SIZES ).r_squared;
+        results_add_note( out, "Contract with %d %s: time against vertices is a line, R^2 = %.5f (above %.2f: %s).",
+                          table->workers[v], workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED,
+                          met( r_squared > CONTRACT_R_SQUARED ) );
+    }
+    double fewest = INFINITY;
+    for ( int i = 0; i < PAPER_SIZES; ++i )
+    {
+        fewest = fmin( fewest, table->lines[i].neighbours );
+    }
+    results_add_note( out,
+                      "Density: clump radius h = %.1f mm, at least %.1f neighbours a vertex at every size (10: %s).",
+                      1e3 * table->clump_radius, fewest, met( fewest >= CONTRACT_NEIGHBOURS ) );
+}
+
+static void add_reading( const paper_table* table, results* out )
+{
+    results_add_note( out,
+                      "The source's machine is unknown: compare slopes, not absolutes. The source states 0.91 ms + "
+                      "2.74 ms per 1000 vertices." );
+    results_add_note( out,
+                      "Errors are the largest distance of a vertex, in m and in clump radii h: to the double oracle "
+                      "up to 10 000 vertices, beyond to plain C, which is float too. Tolerated are %.0f float "
+                      "roundings of the scene's farthest coordinate.",
+                      PAPER_TOLERATED_ROUNDINGS );
+    for ( int i = 0; i < PAPER_SIZES; ++i )
+    {
+        const paper_line* line = &table->lines[i];
+        if ( line->plain_once )
+        {
+            results_add_note( out, "Plain C at %d strands was timed once, by the run that gave the reference.",
+                              line->strands );
+        }
+        else
+        {
+            results_add_note( out,
+                              "Samples at %d strands: %d of plain C, %d of ours with %d %s; p10 to p90 of ours "
+                              "%.3f to %.3f ms.",
+                              line->strands, line->ms[0].count, line->ms[table->variant_count - 1].count,
+                              table->workers[table->variant_count - 1],
+                              workers_word( table->workers[table->variant_count - 1] ),
+                              line->ms[table->variant_count - 1].p10, line->ms[table->variant_count - 1].p90 );
+        }
+    }
+}
+
+void paper_report( const paper_table* table, results* out )
+{
+    int number = add_header( table, out );
+    for ( int i = 0; i < PAPER_SIZES; ++i )
+    {
+        add_line( table, &table->lines[i], number, out );
+    }
+    add_fits( table, out );
+    add_contract( table, out );
+    add_reading( table, out );
+}

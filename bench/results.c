@@ -1,0 +1,156 @@
+#include "results.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Room for one more item; the array may move.
+static bool reserve( results* all, void** items, int count, int* capacity, size_t item_size )
+{
+    if ( count < *capacity )
+    {
+        return true;
+    }
+    int wanted = *capacity > 0 ? 2 * *capacity : 8;
+    void* grown = realloc( *items, (size_t)wanted * item_size );
+    if ( !grown )
+    {
+        all->incomplete = true;
+        return false;
+    }
+    *items = grown;
+    *capacity = wanted;
+    return true;
+}
+
+static char* copy_text( results* all, const char* text )
+{
+    size_t size = strlen( text ) + 1;
+    char* copy = malloc( size );
+    if ( !copy )
+    {
+        all->incomplete = true;
+        return NULL;
+    }
+    return memcpy( copy, text, size );
+}
+
+results_row* results_add_row( results* all, const char* name, const char* variant )
+{
+    void* items = all->rows;
+    bool room = reserve( all, &items, all->row_count, &all->row_capacity, sizeof( results_row ) );
+    all->rows = items;
+    if ( !room )
+    {
+        return NULL;
+    }
+    results_row* row = &all->rows[all->row_count++];
+    *row = ( results_row ){ .ms_median = NAN, .ms_p10 = NAN, .ms_p90 = NAN };
+    snprintf( row->name, sizeof( row->name ), "%s", name );
+    snprintf( row->variant, sizeof( row->variant ), "%s", variant );
+    return row;
+}
+
+void results_put( results_values* values, const char* name, double value )
+{
+    WISP_ASSERT( values->count < RESULTS_MAX_VALUES );
+    if ( values->count < RESULTS_MAX_VALUES )
+    {
+        results_value* item = &values->items[values->count++];
+        snprintf( item->name, sizeof( item->name ), "%s", name );
+        item->value = value;
+    }
+}
+
+int results_add_table( results* all, const char* title, int column_count, const char* const* header )
+{
+    void* items = all->tables;
+    bool room = reserve( all, &items, all->table_count, &all->table_capacity, sizeof( results_table ) );
+    all->tables = items;
+    if ( !room )
+    {
+        return -1;
+    }
+    results_table* table = &all->tables[all->table_count];
+    *table = ( results_table ){ .column_count = column_count };
+    snprintf( table->title, sizeof( table->title ), "%s", title );
+    results_add_cells( all, all->table_count++, header );
+    return all->table_count - 1;
+}
+
+void results_add_cells( results* all, int number, const char* const* cells )
+{
+    if ( number < 0 )
+    {
+        return;
+    }
+    results_table* table = &all->tables[number];
+    size_t columns = (size_t)table->column_count;
+    void* items = table->cells;
+    bool room = reserve( all, &items, table->row_count, &table->row_capacity, columns * sizeof( char* ) );
+    table->cells = items;
+    if ( !room )
+    {
+        return;
+    }
+    char** row = table->cells + (size_t)table->row_count++ * columns;
+    for ( size_t i = 0; i < columns; ++i )
+    {
+        row[i] = copy_text( all, cells[i] );
+    }
+}
+
+static void add_note( results* all, const char* before, const char* format, va_list arguments )
+{
+    char text[1000];
+    int start = snprintf( text, sizeof( text ), "%s", before );
+    vsnprintf( text + start, sizeof( text ) - (size_t)start, format, arguments );
+
+    void* items = all->notes;
+    bool room = reserve( all, &items, all->note_count, &all->note_capacity, sizeof( char* ) );
+    all->notes = items;
+    char* copy = room ? copy_text( all, text ) : NULL;
+    if ( copy )
+    {
+        all->notes[all->note_count++] = copy;
+    }
+}
+
+void results_add_note( results* all, const char* format, ... )
+{
+    va_list arguments;
+    va_start( arguments, format );
+    add_note( all, "", format, arguments );
+    va_end( arguments );
+}
+
+void results_add_failure( results* all, const char* format, ... )
+{
+    va_list arguments;
+    va_start( arguments, format );
+    add_note( all, "FAILED: ", format, arguments );
+    va_end( arguments );
+    all->failed = true;
+}
+
+void results_free( results* all )
+{
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        results_table* table = &all->tables[t];
+        for ( int i = 0; i < table->row_count * table->column_count; ++i )
+        {
+            free( table->cells[i] );
+        }
+        free( table->cells );
+    }
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        free( all->notes[i] );
+    }
+    free( all->rows );
+    free( all->tables );
+    free( all->notes );
+    *all = ( results ){ 0 };
+}

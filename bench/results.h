@@ -1,0 +1,96 @@
+/// Measurements in memory: rows for machines, tables and notes for people. results_write.c makes all formats of them.
+#pragma once
+
+#include "machine.h"
+#include "wisp/base.h"
+
+#include <stdio.h>
+
+#define RESULTS_MAX_VALUES 64
+
+typedef struct results_value
+{
+    char name[64];
+    double value;
+} results_value;
+
+/// Named numbers in the order in which they were put.
+typedef struct results_values
+{
+    int count;
+    results_value items[RESULTS_MAX_VALUES];
+} results_values;
+
+/// One measurement.
+typedef struct results_row
+{
+    char name[64]; ///< the case, or the scene's name
+    char variant[64];
+    results_values size; ///< how large the problem is; the first one names the row in google-benchmark's format
+    int workers;         ///< 0: unknown
+    double ms_median, ms_p10, ms_p90; ///< NaN: unknown
+    int steps;                        ///< samples behind the times
+    results_values stages;            ///< ms, median of each pass
+    char error_reference[64];         ///< what the error is measured against; empty: no error was measured
+    results_values error;
+    uint64_t hash;
+    bool has_hash;
+} results_row;
+
+/// A table as people read it; a column whose cells all begin like numbers is aligned to the right.
+typedef struct results_table
+{
+    char title[160];
+    int column_count, row_count, row_capacity;
+    char** cells; ///< [row_count][column_count], row 0 is the header
+} results_table;
+
+/// Zero-initialised means empty. Running out of memory is kept and reported once, by results_write().
+typedef struct results
+{
+    machine_facts machine;
+    results_row* rows;
+    int row_count, row_capacity;
+    results_table* tables;
+    int table_count, table_capacity;
+    char** notes; ///< sentences below the tables
+    int note_count, note_capacity;
+    bool failed; ///< results_add_failure() was called: the run must not count as good
+    bool incomplete;
+} results;
+
+/// Add a row whose times are NaN until the caller fills them.
+/// @return the row, to be filled at once, since the next one may move it; null without memory
+results_row* results_add_row( results* all, const char* name, const char* variant );
+
+/// Put a named number into a row's size, stages or error. More than RESULTS_MAX_VALUES is an assert.
+void results_put( results_values* values, const char* name, double value );
+
+/// @return number of the table, -1 without memory
+int results_add_table( results* all, const char* title, int column_count, const char* const* header );
+/// @param cells [column_count], copied
+void results_add_cells( results* all, int table, const char* const* cells );
+
+void results_add_note( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+/// A note that also makes the run a failed one.
+void results_add_failure( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+
+void results_free( results* all );
+
+typedef enum results_format
+{
+    RESULTS_TEXT,
+    RESULTS_MARKDOWN,
+    RESULTS_CSV,
+    RESULTS_JSON,
+    RESULTS_GBENCH, ///< google-benchmark's JSON, for its compare.py and for services that read it
+    RESULTS_FORMAT_COUNT,
+} results_format;
+
+/// Names as the command line spells them, [RESULTS_FORMAT_COUNT].
+extern const char* const results_format_names[RESULTS_FORMAT_COUNT];
+
+/// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY now or while the results were gathered
+wisp_status results_write( const results* all, results_format format, FILE* stream, wisp_error* error );
+/// @param path null writes to standard output
+wisp_status results_write_file( const results* all, results_format format, const char* path, wisp_error* error );
