@@ -9,8 +9,8 @@ typedef struct search_slice
     int32_t owner[WISP_SLICE];
     int cell[WISP_SLICE][3];
     int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
-    int near_count[WISP_SLICE],
-        shell_count[WISP_SLICE]; // up to one beyond the limit, which says that there were more
+    int near_count[WISP_SLICE], shell_count[WISP_SLICE]; // one beyond the limit says that there were more
+    bool planar;                                         // all in the items' own plane
 } search_slice;
 
 // The same rounding as the grid's when it was built, so that an item is found in the cell it was put into.
