@@ -251,10 +251,9 @@ static const char* next_number( const char* text, float* value )
         ++text;
     }
     assert_true( *text != 0 );
-    char* end = NULL;
-    *value = strtof( text, &end );
-    assert_true( end != text );
-    return end;
+    int length = 0;
+    assert_int_equal( sscanf( text, "%f%n", value, &length ), 1 );
+    return text + length;
 }
 
 // The numbers between the brackets of one attribute, which must be exactly `count`.
