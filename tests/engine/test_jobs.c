@@ -1,0 +1,593 @@
+// Who does the work: every block once, one block a worker at a time, the same cut for every number of workers. Workers
+// only count; what they counted is judged on the thread of the test.
+#include "support.h"
+
+#include "jobs.h"
+
+#include <pthread.h>
+
+static const int WORKER_COUNTS[] = { 1, 2, 3, 5, 8, 64 };
+static const int WAVE_SIZES[] = { 0, 1, 2, 7, 1000, 100000 };
+
+enum
+{
+    MOST_BLOCKS = 100000,
+    HOST_THREADS = 3,
+};
+
+// ---- a host with threads of its own ----
+
+typedef struct thread_host
+{
+    int calls;
+    int most_blocks_of_a_call;
+    // of the call that runs
+    wisp_block_fn* run;
+    void* context;
+    int block_count;
+    _Atomic int next;
+} thread_host;
+
+typedef struct host_thread
+{
+    thread_host* host;
+    int worker;
+} host_thread;
+
+static void* run_host_thread( void* user )
+{
+    host_thread* thread = user;
+    thread_host* host = thread->host;
+    for ( int b = atomic_fetch_add( &host->next, 1 ); b < host->block_count; b = atomic_fetch_add( &host->next, 1 ) )
+    {
+        host->run( host->context, b, thread->worker );
+    }
+    return NULL;
+}
+
+static void thread_host_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    thread_host* host = user;
+    host->calls += 1;
+    host->most_blocks_of_a_call =
+        block_count > host->most_blocks_of_a_call ? block_count : host->most_blocks_of_a_call;
+    host->run = run;
+    host->context = context;
+    host->block_count = block_count;
+    atomic_store( &host->next, 0 );
+    host_thread threads[HOST_THREADS];
+    pthread_t ids[HOST_THREADS];
+    for ( int i = 1; i < HOST_THREADS; ++i )
+    {
+        threads[i] = ( host_thread ){ host, i };
+        pthread_create( ids + i, NULL, run_host_thread, threads + i );
+    }
+    threads[0] = ( host_thread ){ host, 0 };
+    run_host_thread( threads );
+    for ( int i = 1; i < HOST_THREADS; ++i )
+    {
+        pthread_join( ids[i], NULL );
+    }
+}
+
+// ---- waves that count themselves ----
+
+typedef struct counted_wave
+{
+    jobs_pool* pool;
+    int* runs; // [block]; two workers on one block would be a race, and a wrong count
+    _Atomic int busy[WISP_MAX_WORKERS];
+    _Atomic int strangers; // blocks on a worker number that does not exist
+    _Atomic int meetings;  // blocks that began while another one ran under the same number
+    int wrong_counts;      // blocks that did not run exactly once
+    int waves;
+    int seed;
+} counted_wave;
+
+static void count_block( void* context, int block, int worker )
+{
+    counted_wave* wave = context;
+    if ( worker < 0 || worker >= jobs_workers( wave->pool ) )
+    {
+        atomic_fetch_add( &wave->strangers, 1 );
+        return;
+    }
+    atomic_fetch_add( &wave->meetings, atomic_exchange( wave->busy + worker, 1 ) );
+    wave->runs[block] += 1;
+    atomic_store( wave->busy + worker, 0 );
+}
+
+static void count_waves( void* context )
+{
+    counted_wave* wave = context;
+    for ( int w = 0; w < wave->waves; ++w )
+    {
+        int size = WAVE_SIZES[test_random( wave->seed, w, WISP_COUNT( WAVE_SIZES ) )];
+        memset( wave->runs, 0, MOST_BLOCKS * sizeof( int ) );
+        jobs_run_wave( wave->pool, size, count_block, wave );
+        for ( int b = 0; b < MOST_BLOCKS; ++b )
+        {
+            wave->wrong_counts += wave->runs[b] != ( b < size ? 1 : 0 ) ? 1 : 0;
+        }
+    }
+}
+
+static counted_wave run_counted_waves( int workers, wisp_parallel_for_fn* host, void* host_user, int waves )
+{
+    counted_wave wave = { .pool = jobs_create( NULL, workers, host, host_user ), .waves = waves, .seed = workers };
+    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    assert_non_null( wave.pool );
+    assert_non_null( wave.runs );
+    jobs_enter( wave.pool, count_waves, &wave );
+    free( wave.runs );
+    jobs_destroy( wave.pool );
+    return wave;
+}
+
+// ---- blocks ----
+
+static void every_block_of_a_wave_runs_exactly_once( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
+    {
+        assert_int_equal( run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 ).wrong_counts, 0 );
+    }
+}
+
+static void no_two_blocks_run_under_one_worker_number_at_once( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
+    {
+        counted_wave wave = run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 );
+        assert_int_equal( wave.strangers, 0 );
+        assert_int_equal( wave.meetings, 0 );
+    }
+}
+
+static void a_host_with_threads_runs_every_block_once_and_one_a_worker( void** state )
+{
+    (void)state;
+    thread_host host = { 0 };
+    counted_wave wave = run_counted_waves( HOST_THREADS, thread_host_parallel_for, &host, 60 );
+    assert_int_equal( wave.wrong_counts, 0 );
+    assert_int_equal( wave.strangers, 0 );
+    assert_int_equal( wave.meetings, 0 );
+}
+
+// Waves around the largest one that the workers share, and behind it.
+static void run_large_waves( void* context )
+{
+    counted_wave* wave = context;
+    enum
+    {
+        SHARED = ( 1 << 20 ) - 1
+    };
+    for ( int size = SHARED - 1; size <= SHARED + 1; ++size )
+    {
+        memset( wave->runs, 0, ( SHARED + 1 ) * sizeof( int ) );
+        jobs_run_wave( wave->pool, size, count_block, wave );
+        for ( int b = 0; b < size; ++b )
+        {
+            wave->wrong_counts += wave->runs[b] != 1 ? 1 : 0;
+        }
+    }
+}
+
+static void waves_of_a_million_blocks_run_every_block_once( void** state )
+{
+    (void)state;
+    counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .runs = calloc( 1 << 20, sizeof( int ) ) };
+    assert_non_null( wave.runs );
+    jobs_enter( wave.pool, run_large_waves, &wave );
+    free( wave.runs );
+    jobs_destroy( wave.pool );
+    assert_int_equal( wave.wrong_counts, 0 );
+}
+
+// Two blocks that wait for each other: on one worker neither would end.
+typedef struct meeting
+{
+    _Atomic int arrived;
+    _Atomic int given_up;
+    jobs_pool* pool;
+} meeting;
+
+static void meet( void* context, int block, int worker )
+{
+    (void)block, (void)worker;
+    meeting* m = context;
+    atomic_fetch_add( &m->arrived, 1 );
+    double begin = wisp_clock_seconds();
+    while ( atomic_load( &m->arrived ) < 2 && wisp_clock_seconds() - begin < 20.0 )
+    {
+    }
+    atomic_fetch_add( &m->given_up, atomic_load( &m->arrived ) < 2 ? 1 : 0 );
+}
+
+static void run_meeting( void* context )
+{
+    meeting* m = context;
+    jobs_run_wave( m->pool, 2, meet, m );
+}
+
+static void two_workers_run_two_blocks_at_the_same_time( void** state )
+{
+    (void)state;
+    meeting m = { .pool = jobs_create( NULL, 2, NULL, NULL ) };
+    jobs_enter( m.pool, run_meeting, &m );
+    jobs_destroy( m.pool );
+    assert_int_equal( m.given_up, 0 );
+}
+
+// ---- waves ----
+
+enum
+{
+    CHAIN_BLOCKS = 997, // prime, so that a stride reaches every block
+    CHAIN_WAVES = 300,
+};
+
+// Plain memory: only the end of a wave orders its writes before the next wave's reads.
+typedef struct chain
+{
+    jobs_pool* pool;
+    int values[2][CHAIN_BLOCKS];
+    int from;
+} chain;
+
+static void add_one( void* context, int block, int worker )
+{
+    (void)worker;
+    chain* c = context;
+    c->values[1 - c->from][block] = c->values[c->from][( block * 31 + 5 ) % CHAIN_BLOCKS] + 1;
+}
+
+static void run_chain( void* context )
+{
+    chain* c = context;
+    for ( int w = 0; w < CHAIN_WAVES; ++w )
+    {
+        jobs_run_wave( c->pool, CHAIN_BLOCKS, add_one, c );
+        c->from = 1 - c->from;
+    }
+}
+
+static void a_wave_sees_what_the_wave_before_wrote( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
+    {
+        chain* c = calloc( 1, sizeof( chain ) );
+        assert_non_null( c );
+        c->pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
+        jobs_enter( c->pool, run_chain, c );
+        int wrong = 0;
+        for ( int b = 0; b < CHAIN_BLOCKS; ++b )
+        {
+            wrong += c->values[c->from][b] != CHAIN_WAVES ? 1 : 0;
+        }
+        jobs_destroy( c->pool );
+        free( c );
+        assert_int_equal( wrong, 0 );
+    }
+}
+
+static void a_pool_is_entered_a_thousand_times( void** state )
+{
+    (void)state;
+    chain* c = calloc( 1, sizeof( chain ) );
+    assert_non_null( c );
+    c->pool = jobs_create( NULL, 3, NULL, NULL );
+    for ( int i = 0; i < 1000; ++i )
+    {
+        meeting m = { .pool = c->pool, .arrived = 2 };
+        jobs_enter( c->pool, run_meeting, &m );
+        c->values[0][0] += atomic_load( &m.arrived ) == 4 ? 1 : 0;
+    }
+    int complete = c->values[0][0];
+    jobs_destroy( c->pool );
+    free( c );
+    assert_int_equal( complete, 1000 );
+}
+
+static void a_wave_outside_an_entered_pool_runs_on_the_caller( void** state )
+{
+    (void)state;
+    counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .waves = 20, .seed = 1 };
+    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    assert_non_null( wave.runs );
+    count_waves( &wave );
+    free( wave.runs );
+    jobs_destroy( wave.pool );
+    assert_int_equal( wave.wrong_counts, 0 );
+}
+
+static void run_three_waves( void* context )
+{
+    counted_wave* wave = context;
+    jobs_run_wave( wave->pool, 2, count_block, wave );
+    jobs_run_wave( wave->pool, 1000, count_block, wave );
+    jobs_run_wave( wave->pool, 7, count_block, wave );
+}
+
+static void a_host_is_called_once_a_wave( void** state )
+{
+    (void)state;
+    thread_host host = { 0 };
+    counted_wave wave = { .pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host ) };
+    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    assert_non_null( wave.runs );
+    jobs_enter( wave.pool, run_three_waves, &wave );
+    free( wave.runs );
+    jobs_destroy( wave.pool );
+    assert_int_equal( host.calls, 3 );
+    assert_int_equal( host.most_blocks_of_a_call, 1000 );
+}
+
+// ---- loops ----
+
+enum
+{
+    LOOP_MOST_BLOCKS = 1200,
+};
+
+typedef struct loop_cut
+{
+    const wisp_parallel* parallel;
+    int count, grain;
+    int begin[LOOP_MOST_BLOCKS], end[LOOP_MOST_BLOCKS], calls[LOOP_MOST_BLOCKS];
+    _Atomic int outside;
+    _Atomic int workers_used[WISP_MAX_WORKERS];
+} loop_cut;
+
+static void note_range( void* context, int begin, int end, int worker )
+{
+    loop_cut* cut = context;
+    int block = begin / cut->grain;
+    if ( begin < 0 || end > cut->count || block >= LOOP_MOST_BLOCKS )
+    {
+        atomic_fetch_add( &cut->outside, 1 );
+        return;
+    }
+    cut->begin[block] = begin;
+    cut->end[block] = end;
+    cut->calls[block] += 1;
+    atomic_fetch_add( cut->workers_used + worker, 1 );
+}
+
+static void run_loop( void* context )
+{
+    loop_cut* cut = context;
+    wisp_parallel_for( cut->parallel, cut->count, cut->grain, note_range, cut );
+}
+
+static void assert_cut_is_fixed( const loop_cut* cut )
+{
+    assert_int_equal( cut->outside, 0 );
+    for ( int b = 0; b < LOOP_MOST_BLOCKS; ++b )
+    {
+        int begin = b * cut->grain, end = begin + cut->grain < cut->count ? begin + cut->grain : cut->count;
+        assert_int_equal( cut->calls[b], begin < cut->count ? 1 : 0 );
+        assert_int_equal( cut->calls[b] == 0 || ( cut->begin[b] == begin && cut->end[b] == end ), 1 );
+    }
+}
+
+static const struct
+{
+    int count, grain;
+} LOOPS[] = { { 0, 1 }, { 1, 1 }, { 1, 100 }, { 99, 100 }, { 100, 100 }, { 101, 100 }, { 1000, 7 }, { 1193, 1 } };
+
+static void a_loop_is_cut_alike_for_every_number_of_workers( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
+    {
+        jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
+        for ( int k = 0; k < WISP_COUNT( LOOPS ); ++k )
+        {
+            loop_cut cut = { .parallel = jobs_everyone( pool ), .count = LOOPS[k].count, .grain = LOOPS[k].grain };
+            jobs_enter( pool, run_loop, &cut );
+            assert_cut_is_fixed( &cut );
+        }
+        jobs_destroy( pool );
+    }
+}
+
+static void a_loop_on_a_hosts_threads_is_cut_the_same_way( void** state )
+{
+    (void)state;
+    thread_host host = { 0 };
+    jobs_pool* pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host );
+    for ( int k = 0; k < WISP_COUNT( LOOPS ); ++k )
+    {
+        loop_cut cut = { .parallel = jobs_everyone( pool ), .count = LOOPS[k].count, .grain = LOOPS[k].grain };
+        jobs_enter( pool, run_loop, &cut );
+        assert_cut_is_fixed( &cut );
+    }
+    jobs_destroy( pool );
+}
+
+static void a_loop_of_one_worker_alone_keeps_its_number_and_the_cut( void** state )
+{
+    (void)state;
+    jobs_pool* pool = jobs_create( NULL, 5, NULL, NULL );
+    loop_cut cut = { .parallel = jobs_alone( pool, 3 ), .count = 1000, .grain = 7 };
+    jobs_enter( pool, run_loop, &cut );
+    jobs_destroy( pool );
+    assert_cut_is_fixed( &cut );
+    assert_int_equal( cut.workers_used[3], 143 ); // ceil( 1000 / 7 )
+}
+
+static void a_loop_may_end_at_the_largest_number( void** state )
+{
+    (void)state;
+    jobs_pool* pool = jobs_create( NULL, 2, NULL, NULL );
+    loop_cut cut = { .parallel = jobs_everyone( pool ), .count = INT32_MAX, .grain = 1 << 30 };
+    jobs_enter( pool, run_loop, &cut );
+    jobs_destroy( pool );
+    assert_int_equal( cut.calls[0], 1 );
+    assert_int_equal( cut.calls[1], 1 );
+    assert_int_equal( cut.end[1], INT32_MAX );
+}
+
+// ---- scratch ----
+
+enum
+{
+    SCRATCH_BYTES = 10000,
+    SCRATCH_BLOCKS = 500,
+};
+
+typedef struct scratch_use
+{
+    jobs_pool* pool;
+    const wisp_parallel* parallel;
+    int blocks;
+    _Atomic int missing;    // pieces that were null
+    _Atomic int misaligned; // or not on a cache line
+    _Atomic int damaged;    // or changed while their block ran
+} scratch_use;
+
+// Two pieces a block, filled with the worker's mark; a piece shared with another worker would show another one.
+static void use_scratch( void* context, int block, int worker )
+{
+    scratch_use* use = context;
+    unsigned char* pieces[2];
+    for ( int i = 0; i < 2; ++i )
+    {
+        pieces[i] = wisp_parallel_scratch( use->parallel, worker, SCRATCH_BYTES );
+        atomic_fetch_add( &use->missing, pieces[i] == NULL ? 1 : 0 );
+        atomic_fetch_add( &use->misaligned, (uintptr_t)pieces[i] % 64 != 0 ? 1 : 0 );
+        if ( pieces[i] != NULL )
+        {
+            memset( pieces[i], ( 2 * block + i ) % 251, SCRATCH_BYTES );
+        }
+    }
+    for ( int k = 0; k < 2 * SCRATCH_BYTES && pieces[0] != NULL && pieces[1] != NULL; ++k )
+    {
+        bool same = pieces[k / SCRATCH_BYTES][k % SCRATCH_BYTES] == ( 2 * block + k / SCRATCH_BYTES ) % 251;
+        atomic_fetch_add( &use->damaged, same ? 0 : 1 );
+    }
+}
+
+static void run_scratch_use( void* context )
+{
+    scratch_use* use = context;
+    jobs_run_wave( use->pool, use->blocks, use_scratch, use );
+}
+
+static void enter_scratch_use( scratch_use* use, jobs_pool* pool, int blocks )
+{
+    *use = ( scratch_use ){ .pool = pool, .parallel = jobs_everyone( pool ), .blocks = blocks };
+    jobs_enter( pool, run_scratch_use, use );
+}
+
+static void a_block_has_its_scratch_for_itself( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
+    {
+        jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
+        scratch_use use;
+        enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
+        jobs_destroy( pool );
+        assert_int_equal( use.missing, 0 );
+        assert_int_equal( use.misaligned, 0 );
+        assert_int_equal( use.damaged, 0 );
+    }
+}
+
+static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
+{
+    (void)state;
+    test_host host = { 0 };
+    wisp_allocator allocator = test_host_allocator( &host );
+    jobs_pool* pool = jobs_create( &allocator, 3, NULL, NULL );
+    scratch_use use;
+    enter_scratch_use( &use, pool, 1 ); // a lone block runs on the caller
+    int64_t asked = atomic_load( &host.asked );
+    for ( int i = 0; i < 20; ++i )
+    {
+        enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
+        assert_int_equal( use.missing + use.damaged, 0 );
+    }
+    assert_int_equal( atomic_load( &host.asked ), asked );
+    jobs_destroy( pool );
+    assert_host_has_all_back( &host );
+}
+
+static void scratch_without_memory_is_null_and_returns_with_it( void** state )
+{
+    (void)state;
+    test_host host = { 0 };
+    wisp_allocator allocator = test_host_allocator( &host );
+    jobs_pool* pool = jobs_create( &allocator, 2, NULL, NULL );
+    scratch_use use;
+    test_host_refuse( &host, 1, true );
+    enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
+    assert_int_equal( use.missing, 2 * SCRATCH_BLOCKS );
+    test_host_refuse( &host, 0, false );
+    enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
+    assert_int_equal( use.missing + use.damaged, 0 );
+    jobs_destroy( pool );
+    assert_host_has_all_back( &host );
+}
+
+// ---- pools ----
+
+static void a_pool_knows_its_workers_and_its_memory( void** state )
+{
+    (void)state;
+    test_host host = { 0 };
+    wisp_allocator allocator = test_host_allocator( &host );
+    jobs_pool* pool = jobs_create( &allocator, 5, NULL, NULL );
+    assert_non_null( pool );
+    assert_int_equal( jobs_workers( pool ), 5 );
+    assert_ptr_equal( wisp_parallel_allocator( jobs_alone( pool, 4 ) ), &allocator );
+    jobs_destroy( pool );
+    assert_host_has_all_back( &host );
+}
+
+static void a_pool_without_memory_is_null( void** state )
+{
+    (void)state;
+    test_host host = { .refuse = 1, .refuse_rest = true };
+    wisp_allocator allocator = test_host_allocator( &host );
+    assert_null( jobs_create( &allocator, 2, NULL, NULL ) );
+    jobs_destroy( NULL );
+    assert_host_has_all_back( &host );
+}
+
+static void a_default_number_of_workers_is_one_that_a_world_takes( void** state )
+{
+    (void)state;
+    assert_in_range( jobs_default_workers(), 1, WISP_MAX_WORKERS );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_block_of_a_wave_runs_exactly_once ),
+        cmocka_unit_test( no_two_blocks_run_under_one_worker_number_at_once ),
+        cmocka_unit_test( a_host_with_threads_runs_every_block_once_and_one_a_worker ),
+        cmocka_unit_test( waves_of_a_million_blocks_run_every_block_once ),
+        cmocka_unit_test( two_workers_run_two_blocks_at_the_same_time ),
+        cmocka_unit_test( a_wave_sees_what_the_wave_before_wrote ),
+        cmocka_unit_test( a_pool_is_entered_a_thousand_times ),
+        cmocka_unit_test( a_wave_outside_an_entered_pool_runs_on_the_caller ),
+        cmocka_unit_test( a_host_is_called_once_a_wave ),
+        cmocka_unit_test( a_loop_is_cut_alike_for_every_number_of_workers ),
+        cmocka_unit_test( a_loop_on_a_hosts_threads_is_cut_the_same_way ),
+        cmocka_unit_test( a_loop_of_one_worker_alone_keeps_its_number_and_the_cut ),
+        cmocka_unit_test( a_loop_may_end_at_the_largest_number ),
+        cmocka_unit_test( a_block_has_its_scratch_for_itself ),
+        cmocka_unit_test( warm_scratch_costs_nothing_whoever_warmed_it ),
+        cmocka_unit_test( scratch_without_memory_is_null_and_returns_with_it ),
+        cmocka_unit_test( a_pool_knows_its_workers_and_its_memory ),
+        cmocka_unit_test( a_pool_without_memory_is_null ),
+        cmocka_unit_test( a_default_number_of_workers_is_one_that_a_world_takes ),
+    };
+    return cmocka_run_group_tests_name( "jobs", tests, NULL, NULL );
+}

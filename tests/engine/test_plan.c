@@ -1,0 +1,684 @@
+// What a scene asks for, and the passes that answer it: which exist, in which order, what shares a wave, what is fused,
+// and what is refused.
+#include "plan_fixture.h"
+
+#define GROUP WISP_DOMAIN_STRAND_GROUP
+#define ENTITY WISP_DOMAIN_ENTITY
+#define SHAPE WISP_STAGE_SHAPE
+
+// ---- which passes exist ----
+
+static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .needs = "N", .writes = "A" } };
+
+static void an_empty_world_has_no_pass( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    assert_int_equal( wisp_world_plan_passes( world ), 0 );
+    step( world );
+    assert_string_equal( trace_text(), "" );
+    assert_int_equal( wisp_world_profile( world ).count, 0 );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_that_has_what_it_needs_and_is_wanted_exists( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    want( world, add_with( world, "N" ), "A" );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_whose_writes_nobody_wants_is_absent( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    add_with( world, "NA" );
+    assert_string_equal( plan_text( world ), "" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_without_what_it_needs_is_absent( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    want( world, add_with( world, "A" ), "A" ); // the user's own rows answer the wish
+    assert_string_equal( plan_text( world ), "" );
+    wisp_world_destroy( world );
+}
+
+static void a_wish_is_no_component_that_a_pass_could_need( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "b", SHAPE, GROUP, .needs = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    wisp_entity e = add_with( world, "B" );
+    want( world, e, "AB" );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    wisp_world_destroy( world );
+}
+
+static const fake_pass CHAIN[] = {
+    { "d", SHAPE, GROUP, .reads = "C", .writes = "D" },
+    { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
+    { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    { "a", SHAPE, GROUP, .writes = "A" },
+};
+
+static void demand_reaches_back_through_a_chain( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    want( world, add_with( world, "" ), "D" );
+    assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
+    wisp_world_destroy( world );
+}
+
+static void demand_ends_where_nobody_wants_more( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[after] a+b" );
+    wisp_world_destroy( world );
+}
+
+static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** state )
+{
+    (void)state;
+    for ( int first = 0; first < WISP_COUNT( CHAIN ); ++first )
+    {
+        fake_pass turned[WISP_COUNT( CHAIN )];
+        for ( int i = 0; i < WISP_COUNT( CHAIN ); ++i )
+        {
+            turned[i] = CHAIN[( first + i ) % WISP_COUNT( CHAIN )];
+        }
+        wisp_world* world = OPEN_WORLD( turned );
+        want( world, add_with( world, "" ), "D" );
+        assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
+        wisp_world_destroy( world );
+    }
+}
+
+static void each_entity_gets_only_what_it_wants( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    add_with( world, "" );
+    want( world, add_with( world, "" ), "A" );
+    want( world, add_with( world, "" ), "B" );
+    step( world );
+    assert_string_equal( trace_text(), "a2.0 a2.1 a2.2 a3.0 b3.0 a3.1 b3.1 a3.2 b3.2" );
+    wisp_world_destroy( world );
+}
+
+static void a_removed_entity_takes_its_wishes_along( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    wisp_entity e = add_with( world, "N" );
+    want( world, e, "A" );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    assert_int_equal( wisp_remove( world, e ), WISP_OK );
+    assert_string_equal( plan_text( world ), "" );
+    add_with( world, "N" ); // in the same slot
+    assert_string_equal( plan_text( world ), "" );
+    wisp_world_destroy( world );
+}
+
+// ---- what is refused ----
+
+// The plan is refused by a sentence that holds all of these words.
+static void assert_refused( wisp_world* world, const char* const* words, int count )
+{
+    assert_string_equal( plan_text( world ), "refused" );
+    assert_int_equal( wisp_world_step( world, 0.01f ), WISP_CONFLICT );
+    assert_one_sentence( wisp_world_message( world ) );
+    assert_string_equal( fake.log.last, wisp_world_message( world ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_non_null( strstr( wisp_world_message( world ), words[i] ) );
+    }
+    assert_string_equal( trace_text(), "" );
+}
+
+static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = { { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" } };
+    static const char* const words[] = { "'reader'", "'fake.M'", "entity 2" };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "M" ), "B" );
+    want( world, add_with( world, "" ), "B" );
+    assert_refused( world, words, WISP_COUNT( words ) );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "maker", SHAPE, GROUP, .needs = "N", .writes = "M" },
+        { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" },
+    };
+    static const char* const words[] = { "'reader'", "'fake.M'", "entity 1" };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    want( world, add_with( world, "N" ), "B" );
+    assert_refused( world, words, WISP_COUNT( words ) );
+    wisp_world_destroy( world );
+}
+
+static void a_wanted_component_that_no_pass_writes_is_refused( void** state )
+{
+    (void)state;
+    static const char* const words[] = { "'fake.C'", "entity 1" };
+    wisp_world* world = OPEN_WORLD( LONE );
+    want( world, add_with( world, "N" ), "C" );
+    assert_refused( world, words, WISP_COUNT( words ) );
+    wisp_world_destroy( world );
+}
+
+static void a_wanted_component_whose_writer_lacks_its_needs_is_refused( void** state )
+{
+    (void)state;
+    static const char* const words[] = { "'fake.A'", "entity 1" };
+    wisp_world* world = OPEN_WORLD( LONE );
+    want( world, add_with( world, "" ), "A" );
+    assert_refused( world, words, WISP_COUNT( words ) );
+    wisp_world_destroy( world );
+}
+
+static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .reads = "C", .writes = "A" },
+        { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+        { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
+    };
+    static const char* const words[] = { "circle", "'a'" };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_refused( world, words, WISP_COUNT( words ) );
+    wisp_world_destroy( world );
+}
+
+static void a_circle_through_two_stages_is_last_steps_data( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "b", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
+        { "a", WISP_STAGE_INPUT, GROUP, .reads = "B", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_string_equal( plan_text( world ), "[before] a [after] b" );
+    wisp_world_destroy( world );
+}
+
+static void a_refused_world_steps_again_once_the_wish_is_gone( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    wisp_entity e = add_with( world, "N" );
+    want( world, e, "AC" );
+    assert_string_equal( plan_text( world ), "refused" );
+    unwant( world, e, "C" );
+    step( world );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    wisp_world_destroy( world );
+}
+
+// ---- order ----
+
+static void stages_come_in_their_order_whatever_the_order_of_declaration( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "observe", WISP_STAGE_OBSERVE, GROUP, .writes = "A" },
+        { "shape", WISP_STAGE_SHAPE, GROUP, .writes = "B" },
+        { "derive", WISP_STAGE_DERIVE, GROUP, .writes = "C" },
+        { "velocity", WISP_STAGE_VELOCITY, GROUP, .writes = "D" },
+        { "project", WISP_STAGE_PROJECT, GROUP, .writes = "E" },
+        { "contact", WISP_STAGE_CONTACT, GROUP, .writes = "F" },
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "G" },
+        { "force", WISP_STAGE_FORCE, GROUP, .writes = "H" },
+        { "input", WISP_STAGE_INPUT, GROUP, .writes = "I" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "ABCDEFGHI" );
+    assert_string_equal( plan_text( world ), "[before] input [substep] force,predict,contact [iteration] project "
+                                             "[substep end] velocity [after] derive,shape,observe" );
+    wisp_world_destroy( world );
+}
+
+static void what_writes_goes_before_what_reads( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "reader", SHAPE, ENTITY, .reads = "A", .writes = "B" },
+        { "writer", SHAPE, ENTITY, .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[after] writer reader" );
+    wisp_world_destroy( world );
+}
+
+static void what_makes_goes_before_what_changes_in_place_and_that_before_what_reads( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "first", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "second", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "maker", SHAPE, ENTITY, .writes = "A" },
+        { "reader", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[after] maker first second reader" );
+    wisp_world_destroy( world );
+}
+
+static void equals_keep_the_order_of_declaration( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "z", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "m", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "a", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "A" ), "A" );
+    assert_string_equal( plan_text( world ), "[after] z m a" );
+    wisp_world_destroy( world );
+}
+
+// ---- waves and fusion ----
+
+static void passes_without_a_conflict_share_a_wave( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .reads = "N", .writes = "A" },
+        { "b", SHAPE, GROUP, .reads = "N", .writes = "B" },
+        { "c", SHAPE, ENTITY, .reads = "N", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "N" ), "ABC" );
+    assert_string_equal( plan_text( world ), "[after] a,b,c" );
+    wisp_world_destroy( world );
+}
+
+static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *first_reads, *first_writes, *second_reads, *second_writes, *wishes, *plan;
+    } pairs[] = {
+        { NULL, "A", "A", "B", "B", "[after] a b" },  // read after write
+        { "A", "B", "A", "A", "AB", "[after] a b" },  // write after read
+        { NULL, "A", NULL, "A", "A", "[after] a b" }, // write after write
+        { "A", "B", "A", "C", "BC", "[after] a,b" },  // read beside read
+    };
+    for ( int i = 0; i < WISP_COUNT( pairs ); ++i )
+    {
+        const fake_pass passes[] = {
+            { "a", SHAPE, ENTITY, .reads = pairs[i].first_reads, .writes = pairs[i].first_writes },
+            { "b", SHAPE, ENTITY, .reads = pairs[i].second_reads, .writes = pairs[i].second_writes },
+        };
+        wisp_world* world = OPEN_WORLD( passes );
+        want( world, add_with( world, "A" ), pairs[i].wishes );
+        assert_string_equal( plan_text( world ), pairs[i].plan );
+        wisp_world_destroy( world );
+    }
+}
+
+static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, ENTITY, .writes = "A" },
+        { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
+        { "late", SHAPE, ENTITY, .reads = "B", .writes = "C" },
+        { "early", SHAPE, ENTITY, .reads = "A", .writes = "D" },
+        { "free", SHAPE, ENTITY, .writes = "E" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "CDE" );
+    assert_string_equal( plan_text( world ), "[after] a,free b,early late" );
+    wisp_world_destroy( world );
+}
+
+static void local_passes_over_the_same_groups_are_fused( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a+b+c" );
+    step( world );
+    assert_string_equal( trace_text(), "a1.0 b1.0 c1.0 a1.1 b1.1 c1.1 a1.2 b1.2 c1.2" );
+    wisp_world_destroy( world );
+}
+
+static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "whole", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[after] a whole b" );
+    wisp_world_destroy( world );
+}
+
+static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "beside", SHAPE, ENTITY, .writes = "C" },
+        { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "BC" );
+    assert_string_equal( plan_text( world ), "[after] a+b,beside" );
+    wisp_world_destroy( world );
+}
+
+static void entity_passes_are_never_fused( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, ENTITY, .writes = "A" },
+        { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
+        { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a b c" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "b", SHAPE, GROUP, .writes = "B" },
+        { "c", SHAPE, GROUP, .reads = "AB", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a,b c" );
+    wisp_world_destroy( world );
+}
+
+static void passes_of_another_loop_are_not_fused( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[substep] predict [iteration] project [after] shape" );
+    wisp_world_destroy( world );
+}
+
+static void a_node_takes_only_so_many_passes( void** state )
+{
+    (void)state;
+    static const char* const NAMES[] = { "a", "b", "c", "d", "e", "f", "g", "h", "i" };
+    fake_pass passes[PLAN_MAX_FUSED + 1];
+    assert_int_equal( WISP_COUNT( NAMES ), WISP_COUNT( passes ) );
+    for ( int i = 0; i < WISP_COUNT( passes ); ++i )
+    {
+        passes[i] = ( fake_pass ){ NAMES[i], SHAPE, GROUP, .reads = "A", .writes = "A" };
+    }
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "A" ), "A" );
+    assert_string_equal( plan_text( world ), "[after] a+b+c+d+e+f+g+h i" );
+    wisp_world_destroy( world );
+}
+
+// ---- when it is compiled ----
+
+static uint64_t plans_of_a_step( wisp_world* world )
+{
+    uint64_t before = wisp_world_counter( world, WISP_COUNT_PLANS );
+    wisp_world_step( world, 0.01f );
+    return wisp_world_counter( world, WISP_COUNT_PLANS ) - before;
+}
+
+static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    wisp_entity e = add_with( world, "N" );
+    want( world, e, "A" );
+    assert_int_equal( plans_of_a_step( world ), 1 );
+    assert_int_equal( plans_of_a_step( world ), 0 );
+
+    // what changes no structure
+    want( world, e, "A" );
+    assert_int_equal( wisp_world_attach( world, e, letter( 'N' ) ), WISP_OK );
+    assert_int_equal( wisp_world_detach( world, e, letter( 'P' ) ), WISP_OK );
+    assert_non_null( wisp_world_column( world, e, letter( 'N' ), 0 ) );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    assert_int_equal( plans_of_a_step( world ), 0 );
+
+    // and what does
+    wisp_entity other = add_with( world, "" );
+    assert_int_equal( plans_of_a_step( world ), 1 );
+    assert_int_equal( wisp_world_attach( world, other, letter( 'N' ) ), WISP_OK );
+    assert_int_equal( plans_of_a_step( world ), 1 );
+    assert_int_equal( wisp_remove( world, other ), WISP_OK );
+    assert_int_equal( plans_of_a_step( world ), 1 );
+    unwant( world, e, "A" );
+    assert_int_equal( plans_of_a_step( world ), 1 );
+    wisp_world_destroy( world );
+}
+
+static void taking_back_a_wish_that_nobody_had_compiles_nothing( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    wisp_entity e = add_with( world, "N" );
+    want( world, e, "A" );
+    step( world );
+    unwant( world, e, "B" );
+    uint64_t plans = plans_of_a_step( world );
+    wisp_world_destroy( world );
+    assert_int_equal( plans, 0 );
+}
+
+static void giving_a_component_that_was_only_wanted_wakes_who_needs_it( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "b", SHAPE, GROUP, .needs = "A", .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    wisp_entity e = add_with( world, "B" );
+    want( world, e, "AB" );
+    assert_string_equal( plan_text( world ), "[after] a" );
+    assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
+    const char* text = plan_text( world );
+    wisp_world_destroy( world );
+    assert_string_equal( text, "[after] a+b" );
+}
+
+// ---- its hash and its print ----
+
+static uint64_t hash_of_plan( wisp_world* world, int entities, const char* wishes )
+{
+    for ( int i = 0; i < entities; ++i )
+    {
+        want( world, add_with( world, "" ), wishes );
+    }
+    assert_true( wisp_world_plan_passes( world ) > 0 );
+    uint64_t hash = world->plan.hash;
+    wisp_world_destroy( world );
+    return hash;
+}
+
+static void equal_plans_hash_equal_and_others_differ( void** state )
+{
+    (void)state;
+    uint64_t two = hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" );
+    assert_int_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" ), two );
+    assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "C" ), two );
+    assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 1, "D" ), two );
+}
+
+static void a_plan_hashes_as_before_when_a_wish_came_and_went( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    wisp_entity e = add_with( world, "" );
+    want( world, e, "B" );
+    assert_int_equal( wisp_world_plan_passes( world ), 2 );
+    uint64_t hash = world->plan.hash;
+    want( world, e, "D" );
+    assert_int_equal( wisp_world_plan_passes( world ), 4 );
+    unwant( world, e, "D" );
+    assert_int_equal( wisp_world_plan_passes( world ), 2 );
+    assert_int_equal( world->plan.hash, hash );
+    wisp_world_destroy( world );
+}
+
+typedef struct printed
+{
+    int count;
+    char lines[20][512];
+} printed;
+
+static void keep_line( void* user, const char* line )
+{
+    printed* p = user;
+    assert_true( p->count < WISP_COUNT( p->lines ) );
+    assert_null( strchr( line, '\n' ) );
+    snprintf( p->lines[p->count++], sizeof( p->lines[0] ), "%s", line );
+}
+
+// The line that begins with this word and names this pass holds the reason.
+static void assert_printed( const printed* p, const char* word, const char* pass, const char* reason )
+{
+    char name[40];
+    snprintf( name, sizeof( name ), " %s ", pass );
+    for ( int i = 0; i < p->count; ++i )
+    {
+        if ( strstr( p->lines[i], word ) != NULL && strstr( p->lines[i], name ) != NULL )
+        {
+            assert_non_null( strstr( p->lines[i], reason ) );
+            return;
+        }
+    }
+    fail_msg( "no line says '%s' of pass %s", word, pass );
+}
+
+static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "make", WISP_STAGE_INPUT, GROUP, .needs = "N", .writes = "A" },
+        { "bend", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "show", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
+        { "needy", SHAPE, GROUP, .needs = "NM", .writes = "C" },
+        { "idle", SHAPE, GROUP, .needs = "N", .writes = "D" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "N" ), "B" );
+    printed p = { 0 };
+    assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
+    assert_int_equal( p.count, 1 + WISP_COUNT( passes ) + 1 ); // a head, and the engine's own pass for points
+    assert_non_null( strstr( p.lines[0], "3 passes" ) );
+    assert_non_null( strstr( p.lines[0], "with a substep loop" ) );
+    assert_printed( &p, "before", "make", "fake.A by bend, fake.A by show" );
+    assert_printed( &p, "iteration", "bend", "fake.A by show" );
+    assert_printed( &p, "after", "show", "fake.B by the scene" );
+    assert_printed( &p, "absent", "needy", "needs fake.M, which no entity has" );
+    assert_printed( &p, "absent", "idle", "nobody wants fake.D" );
+    wisp_world_destroy( world );
+}
+
+static void a_plan_without_a_loop_says_so( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    printed p = { 0 };
+    assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
+    assert_non_null( strstr( p.lines[0], "0 passes" ) );
+    assert_non_null( strstr( p.lines[0], "no substep loop" ) );
+    wisp_world_destroy( world );
+}
+
+static void a_refused_plan_prints_nothing( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( LONE );
+    want( world, add_with( world, "" ), "A" );
+    printed p = { 0 };
+    assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_CONFLICT );
+    assert_int_equal( p.count, 0 );
+    wisp_world_destroy( world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( an_empty_world_has_no_pass ),
+        cmocka_unit_test( a_pass_that_has_what_it_needs_and_is_wanted_exists ),
+        cmocka_unit_test( a_pass_whose_writes_nobody_wants_is_absent ),
+        cmocka_unit_test( a_pass_without_what_it_needs_is_absent ),
+        cmocka_unit_test( a_wish_is_no_component_that_a_pass_could_need ),
+        cmocka_unit_test( demand_reaches_back_through_a_chain ),
+        cmocka_unit_test( demand_ends_where_nobody_wants_more ),
+        cmocka_unit_test( demand_grows_to_a_fixed_point_in_any_order_of_declaration ),
+        cmocka_unit_test( each_entity_gets_only_what_it_wants ),
+        cmocka_unit_test( a_removed_entity_takes_its_wishes_along ),
+        cmocka_unit_test( a_read_that_nobody_supplies_names_pass_component_and_entity ),
+        cmocka_unit_test( a_pass_that_another_entity_keeps_alive_supplies_nothing_here ),
+        cmocka_unit_test( a_wanted_component_that_no_pass_writes_is_refused ),
+        cmocka_unit_test( a_wanted_component_whose_writer_lacks_its_needs_is_refused ),
+        cmocka_unit_test( passes_of_a_stage_that_wait_for_each_other_are_refused ),
+        cmocka_unit_test( a_circle_through_two_stages_is_last_steps_data ),
+        cmocka_unit_test( a_refused_world_steps_again_once_the_wish_is_gone ),
+        cmocka_unit_test( stages_come_in_their_order_whatever_the_order_of_declaration ),
+        cmocka_unit_test( what_writes_goes_before_what_reads ),
+        cmocka_unit_test( what_makes_goes_before_what_changes_in_place_and_that_before_what_reads ),
+        cmocka_unit_test( equals_keep_the_order_of_declaration ),
+        cmocka_unit_test( passes_without_a_conflict_share_a_wave ),
+        cmocka_unit_test( any_pair_of_writes_or_of_a_read_and_a_write_conflicts ),
+        cmocka_unit_test( a_pass_moves_into_the_first_wave_behind_its_conflicts ),
+        cmocka_unit_test( local_passes_over_the_same_groups_are_fused ),
+        cmocka_unit_test( an_entity_pass_in_between_keeps_local_passes_apart ),
+        cmocka_unit_test( an_entity_pass_beside_does_not_keep_local_passes_apart ),
+        cmocka_unit_test( entity_passes_are_never_fused ),
+        cmocka_unit_test( a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them ),
+        cmocka_unit_test( passes_of_another_loop_are_not_fused ),
+        cmocka_unit_test( a_node_takes_only_so_many_passes ),
+        cmocka_unit_test( a_plan_is_compiled_again_when_the_structure_changed_and_only_then ),
+        cmocka_unit_test( taking_back_a_wish_that_nobody_had_compiles_nothing ),
+        cmocka_unit_test( giving_a_component_that_was_only_wanted_wakes_who_needs_it ),
+        cmocka_unit_test( equal_plans_hash_equal_and_others_differ ),
+        cmocka_unit_test( a_plan_hashes_as_before_when_a_wish_came_and_went ),
+        cmocka_unit_test( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks ),
+        cmocka_unit_test( a_plan_without_a_loop_says_so ),
+        cmocka_unit_test( a_refused_plan_prints_nothing ),
+    };
+    return cmocka_run_group_tests_name( "plan", tests, NULL, NULL );
+}

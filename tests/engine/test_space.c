@@ -1,0 +1,610 @@
+// Who is near whom: the grid against a naive sort, neighbours against brute force, for every instruction set that runs
+// here and any number of workers.
+#include "space_fixture.h"
+
+#include <math.h>
+
+static const int COUNTS[] = { 0, 1, 7, 8, 9, 100, 1000, 5000 };
+static const int WORKER_COUNTS[] = { 1, 2, 3, 8 };
+
+enum
+{
+    NO_LIMIT = 5000,
+    ONE_POINT_MOST = 300, // every item is every other's neighbour
+};
+
+static int count_of( cloud_shape shape, int i )
+{
+    return shape == CLOUD_ONE_POINT && COUNTS[i] > ONE_POINT_MOST ? ONE_POINT_MOST : COUNTS[i];
+}
+
+static const wisp_kernels* baseline( void )
+{
+    return kernels_select( "baseline", NULL );
+}
+
+// ---- the grid ----
+
+static int cell_of( const wisp_grid* g, const float* quad )
+{
+    int cell[3];
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        int c = (int)( ( quad[axis] - g->origin[axis] ) * g->inverse_cell );
+        cell[axis] = c < 0 ? 0 : ( c >= g->dims[axis] ? g->dims[axis] - 1 : c );
+    }
+    const int *a = g->axis, *d = g->dims;
+    return ( cell[a[2]] * d[a[1]] + cell[a[1]] ) * d[a[0]] + cell[a[0]];
+}
+
+typedef struct keyed_item
+{
+    int cell, item;
+} keyed_item;
+
+static int by_cell_then_item( const void* a, const void* b )
+{
+    const keyed_item *l = a, *r = b;
+    return l->cell != r->cell ? ( l->cell < r->cell ? -1 : 1 ) : ( l->item > r->item ) - ( l->item < r->item );
+}
+
+static void assert_sorted_naively( const wisp_grid* g, const cloud* c )
+{
+    keyed_item* keys = calloc( (size_t)c->count + 1, sizeof( keyed_item ) );
+    assert_non_null( keys );
+    for ( int i = 0; i < c->count; ++i )
+    {
+        keys[i] = ( keyed_item ){ cell_of( g, c->quads + 4 * (size_t)i ), i };
+    }
+    qsort( keys, (size_t)c->count, sizeof( *keys ), by_cell_then_item );
+    int cells = g->dims[0] * g->dims[1] * g->dims[2], wrong = g->count != c->count ? 1 : 0;
+    for ( int slot = 0; slot < c->count; ++slot )
+    {
+        const keyed_item key = keys[slot];
+        const float* q = c->quads + 4 * (size_t)key.item;
+        wrong += g->item[slot] != key.item || g->owner[slot] != owner_of( q ) ? 1 : 0;
+        wrong += g->x[slot] != q[0] || g->y[slot] != q[1] || g->z[slot] != q[2] ? 1 : 0;
+        wrong += slot < g->cell_begin[key.cell] || slot >= g->cell_begin[key.cell + 1] ? 1 : 0;
+    }
+    for ( int cell = 0; cell < cells; ++cell )
+    {
+        wrong += g->cell_begin[cell] > g->cell_begin[cell + 1] ? 1 : 0;
+    }
+    free( keys );
+    assert_int_equal( wrong, 0 );
+    assert_int_equal( g->cell_begin[0], 0 );
+    assert_int_equal( g->cell_begin[cells], c->count );
+}
+
+static void slots_are_the_items_sorted_by_cell_and_number( void** state )
+{
+    (void)state;
+    for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
+    {
+        space* s = space_open( WORKER_COUNTS[w], baseline() );
+        for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+        {
+            for ( int i = 0; i < WISP_COUNT( COUNTS ); ++i )
+            {
+                cloud c = make_cloud( (cloud_shape)shape, COUNTS[i] );
+                assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
+                assert_sorted_naively( &s->grid, &c );
+                free( c.quads );
+            }
+        }
+        space_close( s );
+    }
+}
+
+static void many_blocks_of_items_are_sorted_alike( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_BALL, 30000 );
+    for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
+    {
+        space* s = space_open( WORKER_COUNTS[w], baseline() );
+        assert_int_equal( build_grid( s, &c, 0.05f ), WISP_OK );
+        assert_sorted_naively( &s->grid, &c );
+        space_close( s );
+    }
+    free( c.quads );
+}
+
+// How far an item lies outside its cell, m; rounding is allowed to put it there.
+static double outside_cell( const wisp_grid* g, const float* quad )
+{
+    int rest = cell_of( g, quad );
+    double most = 0.0;
+    for ( int i = 0; i < 3; ++i )
+    {
+        int axis = g->axis[i], place = rest % g->dims[axis];
+        rest /= g->dims[axis];
+        double low = (double)g->origin[axis] + place * (double)g->cell, high = low + (double)g->cell;
+        most = fmax( most, fmax( low - (double)quad[axis], (double)quad[axis] - high ) );
+    }
+    return most;
+}
+
+static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** state )
+{
+    (void)state;
+    space* s = space_open( 2, baseline() );
+    for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+    {
+        cloud c = make_cloud( (cloud_shape)shape, 5000 );
+        assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
+        double most = 0.0;
+        for ( int i = 0; i < c.count; ++i )
+        {
+            most = fmax( most, outside_cell( &s->grid, c.quads + 4 * (size_t)i ) );
+        }
+        assert_true( most <= (double)s->grid.slack );
+        free( c.quads );
+    }
+    space_close( s );
+}
+
+static void cells_are_as_wide_as_wanted_unless_there_would_be_too_many( void** state )
+{
+    (void)state;
+    space* s = space_open( 1, baseline() );
+    for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+    {
+        cloud c = make_cloud( (cloud_shape)shape, 5000 );
+        float wanted = cloud_radius( (cloud_shape)shape );
+        assert_int_equal( build_grid( s, &c, wanted ), WISP_OK );
+        const wisp_grid* g = &s->grid;
+        assert_true( g->cell >= wanted );
+        // four cells an item, and a few that a handful of items may have
+        assert_true( (double)g->dims[0] * g->dims[1] * g->dims[2] <= 4.0 * c.count + 64.0 );
+        bool sparse = shape == CLOUD_SPREAD || shape == CLOUD_CLUSTERS || shape == CLOUD_LINE;
+        assert_int_equal( g->coarse, sparse );
+        free( c.quads );
+    }
+    space_close( s );
+}
+
+// Axes with more than one cell come first, the fewest cells fastest.
+static int cells_of_rank( const wisp_grid* g, int i )
+{
+    int cells = g->dims[g->axis[i]];
+    return cells > 1 ? cells : INT32_MAX;
+}
+
+static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
+{
+    (void)state;
+    space* s = space_open( 1, baseline() );
+    for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+    {
+        cloud c = make_cloud( (cloud_shape)shape, 1000 );
+        assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
+        const wisp_grid* g = &s->grid;
+        assert_int_equal( 1 << g->axis[0] | 1 << g->axis[1] | 1 << g->axis[2], 7 );
+        assert_true( cells_of_rank( g, 0 ) <= cells_of_rank( g, 1 ) &&
+                     cells_of_rank( g, 1 ) <= cells_of_rank( g, 2 ) );
+        free( c.quads );
+    }
+    space_close( s );
+}
+
+static void slots_behind_the_last_may_be_read( void** state )
+{
+    (void)state;
+    space* s = space_open( 1, baseline() );
+    cloud c = make_cloud( CLOUD_BALL, 33 );
+    assert_int_equal( build_grid( s, &c, 0.1f ), WISP_OK );
+    float sum = 0.0f;
+    for ( int slot = 33; slot < 33 + 16; ++slot )
+    {
+        sum += s->grid.x[slot] + s->grid.y[slot] + s->grid.z[slot];
+        sum += (float)( s->grid.item[slot] + s->grid.owner[slot] );
+    }
+    assert_true( sum == 0.0f ); // and they are never left to chance
+    free( c.quads );
+    space_close( s );
+}
+
+// ---- brute force ----
+
+// Neighbours of one query in slot order, and how many there are.
+typedef struct naive_list
+{
+    int near_count, shell_count;
+    int32_t near[NO_LIMIT], shell[NO_LIMIT];
+} naive_list;
+
+// Distances are summed x, y, z in single precision without fused operations, as the engine promises everywhere, so that
+// an item on the very border is judged alike.
+static void search_naively( const wisp_grid* g, const wisp_neighbour_query* query, int q, naive_list* list )
+{
+    const float* p = query->quads + 4 * (size_t)q;
+    const int32_t owner = owner_of( p );
+    const float near2 = query->near_radius * query->near_radius, shell2 = query->shell_radius * query->shell_radius;
+    list->near_count = list->shell_count = 0;
+    for ( int slot = 0; slot < g->count; ++slot )
+    {
+        float x = g->x[slot] - p[0], y = g->y[slot] - p[1], z = g->z[slot] - p[2];
+        float d2 = x * x + y * y;
+        d2 = d2 + z * z;
+        int32_t number = query->rename != NULL ? query->rename[slot] : slot;
+        if ( g->owner[slot] != owner && d2 < near2 )
+        {
+            list->near[list->near_count++] = number;
+        }
+        else if ( g->owner[slot] != owner && d2 < shell2 )
+        {
+            list->shell[list->shell_count++] = number;
+        }
+    }
+}
+
+// Wrong entries of one lane: the first `limit` neighbours in order, then the query's own number to the slice's end.
+static int wrong_entries( const wisp_neighbour_list* list, int q, const int32_t* expected, int count, int limit )
+{
+    int slice = q / WISP_SLICE, lane = q % WISP_SLICE, kept = count < limit ? count : limit;
+    const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE + lane;
+    int wrong = list->length[slice] < kept ? 1 : 0;
+    for ( int k = 0; k < list->length[slice]; ++k )
+    {
+        wrong += entries[(size_t)k * WISP_SLICE] != ( k < kept ? expected[k] : q ) ? 1 : 0;
+    }
+    return wrong;
+}
+
+static size_t entries_of_all( const wisp_neighbour_list* list, int slices )
+{
+    size_t sum = 0;
+    for ( int s = 0; s < slices; ++s )
+    {
+        sum += (size_t)list->length[s];
+    }
+    return sum;
+}
+
+// @return how many neighbours, near and in the shell, brute force found
+static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour_query* query )
+{
+    naive_list* list = malloc( sizeof( naive_list ) );
+    assert_non_null( list );
+    int wrong = 0;
+    int64_t pairs = 0;
+    uint64_t capped = 0;
+    for ( int q = 0; q < query->query_count; ++q )
+    {
+        search_naively( &s->grid, query, q, list );
+        wrong += wrong_entries( &s->found.near, q, list->near, list->near_count, query->limit );
+        wrong += wrong_entries( &s->found.shell, q, list->shell, list->shell_count, query->limit );
+        capped += list->near_count > query->limit || list->shell_count > query->limit ? 1 : 0;
+        pairs += list->near_count + list->shell_count;
+    }
+    free( list );
+    assert_int_equal( wrong, 0 );
+    assert_int_equal( s->found.capped, capped );
+    assert_int_equal( s->found.slice_count, ( query->query_count + 7 ) / 8 );
+    assert_int_equal( s->found.near_entries, entries_of_all( &s->found.near, s->found.slice_count ) );
+    assert_int_equal( s->found.shell_entries, entries_of_all( &s->found.shell, s->found.slice_count ) );
+    return pairs;
+}
+
+// The grid's own items as queries, in slot order.
+static float* quads_by_slot( const wisp_grid* g, const cloud* c )
+{
+    float* quads = calloc( 4 * (size_t)g->count + 4, sizeof( float ) );
+    assert_non_null( quads );
+    for ( int slot = 0; slot < g->count; ++slot )
+    {
+        memcpy( quads + 4 * (size_t)slot, c->quads + 4 * (size_t)g->item[slot], 4 * sizeof( float ) );
+    }
+    return quads;
+}
+
+// Every item asks for its neighbours. @return how many were found
+static int64_t check_cloud( space* s, const cloud* c, float radius, float shell, int limit )
+{
+    assert_int_equal( build_grid( s, c, shell > radius ? shell : radius ), WISP_OK );
+    float* quads = quads_by_slot( &s->grid, c );
+    wisp_neighbour_query query = {
+        .quads = quads,
+        .query_count = c->count,
+        .near_radius = radius,
+        .shell_radius = shell,
+        .limit = limit,
+    };
+    assert_int_equal( search( s, &query ), WISP_OK );
+    int64_t found = assert_found_by_brute_force( s, &query );
+    free( quads );
+    return found;
+}
+
+static void check_every_cloud( space* s, int first_count, int last_count )
+{
+    for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+    {
+        float radius = cloud_radius( (cloud_shape)shape );
+        for ( int i = first_count; i <= last_count; ++i )
+        {
+            cloud c = make_cloud( (cloud_shape)shape, count_of( (cloud_shape)shape, i ) );
+            int64_t alone = check_cloud( s, &c, radius, 0.0f, NO_LIMIT );
+            int64_t with_shell = check_cloud( s, &c, radius, 1.25f * radius, NO_LIMIT );
+            // a check of nothing would show nothing; on the lattice all but the shell is empty
+            assert_true( c.count < 1000 || shape == CLOUD_LATTICE || alone > 0 );
+            assert_true( c.count < 1000 || with_shell > alone || shape == CLOUD_ONE_POINT );
+            free( c.quads );
+        }
+    }
+}
+
+// ---- neighbours ----
+
+static void baseline_finds_what_brute_force_finds( void** state )
+{
+    (void)state;
+    space* s = space_open( 1, baseline() );
+    check_every_cloud( s, 0, WISP_COUNT( COUNTS ) - 1 );
+    space_close( s );
+}
+
+static void every_instruction_set_finds_what_brute_force_finds( void** state )
+{
+    (void)state;
+    static const char* const ISAS[] = { "avx2", "avx512" };
+    for ( int i = 0; i < WISP_COUNT( ISAS ); ++i )
+    {
+        const wisp_kernels* kernels = kernels_select( ISAS[i], NULL );
+        if ( strcmp( kernels->isa, ISAS[i] ) == 0 )
+        {
+            space* s = space_open( 1, kernels );
+            check_every_cloud( s, 0, WISP_COUNT( COUNTS ) - 1 );
+            space_close( s );
+        }
+    }
+}
+
+static void any_number_of_workers_finds_what_brute_force_finds( void** state )
+{
+    (void)state;
+    for ( int w = 1; w < WISP_COUNT( WORKER_COUNTS ); ++w )
+    {
+        space* s = space_open( WORKER_COUNTS[w], kernels_select( NULL, NULL ) );
+        check_every_cloud( s, 5, 6 );
+        space_close( s );
+    }
+}
+
+static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside( void** state )
+{
+    (void)state;
+    // 3, 4, 5: all numbers here, and their squares, are exact in single precision
+    float quads[] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 1.0f, 0.0f, 0.0f, -0.75f, 0.0f, 0.99f, 0.0f };
+    for ( int32_t i = 0; i < 3; ++i )
+    {
+        memcpy( quads + 4 * i + 3, &i, sizeof( i ) );
+    }
+    cloud c = { 3, quads };
+    space* s = space_open( 1, baseline() );
+    assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
+    assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
+    assert_int_equal( s->found.near_entries, 1 );
+    space_close( s );
+}
+
+static void items_of_the_querys_owner_are_left_out( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_ONE_POINT, 100 );
+    for ( int32_t i = 0, owner = 5; i < c.count; ++i )
+    {
+        memcpy( c.quads + 4 * i + 3, &owner, sizeof( owner ) );
+    }
+    space* s = space_open( 1, baseline() );
+    assert_int_equal( check_cloud( s, &c, 1.0f, 2.0f, NO_LIMIT ), 0 );
+    assert_int_equal( s->found.near_entries + s->found.shell_entries, 0 );
+    free( c.quads );
+    space_close( s );
+}
+
+static void a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it( void** state )
+{
+    (void)state;
+    static const int LIMITS[] = { 1, 2, 7, 8, 9, 20 };
+    cloud c = make_cloud( CLOUD_BALL, 1000 );
+    for ( int i = 0; i < WISP_COUNT( LIMITS ); ++i )
+    {
+        space* s = space_open( 2, kernels_select( NULL, NULL ) );
+        check_cloud( s, &c, 0.35f, 0.0f, LIMITS[i] );
+        assert_true( s->found.capped > 0 );
+        check_cloud( s, &c, 0.25f, 0.35f, LIMITS[i] );
+        assert_true( s->found.capped > 0 );
+        space_close( s );
+    }
+    free( c.quads );
+}
+
+static void a_list_that_just_fits_its_limit_is_not_counted( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_ONE_POINT, 17 );
+    for ( int32_t i = 0; i < c.count; ++i )
+    {
+        memcpy( c.quads + 4 * i + 3, &i, sizeof( i ) );
+    }
+    space* s = space_open( 1, baseline() );
+    check_cloud( s, &c, 1.0f, 0.0f, 16 );
+    assert_int_equal( s->found.capped, 0 );
+    check_cloud( s, &c, 1.0f, 0.0f, 15 );
+    assert_int_equal( s->found.capped, 17 );
+    free( c.quads );
+    space_close( s );
+}
+
+static void slots_are_reported_under_their_new_names( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_BALL, 1000 );
+    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
+    wisp_neighbour_query query = {
+        .quads = c.quads, // in the items' order
+        .query_count = c.count,
+        .near_radius = 0.2f,
+        .shell_radius = 0.24f,
+        .limit = NO_LIMIT,
+        .rename = s->grid.item,
+    };
+    assert_int_equal( search( s, &query ), WISP_OK );
+    assert_true( assert_found_by_brute_force( s, &query ) > 1000 );
+    free( c.quads );
+    space_close( s );
+}
+
+static void a_radius_wider_or_narrower_than_the_cells_finds_the_same( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_BALL, 500 );
+    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    static const float CELLS[] = { 0.01f, 0.06f, 0.3f, 0.9f, 50.0f };
+    for ( int i = 0; i < WISP_COUNT( CELLS ); ++i )
+    {
+        assert_int_equal( build_grid( s, &c, CELLS[i] ), WISP_OK );
+        wisp_neighbour_query query = { c.quads, c.count, 0.3f, 0.4f, NO_LIMIT, s->grid.item };
+        assert_int_equal( search( s, &query ), WISP_OK );
+        assert_true( assert_found_by_brute_force( s, &query ) > 500 );
+    }
+    free( c.quads );
+    space_close( s );
+}
+
+// Points that are no items of the grid ask: inside, outside, far away, on the other side of the origin.
+static void assert_strangers_find_their_neighbours( cloud_shape shape )
+{
+    cloud c = make_cloud( shape, 1000 ), strangers = make_cloud( CLOUD_BALL, 203 );
+    for ( int32_t i = 0, owner = -1; i < strangers.count; ++i )
+    {
+        float scale = i % 10 == 0 ? 1e6f : ( i % 3 == 0 ? 1.2f : 0.9f );
+        strangers.quads[4 * i] *= scale;
+        strangers.quads[4 * i + 1] *= scale;
+        strangers.quads[4 * i + 2] *= scale;
+        memcpy( strangers.quads + 4 * i + 3, &owner, sizeof( owner ) );
+    }
+    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
+    wisp_neighbour_query query = { strangers.quads, strangers.count, 0.2f, 0.25f, NO_LIMIT, NULL };
+    assert_int_equal( search( s, &query ), WISP_OK );
+    int64_t found = assert_found_by_brute_force( s, &query );
+    free( c.quads );
+    free( strangers.quads );
+    space_close( s );
+    assert_true( found > 0 );
+}
+
+static void queries_that_are_no_items_find_their_neighbours( void** state )
+{
+    (void)state;
+    assert_strangers_find_their_neighbours( CLOUD_BALL );
+}
+
+static void queries_beside_a_flat_cloud_find_their_neighbours( void** state )
+{
+    (void)state;
+    assert_strangers_find_their_neighbours( CLOUD_SHEET );
+}
+
+static void no_query_and_no_item_find_nothing( void** state )
+{
+    (void)state;
+    cloud none = make_cloud( CLOUD_BALL, 0 ), some = make_cloud( CLOUD_BALL, 20 );
+    space* s = space_open( 2, baseline() );
+    assert_int_equal( build_grid( s, &none, 0.1f ), WISP_OK );
+    wisp_neighbour_query query = { some.quads, some.count, 1.0f, 2.0f, NO_LIMIT, NULL };
+    assert_int_equal( search( s, &query ), WISP_OK );
+    assert_int_equal( assert_found_by_brute_force( s, &query ), 0 );
+
+    assert_int_equal( build_grid( s, &some, 0.1f ), WISP_OK );
+    query.query_count = 0;
+    assert_int_equal( search( s, &query ), WISP_OK );
+    assert_int_equal( s->found.slice_count, 0 );
+    assert_int_equal( s->found.near_entries, 0 );
+    free( none.quads );
+    free( some.quads );
+    space_close( s );
+}
+
+// ---- memory ----
+
+static void a_second_build_of_the_same_asks_for_no_memory( void** state )
+{
+    (void)state;
+    cloud c = make_cloud( CLOUD_BALL, 1000 );
+    space* s = space_open( 2, kernels_select( NULL, NULL ) );
+    check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
+    int64_t asked = atomic_load( &s->host.asked );
+    check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
+    assert_int_equal( atomic_load( &s->host.asked ), asked );
+    free( c.quads );
+    space_close( s );
+}
+
+// A large cloud behind a small one, so that warm buffers must grow too. @return the first status that is not OK
+static wisp_status build_two( space* s, const cloud* small, const cloud* large )
+{
+    const cloud* clouds[] = { small, large };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < 2 && status == WISP_OK; ++i )
+    {
+        status = build_grid( s, clouds[i], 0.25f );
+        wisp_neighbour_query query = { clouds[i]->quads, clouds[i]->count, 0.2f, 0.25f, NO_LIMIT, s->grid.item };
+        status = status == WISP_OK ? search( s, &query ) : status;
+    }
+    return status;
+}
+
+static void a_build_without_memory_says_so_and_the_next_one_works( void** state )
+{
+    (void)state;
+    cloud small = make_cloud( CLOUD_BALL, 30 ), large = make_cloud( CLOUD_BALL, 2000 );
+    int failures = 0;
+    bool refused = true;
+    for ( int n = 1; refused; ++n )
+    {
+        space* s = space_open( 2, baseline() );
+        test_host_refuse( &s->host, n, false );
+        wisp_status status = build_two( s, &small, &large );
+        refused = test_host_has_refused( &s->host );
+        test_host_refuse( &s->host, 0, false );
+        assert_true( status == WISP_OK || ( refused && status == WISP_NO_MEMORY ) );
+        failures += status == WISP_NO_MEMORY ? 1 : 0;
+        assert_true( check_cloud( s, &large, 0.2f, 0.25f, NO_LIMIT ) > 0 );
+        space_close( s );
+    }
+    assert_true( failures >= 7 ); // four buffers of the grid and three of the lists, and their growth
+    free( small.quads );
+    free( large.quads );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( slots_are_the_items_sorted_by_cell_and_number ),
+        cmocka_unit_test( many_blocks_of_items_are_sorted_alike ),
+        cmocka_unit_test( an_item_lies_in_its_cell_or_no_further_off_than_the_slack ),
+        cmocka_unit_test( cells_are_as_wide_as_wanted_unless_there_would_be_too_many ),
+        cmocka_unit_test( the_axis_with_the_fewest_cells_is_the_fastest ),
+        cmocka_unit_test( slots_behind_the_last_may_be_read ),
+        cmocka_unit_test( baseline_finds_what_brute_force_finds ),
+        cmocka_unit_test( every_instruction_set_finds_what_brute_force_finds ),
+        cmocka_unit_test( any_number_of_workers_finds_what_brute_force_finds ),
+        cmocka_unit_test( an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside ),
+        cmocka_unit_test( items_of_the_querys_owner_are_left_out ),
+        cmocka_unit_test( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it ),
+        cmocka_unit_test( a_list_that_just_fits_its_limit_is_not_counted ),
+        cmocka_unit_test( slots_are_reported_under_their_new_names ),
+        cmocka_unit_test( a_radius_wider_or_narrower_than_the_cells_finds_the_same ),
+        cmocka_unit_test( queries_that_are_no_items_find_their_neighbours ),
+        cmocka_unit_test( queries_beside_a_flat_cloud_find_their_neighbours ),
+        cmocka_unit_test( no_query_and_no_item_find_nothing ),
+        cmocka_unit_test( a_second_build_of_the_same_asks_for_no_memory ),
+        cmocka_unit_test( a_build_without_memory_says_so_and_the_next_one_works ),
+    };
+    return cmocka_run_group_tests_name( "space", tests, NULL, NULL );
+}

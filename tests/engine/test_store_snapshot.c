@@ -1,0 +1,298 @@
+// What walks the columns: hash, snapshot, restore; and versions, which tell who wrote.
+#include "store_fixture.h"
+
+// ---- hash ----
+
+static void equal_stores_hash_equal( void** state )
+{
+    fixture* f = *state;
+    store twin;
+    store_init( &twin, &f->allocator );
+    for ( int i = 0; i < WISP_COUNT( COMPONENTS ); ++i )
+    {
+        store_declare( &twin, COMPONENTS + i );
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        write_all( &f->s, add( &f->s, 2 + i ) );
+        write_all( &twin, add( &twin, 2 + i ) );
+    }
+    uint64_t a = store_hash( &f->s ), b = store_hash( &twin );
+    store_release( &twin );
+    assert_int_equal( a, b );
+}
+
+static void any_byte_of_any_column_changes_the_hash( void** state )
+{
+    fixture* f = *state;
+    wisp_entity entities[3];
+    for ( int i = 0; i < WISP_COUNT( entities ); ++i )
+    {
+        entities[i] = add( &f->s, 3 * i + 1 );
+        write_all( &f->s, entities[i] );
+    }
+    uint64_t hash = store_hash( &f->s );
+    int changed = 0, bytes = 0;
+    for ( int i = 0; i < WISP_COUNT( entities ); ++i )
+    {
+        for ( wisp_component c = 1; c < COMPONENT_END; ++c )
+        {
+            for ( int k = 0; k < f->s.components[c].def.column_count; ++k )
+            {
+                for ( size_t at = 0; at < column_size( &f->s, entities[i], c, k ); ++at, ++bytes )
+                {
+                    unsigned char* byte = bytes_of( &f->s, entities[i], c, k ) + at;
+                    *byte ^= (unsigned char)( 1u << bytes % 8 );
+                    changed += store_hash( &f->s ) != hash ? 1 : 0;
+                    *byte ^= (unsigned char)( 1u << bytes % 8 );
+                }
+            }
+        }
+    }
+    // a row of shape has 40 bytes, of point 2 * 12; 12 rows in all, and a mass an entity
+    assert_int_equal( bytes, 12 * ( 40 + 24 ) + 3 * 4 );
+    assert_int_equal( changed, bytes );
+    assert_int_equal( store_hash( &f->s ), hash );
+}
+
+static void a_tag_without_columns_changes_the_hash( void** state )
+{
+    fixture* f = *state;
+    wisp_entity e = add( &f->s, 1 );
+    uint64_t hash = store_hash( &f->s );
+    assert_true( store_attach( &f->s, e, FLAG ) );
+    assert_int_not_equal( store_hash( &f->s ), hash );
+}
+
+static void hashed_bytes_of_another_length_hash_differently( void** state )
+{
+    (void)state;
+    const unsigned char zeros[64] = { 0 };
+    for ( size_t a = 0; a < sizeof( zeros ); ++a )
+    {
+        for ( size_t b = 0; b < a; ++b )
+        {
+            assert_int_not_equal( store_hash_bytes( 0, zeros, a ), store_hash_bytes( 0, zeros, b ) );
+        }
+    }
+}
+
+// ---- snapshots ----
+
+typedef struct snapshot
+{
+    unsigned char* bytes;
+    size_t size;
+} snapshot;
+
+// Three entities, and a snapshot whose block has no byte to spare.
+static snapshot take_snapshot( store* s )
+{
+    snapshot shot = { .size = store_snapshot_size( s ) };
+    shot.bytes = malloc( shot.size );
+    assert_non_null( shot.bytes );
+    store_snapshot( s, shot.bytes );
+    return shot;
+}
+
+static void fill_three( store* s )
+{
+    for ( int i = 0; i < 3; ++i )
+    {
+        write_all( s, add( s, 2 * i ) );
+    }
+}
+
+static void spoil_all( store* s )
+{
+    for ( int c = 1; c < COMPONENT_END; ++c )
+    {
+        for ( int k = 0; k < s->components[c].def.column_count; ++k )
+        {
+            size_t size = (size_t)s->row_count[s->components[c].def.table] * s->components[c].def.columns[k].row_size;
+            memset( s->components[c].columns[k], 0x3c, size );
+        }
+    }
+}
+
+static void a_restored_store_is_the_one_that_was_taken( void** state )
+{
+    fixture* f = *state;
+    fill_three( &f->s );
+    uint64_t hash = store_hash( &f->s );
+    snapshot shot = take_snapshot( &f->s );
+    spoil_all( &f->s );
+    assert_int_not_equal( store_hash( &f->s ), hash );
+
+    wisp_status status = store_restore( &f->s, shot.bytes, shot.size, NULL );
+    free( shot.bytes );
+    assert_int_equal( status, WISP_OK );
+    assert_int_equal( store_hash( &f->s ), hash );
+    assert_int_equal( wrong_bytes( &f->s, store_handle( &f->s, 2 ) ), 0 );
+}
+
+// The bytes are refused with a sentence, and nothing has changed.
+static void assert_refused( store* s, const void* bytes, size_t size )
+{
+    visible before = look_at( s );
+    wisp_error error = { WISP_OK, "" };
+    assert_int_equal( store_restore( s, bytes, size, &error ), WISP_BAD_INPUT );
+    assert_int_equal( error.status, WISP_BAD_INPUT );
+    assert_one_sentence( error.sentence );
+    assert_same_visible( look_at( s ), before );
+}
+
+static void a_snapshot_cut_anywhere_is_refused( void** state )
+{
+    fixture* f = *state;
+    fill_three( &f->s );
+    snapshot shot = take_snapshot( &f->s );
+    spoil_all( &f->s );
+    for ( size_t size = 0; size < shot.size; ++size )
+    {
+        // a block of exactly this size, so that a sanitizer sees a byte read too far
+        unsigned char* cut = malloc( size > 0 ? size : 1 );
+        assert_non_null( cut );
+        memcpy( cut, shot.bytes, size );
+        assert_refused( &f->s, cut, size );
+        free( cut );
+    }
+    free( shot.bytes );
+}
+
+static void a_snapshot_with_bytes_behind_it_is_refused( void** state )
+{
+    fixture* f = *state;
+    fill_three( &f->s );
+    snapshot shot = take_snapshot( &f->s );
+    unsigned char* longer = calloc( 1, shot.size + 8 );
+    assert_non_null( longer );
+    memcpy( longer, shot.bytes, shot.size );
+    assert_refused( &f->s, longer, shot.size + 1 );
+    assert_refused( &f->s, longer, shot.size + 8 );
+    free( longer );
+    free( shot.bytes );
+}
+
+static void a_snapshot_with_any_bit_flipped_is_refused( void** state )
+{
+    fixture* f = *state;
+    fill_three( &f->s );
+    snapshot shot = take_snapshot( &f->s );
+    spoil_all( &f->s );
+    for ( size_t bit = 0; bit < shot.size * 8; ++bit )
+    {
+        shot.bytes[bit / 8] ^= (unsigned char)( 1u << bit % 8 );
+        assert_refused( &f->s, shot.bytes, shot.size );
+        shot.bytes[bit / 8] ^= (unsigned char)( 1u << bit % 8 );
+    }
+    free( shot.bytes );
+}
+
+static void a_snapshot_of_another_structure_is_refused( void** state )
+{
+    fixture* f = *state;
+    wisp_entity a = add( &f->s, 3 ), b = add( &f->s, 1 );
+    write_all( &f->s, a );
+    write_all( &f->s, b );
+    snapshot shot = take_snapshot( &f->s );
+
+    // one component fewer
+    store_detach( &f->s, b, FLAG );
+    assert_refused( &f->s, shot.bytes, shot.size );
+    // the same rows in all, split differently
+    store_remove( &f->s, a );
+    store_remove( &f->s, b );
+    a = add( &f->s, 1 );
+    b = add( &f->s, 3 );
+    write_all( &f->s, a );
+    write_all( &f->s, b );
+    assert_refused( &f->s, shot.bytes, shot.size );
+    // the same rows again, of entities of another generation
+    store_remove( &f->s, a );
+    store_remove( &f->s, b );
+    write_all( &f->s, add( &f->s, 3 ) );
+    write_all( &f->s, add( &f->s, 1 ) );
+    assert_refused( &f->s, shot.bytes, shot.size );
+    free( shot.bytes );
+}
+
+static void an_empty_store_restores_an_empty_snapshot( void** state )
+{
+    fixture* f = *state;
+    snapshot shot = take_snapshot( &f->s );
+    assert_int_equal( store_restore( &f->s, shot.bytes, shot.size, NULL ), WISP_OK );
+    add( &f->s, 0 );
+    assert_refused( &f->s, shot.bytes, shot.size );
+    free( shot.bytes );
+}
+
+// ---- versions ----
+
+static void a_write_changes_the_version_of_its_component_and_entity_alone( void** state )
+{
+    fixture* f = *state;
+    wisp_entity a = add( &f->s, 1 ), b = add( &f->s, 1 );
+    store_entity before[2] = { *store_find( &f->s, a ), *store_find( &f->s, b ) };
+    store_touch( &f->s, store_find( &f->s, a ), SHAPE );
+    for ( int c = 0; c < STORE_MAX_COMPONENTS; ++c )
+    {
+        bool same = store_find( &f->s, a )->versions[c] == before[0].versions[c];
+        assert_int_equal( same, c != SHAPE );
+        assert_int_equal( store_find( &f->s, b )->versions[c], before[1].versions[c] );
+    }
+}
+
+static void no_two_writes_share_a_version( void** state )
+{
+    fixture* f = *state;
+    wisp_entity e = add( &f->s, 1 );
+    uint64_t last = 0;
+    for ( int i = 0; i < 10; ++i )
+    {
+        store_touch( &f->s, store_find( &f->s, e ), (wisp_component)( 1 + i % 3 ) );
+        assert_true( store_find( &f->s, e )->versions[1 + i % 3] > last );
+        last = store_find( &f->s, e )->versions[1 + i % 3];
+    }
+}
+
+static void an_entity_in_a_reused_slot_has_versions_nobody_has_seen( void** state )
+{
+    fixture* f = *state;
+    wisp_entity a = add( &f->s, 1 );
+    uint64_t seen = store_find( &f->s, a )->versions[SHAPE];
+    store_remove( &f->s, a );
+    wisp_entity b = add( &f->s, 1 );
+    assert_int_equal( b.index, a.index );
+    assert_true( store_find( &f->s, b )->versions[SHAPE] > seen );
+}
+
+static void giving_a_component_is_a_write_of_its_rows( void** state )
+{
+    fixture* f = *state;
+    wisp_entity e = add( &f->s, 1 );
+    uint64_t seen = store_find( &f->s, e )->versions[SHAPE];
+    assert_true( store_attach( &f->s, e, SHAPE ) );
+    assert_true( store_find( &f->s, e )->versions[SHAPE] > seen );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        STORE_TEST( equal_stores_hash_equal ),
+        STORE_TEST( any_byte_of_any_column_changes_the_hash ),
+        STORE_TEST( a_tag_without_columns_changes_the_hash ),
+        STORE_TEST( hashed_bytes_of_another_length_hash_differently ),
+        STORE_TEST( a_restored_store_is_the_one_that_was_taken ),
+        STORE_TEST( a_snapshot_cut_anywhere_is_refused ),
+        STORE_TEST( a_snapshot_with_bytes_behind_it_is_refused ),
+        STORE_TEST( a_snapshot_with_any_bit_flipped_is_refused ),
+        STORE_TEST( a_snapshot_of_another_structure_is_refused ),
+        STORE_TEST( an_empty_store_restores_an_empty_snapshot ),
+        STORE_TEST( a_write_changes_the_version_of_its_component_and_entity_alone ),
+        STORE_TEST( no_two_writes_share_a_version ),
+        STORE_TEST( an_entity_in_a_reused_slot_has_versions_nobody_has_seen ),
+        STORE_TEST( giving_a_component_is_a_write_of_its_rows ),
+    };
+    return cmocka_run_group_tests_name( "store snapshot", tests, NULL, NULL );
+}
