@@ -10,7 +10,7 @@
 #define PAPER_VERTICES 20
 #define PAPER_SPACING 0.0005f
 #define PAPER_LENGTH 0.2f
-#define PAPER_CLUMP_RADIUS 0.0045f
+#define PAPER_CLUMP_RADIUS 0.0042f
 
 static double farthest_coordinate( const wisp_groom* groom )
 {

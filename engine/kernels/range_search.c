@@ -179,7 +179,7 @@ void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int co
         s.near[l] = result->scratch + l * stride;
         s.shell[l] = result->scratch + ( WISP_SLICE + l ) * stride;
         s.near_count[l] = s.shell_count[l] = 0;
-        pads[l] = slice * WISP_SLICE + ( l < count ? l : 0 );
+        pads[l] = slice * WISP_SLICE + l;
     }
     load_queries( job, slice, count, &s );
     search_all( job, &s, count );

@@ -178,7 +178,8 @@ static int default_grain( wisp_domain domain )
 }
 
 // The pass goes right behind the last node it conflicts with. If that node is the only one so late, and both touch only
-// their own item of the same domain, it joins the node instead: A, B on item 0, then A, B on item 1.
+// their own item of the same domain, it joins the node instead: A, B on item 0, then A, B on item 1. A pass that is asked
+// whether it is due waits for those before it.
 static void place_pass( plan* p, const wisp_registry* r, int number )
 {
     const wisp_pass* pass = r->passes + number;
@@ -201,7 +202,7 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
     }
     plan_node* host = latest >= 0 ? p->nodes + latest : NULL;
     bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY &&
-                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED;
+                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED && pass->is_due == NULL;
     if ( fuses )
     {
         host->passes[host->pass_count++] = number;
@@ -275,9 +276,8 @@ static int widest_wave( const plan* p, const store* s )
     return widest;
 }
 
-// Grow one of the plan's arrays to `count` elements; what it held is not kept unless `kept` says so.
-static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element,
-                     int kept )
+// Grow one of the plan's arrays to `count` elements; what it held is not kept.
+static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element )
 {
     if ( count <= *capacity )
     {
@@ -287,11 +287,6 @@ static bool reserve( const wisp_allocator* allocator, void** array, int* capacit
     if ( grown == NULL )
     {
         return false;
-    }
-    memset( grown, 0, (size_t)count * element );
-    if ( kept > 0 )
-    {
-        memcpy( grown, *array, (size_t)kept * element );
     }
     base_release( allocator, *array, (size_t)*capacity * element );
     *array = grown;
@@ -316,9 +311,38 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     return hash;
 }
 
+// Rows between two passes: the entity gets what its live passes read and write, and loses what only they needed.
+static bool fit_rows( store* s, const wisp_registry* r, uint64_t live, int slot )
+{
+    uint64_t used = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        used |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) | mask_of( r->passes[i].writes ) : 0;
+    }
+    for ( int c = 1; c < s->component_count; ++c )
+    {
+        store_entity* e = s->entities + slot;
+        const wisp_entity entity = store_handle( s, slot );
+        const uint64_t bit = store_bit( (wisp_component)c );
+        if ( ( used & ~e->components & bit ) != 0 )
+        {
+            if ( store_attach( s, entity, (wisp_component)c ) == false )
+            {
+                return false;
+            }
+            e->derived |= bit;
+        }
+        if ( ( e->derived & ~e->wants & ~used & bit ) != 0 )
+        {
+            store_detach( s, entity, (wisp_component)c );
+        }
+    }
+    return true;
+}
+
 static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error )
 {
-    const store* s = r->store;
+    store* s = r->store;
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
         uint64_t live = live_passes( r, s->entities + slot );
@@ -326,6 +350,11 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
         if ( status != WISP_OK )
         {
             return status;
+        }
+        if ( s->entities[slot].alive && fit_rows( s, r, live, slot ) == false )
+        {
+            return wisp_fail( error, WISP_NO_MEMORY, "no memory for the rows between the passes of entity %d",
+                              slot + 1 );
         }
         p->live |= live;
     }
@@ -340,7 +369,7 @@ static void clear( plan* p )
     p->structure = 0;
 }
 
-wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error )
+wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
 {
     const store* s = r->store;
     clear( p );
@@ -362,14 +391,12 @@ wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error )
     p->pass_count = count;
 
     bool room = reserve( s->allocator, (void**)&p->targets, &p->target_capacity, p->node_count * s->entity_count,
-                         sizeof( plan_target ), 0 );
-    room = room && reserve( s->allocator, (void**)&p->seen, &p->seen_slots, s->entity_count,
-                            PLAN_MAX_PASSES * sizeof( uint64_t ), p->seen_slots );
+                         sizeof( plan_target ) );
     if ( room )
     {
         fill_targets( p, r );
         room = reserve( s->allocator, (void**)&p->blocks, &p->block_capacity, widest_wave( p, s ),
-                        sizeof( plan_block ), 0 );
+                        sizeof( plan_block ) );
     }
     if ( room == false )
     {
@@ -386,6 +413,5 @@ void plan_release( plan* p, const wisp_allocator* allocator )
 {
     base_release( allocator, p->targets, (size_t)p->target_capacity * sizeof( plan_target ) );
     base_release( allocator, p->blocks, (size_t)p->block_capacity * sizeof( plan_block ) );
-    base_release( allocator, p->seen, (size_t)p->seen_slots * PLAN_MAX_PASSES * sizeof( uint64_t ) );
     *p = ( plan ){ 0 };
 }

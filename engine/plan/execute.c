@@ -76,10 +76,10 @@ void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount 
 static bool is_due( wisp_frame* frame, int number, int slot )
 {
     const wisp_pass* pass = frame->registry->passes + number;
-    store* s = frame->registry->store;
+    const store* s = frame->registry->store;
     store_entity* e = s->entities + slot;
-    uint64_t* seen = frame->plan->seen + (size_t)slot * PLAN_MAX_PASSES + number;
-    if ( pass->on_change != 0 && *seen == e->versions[pass->on_change] )
+    const uint64_t bit = (uint64_t)1 << number;
+    if ( pass->on_change != 0 && ( e->dirty & bit ) == 0 )
     {
         return false;
     }
@@ -91,8 +91,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     {
         store_touch( s, e, pass->writes[i] );
     }
-    // taken after its own writes, so that a pass does not wake itself
-    *seen = e->versions[pass->on_change];
+    e->dirty &= ~bit; // after its own writes, so that a pass does not wake itself
     return true;
 }
 

@@ -105,14 +105,13 @@ typedef struct plan
     int target_count, target_capacity;
     plan_block* blocks; // room for the widest wave
     int block_capacity;
-    uint64_t* seen; // [slot][pass] version of the watched component at the last run
-    int seen_slots;
     uint32_t structure; // of the store it was compiled for
     uint64_t hash;
 } plan;
 
-/// Compile for the store as it is. On failure the plan is empty and the sentence names pass and component.
-wisp_status plan_compile( plan* p, const wisp_registry* r, wisp_error* error );
+/// Compile for the store as it is, and give entities the rows that lie between two kept passes. On failure the plan is
+/// empty and the sentence names pass and component.
+wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 
 /// One line at a time: kept passes with their reasons, absent ones with what they lack.

@@ -33,14 +33,19 @@ uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return hash;
 }
 
-// Calls visit for every column range of every living entity, in slot order, then component and column order.
+// Calls visit for every living entity in slot order: what waits to be done on it, then every column range in component
+// and column order.
 typedef void visit_fn( void* context, void* rows, size_t bytes );
 
 static void visit_columns( const store* s, visit_fn* visit, void* context )
 {
     for ( int i = 0; i < s->entity_count; ++i )
     {
-        const store_entity* e = s->entities + i;
+        store_entity* e = s->entities + i;
+        if ( e->alive )
+        {
+            visit( context, &e->dirty, sizeof( e->dirty ) );
+        }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
@@ -61,6 +66,11 @@ static uint64_t structure_hash( const store* s )
         const store_entity* e = s->entities + i;
         uint32_t identity[2] = { (uint32_t)i, e->generation };
         hash = e->alive ? store_hash_bytes( hash, identity, sizeof( identity ) ) : hash;
+        if ( e->alive && e->strands != NULL )
+        {
+            hash = store_hash_bytes( hash, e->strands->offsets,
+                                     ( (size_t)e->strands->strand_count + 1 ) * sizeof( int32_t ) );
+        }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
@@ -151,13 +161,6 @@ wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error*
         return wisp_fail( error, WISP_BAD_INPUT, "the snapshot's bytes were damaged: its hash does not fit" );
     }
     visit_columns( s, copy_in, &content );
-    for ( int i = 0; i < s->entity_count; ++i )
-    {
-        for ( int c = 1; c < s->component_count; ++c )
-        {
-            store_touch( s, s->entities + i, (wisp_component)c );
-        }
-    }
     return WISP_OK;
 }
 

@@ -182,15 +182,11 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
         return false;
     }
     store_entity* e = s->entities + slot;
-    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true };
+    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true, .dirty = ~(uint64_t)0 };
     for ( int t = 0; t < WISP_TABLE_COUNT; ++t )
     {
         e->rows[t] = ( store_rows ){ s->row_count[t], row_counts[t] };
         s->row_count[t] += row_counts[t];
-    }
-    for ( int i = 0; i < STORE_MAX_COMPONENTS; ++i )
-    {
-        store_touch( s, e, (wisp_component)i );
     }
     s->structure += 1;
     *out = store_handle( s, slot );
@@ -272,7 +268,7 @@ bool store_attach( store* s, wisp_entity entity, wisp_component component )
     }
     c->entity_count += 1;
     e->components |= store_bit( component );
-    store_touch( s, e, component );
+    e->dirty |= s->watchers[component] | s->writers[component]; // its rows are new and zero
     s->structure += 1;
     return true;
 }

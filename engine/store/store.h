@@ -31,7 +31,7 @@ typedef struct store_entity
     uint64_t derived;    // bit c: rows are there only because somebody asked; a pass must fill them
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands;
-    uint64_t versions[STORE_MAX_COMPONENTS]; // the store's tick when a component's rows were last written
+    uint64_t dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 
 typedef struct store
@@ -44,8 +44,9 @@ typedef struct store
     store_entity* entities;
     int entity_count; // slots, alive or not
     int entity_capacity;
-    uint64_t tick;      // grows with every write, so that no two writes share a version
-    uint32_t structure; // grows whenever an entity, a component or a wish comes or goes
+    uint64_t watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
+    uint64_t writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
+    uint32_t structure;                      // grows whenever an entity, a component or a wish comes or goes
 } store;
 
 void store_init( store* s, const wisp_allocator* allocator );
@@ -78,10 +79,10 @@ void store_detach( store* s, wisp_entity entity, wisp_component component );
 /// First row of the entity's range, null if it lacks the component.
 void* store_column( const store* s, const store_entity* e, wisp_component component, int column );
 
-/// Somebody wrote the component's rows of this entity.
-static inline void store_touch( store* s, store_entity* e, wisp_component component )
+/// Somebody wrote the component's rows of this entity: wake the passes that watch it.
+static inline void store_touch( const store* s, store_entity* e, wisp_component component )
 {
-    e->versions[component] = ++s->tick;
+    e->dirty |= s->watchers[component];
 }
 
 // snapshot.c

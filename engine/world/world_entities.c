@@ -233,6 +233,8 @@ wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_compo
         return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the rows of '%s'",
                                 world->store.components[component].def.name );
     }
+    // rows that were there only for a wish are given now, so passes may need them
+    world->store.structure += ( e->derived & store_bit( component ) ) != 0 ? 1 : 0;
     e->derived &= ~store_bit( component );
     return WISP_OK;
 }
@@ -320,12 +322,16 @@ wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component c
         return status;
     }
     store_entity* e = store_find( &world->store, entity );
+    if ( ( e->wants & store_bit( component ) ) == 0 )
+    {
+        return WISP_OK;
+    }
+    e->wants &= ~store_bit( component );
+    world->store.structure += 1;
     if ( ( e->derived & store_bit( component ) ) != 0 )
     {
         store_detach( &world->store, entity, component );
     }
-    e->wants &= ~store_bit( component );
-    world->store.structure += 1;
     return WISP_OK;
 }
 

@@ -38,7 +38,8 @@ static struct
     fake_run runs[FAKE_TRACE];
     _Atomic int run_count;
     bool due;
-    int asked; // how often is_due was called
+    int asked;       // how often is_due was called
+    int runs_before; // how many runs there were when it was called last
     test_log log;
 } fake;
 
@@ -56,6 +57,7 @@ static inline bool fake_is_due( wisp_frame* frame, wisp_entity entity, void* use
 {
     (void)frame, (void)entity, (void)user;
     fake.asked += 1;
+    fake.runs_before = atomic_load( &fake.run_count );
     return fake.due;
 }
 

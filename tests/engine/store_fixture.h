@@ -135,7 +135,7 @@ static inline bool all_zero( const void* bytes, size_t size )
 
 typedef struct visible
 {
-    uint64_t hash, tick;
+    uint64_t hash;
     uint32_t structure;
     int rows[WISP_TABLE_COUNT];
     int entities, users_of_shape;
@@ -146,7 +146,6 @@ static inline visible look_at( const store* s )
 {
     visible v = {
         .hash = store_hash( s ),
-        .tick = s->tick,
         .structure = s->structure,
         .entities = s->entity_count,
         .users_of_shape = s->components[SHAPE].entity_count,
@@ -159,7 +158,6 @@ static inline visible look_at( const store* s )
 static inline void assert_same_visible( visible a, visible b )
 {
     assert_int_equal( a.hash, b.hash );
-    assert_int_equal( a.tick, b.tick );
     assert_int_equal( a.structure, b.structure );
     assert_int_equal( a.entities, b.entities );
     assert_int_equal( a.users_of_shape, b.users_of_shape );

@@ -1,5 +1,5 @@
-// Who does the work: every block once, one block a worker at a time, the same cut for every number of workers. Workers
-// only count; what they counted is judged on the thread of the test.
+// Who does the work: every block once, one block a worker at a time, the same cut for every number of workers.
+// Workers only count; what they counted is judged on the thread of the test.
 #include "support.h"
 
 #include "jobs.h"

@@ -1,5 +1,5 @@
-// Threads and processes: none is started where none is asked for, and a process that never met a thread may fork. This
-// program starts workers in its children only.
+// Threads and processes: none is started where none is asked for, and a process that never met a thread may fork.
+// This program starts workers in its children only.
 #include "support.h"
 
 #include "jobs.h"

@@ -1,5 +1,5 @@
-// What a scene asks for, and the passes that answer it: which exist, in which order, what shares a wave, what is fused,
-// and what is refused.
+// What a scene asks for, and the passes that answer it: which exist, in which order, what shares a wave, what is
+// fused, and what is refused.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP

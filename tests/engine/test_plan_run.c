@@ -288,6 +288,21 @@ static void a_pass_is_asked_once_a_step_and_entity( void** state )
     wisp_world_destroy( world );
 }
 
+static void a_pass_is_asked_when_the_passes_before_it_have_run( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "ask", SHAPE, GROUP, .reads = "A", .writes = "B", .asks = true },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    step( world );
+    wisp_world_destroy( world );
+    assert_int_equal( fake.asked, 1 );
+    assert_int_equal( fake.runs_before, runs_of( "a" ) );
+}
+
 static void a_change_waits_for_a_pass_that_is_not_due( void** state )
 {
     (void)state;
@@ -344,6 +359,7 @@ int main( void )
         cmocka_unit_test( a_wish_taken_back_and_made_again_is_answered_again ),
         cmocka_unit_test( a_pass_that_is_not_due_neither_runs_nor_wakes_others ),
         cmocka_unit_test( a_pass_is_asked_once_a_step_and_entity ),
+        cmocka_unit_test( a_pass_is_asked_when_the_passes_before_it_have_run ),
         cmocka_unit_test( a_change_waits_for_a_pass_that_is_not_due ),
         cmocka_unit_test( passes_that_were_not_due_took_no_time ),
     };

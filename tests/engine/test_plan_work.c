@@ -1,5 +1,5 @@
-// Passes that compute, for every number of workers: results, failures, counters, workspaces, who gets which workers, and
-// the profile.
+// Passes that compute, for every number of workers: results, failures, counters, workspaces, who gets which workers,
+// and the profile.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
@@ -449,12 +449,19 @@ static void a_profile_tells_fused_passes_apart( void** state )
 {
     (void)state;
     wisp_world* world = open_spinning( 1 );
-    wisp_profile p = wisp_world_profile( world );
     assert_non_null( strstr( plan_text( world ), "spin.short+spin.long" ) );
-    // each of eight groups spins at least so long; shares come from samples, and a sample may be disturbed
-    assert_true( p.lines[0].seconds > 0.0 );
-    assert_true( p.lines[0].seconds + p.lines[1].seconds >= 8.0 * ( SHORT + LONG ) );
-    assert_true( p.lines[1].seconds > p.lines[0].seconds );
+    int told_apart = 0;
+    for ( int k = 0; k < 20; ++k )
+    {
+        step( world );
+        wisp_profile p = wisp_world_profile( world );
+        assert_true( p.lines[0].seconds > 0.0 );
+        // each of eight groups spins at least so long; shares of a wave are quotients, so their sum may round down
+        assert_true( p.lines[0].seconds + p.lines[1].seconds >= 8.0 * ( SHORT + LONG ) * ( 1.0 - 1e-12 ) );
+        told_apart += p.lines[1].seconds > 3.0 * p.lines[0].seconds ? 1 : 0;
+    }
+    // shares come from samples, and a busy machine may disturb one; ten times the work shows in most of them
+    assert_true( told_apart > 10 );
     wisp_world_destroy( world );
 }
 

@@ -1,5 +1,5 @@
-// Who is near whom: the grid against a naive sort, neighbours against brute force, for every instruction set that runs
-// here and any number of workers.
+// Who is near whom: the grid against a naive sort, neighbours against brute force, for every instruction set that
+// runs here and any number of workers.
 #include "space_fixture.h"
 
 #include <math.h>
@@ -214,8 +214,8 @@ typedef struct naive_list
     int32_t near[NO_LIMIT], shell[NO_LIMIT];
 } naive_list;
 
-// Distances are summed x, y, z in single precision without fused operations, as the engine promises everywhere, so that
-// an item on the very border is judged alike.
+// Distances are summed x, y, z in single precision without fused operations, as the engine promises everywhere, so
+// that an item on the very border is judged alike.
 static void search_naively( const wisp_grid* g, const wisp_neighbour_query* query, int q, naive_list* list )
 {
     const float* p = query->quads + 4 * (size_t)q;
@@ -386,6 +386,53 @@ static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_insi
     assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
     assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
     assert_int_equal( s->found.near_entries, 1 );
+    space_close( s );
+}
+
+enum
+{
+    BORDER_ITEMS = 4002, // two at the ends, the others in pairs
+};
+
+// Pairs across the cells of a long line: one item within a few roundings of a cell's border, the other as far off as the
+// radius allows. Rounding puts some of them into the wrong cell.
+static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
+{
+    for ( int i = 2; i < c->count; i += 2 )
+    {
+        double border = (double)g->origin[0] + (double)g->cell * test_random( i, 0, g->dims[0] - 2 );
+        float x = (float)border;
+        for ( int k = test_random( i, 1, 7 ); k > 0; --k )
+        {
+            x = nextafterf( x, i % 4 == 0 ? -INFINITY : INFINITY );
+        }
+        float other = x + radius;
+        while ( ( other - x ) * ( other - x ) >= radius * radius )
+        {
+            other = nextafterf( other, -INFINITY );
+        }
+        c->quads[4 * i] = x;
+        c->quads[4 * i + 4] = other;
+    }
+}
+
+static void items_on_the_borders_of_cells_find_each_other( void** state )
+{
+    (void)state;
+    // just above a multiple of what coordinates can tell apart, so that a pair can come this close to the radius
+    const float radius = nextafterf( 0.25f, 1.0f );
+    cloud c = make_cloud( CLOUD_ONE_POINT, BORDER_ITEMS );
+    for ( int32_t i = 0; i < c.count; ++i )
+    {
+        c.quads[4 * i] = i % 2 == 0 ? -500.3f : 499.9f;
+        memcpy( c.quads + 4 * i + 3, &i, sizeof( i ) );
+    }
+    space* s = space_open( 1, baseline() );
+    // the ends decide about the cells, so that they stay as they are when the others move
+    assert_int_equal( build_grid( s, &c, radius ), WISP_OK );
+    place_on_borders( &c, &s->grid, radius );
+    assert_true( check_cloud( s, &c, radius, 0.0f, NO_LIMIT ) >= BORDER_ITEMS - 2 );
+    free( c.quads );
     space_close( s );
 }
 
@@ -595,6 +642,7 @@ int main( void )
         cmocka_unit_test( every_instruction_set_finds_what_brute_force_finds ),
         cmocka_unit_test( any_number_of_workers_finds_what_brute_force_finds ),
         cmocka_unit_test( an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_inside ),
+        cmocka_unit_test( items_on_the_borders_of_cells_find_each_other ),
         cmocka_unit_test( items_of_the_querys_owner_are_left_out ),
         cmocka_unit_test( a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it ),
         cmocka_unit_test( a_list_that_just_fits_its_limit_is_not_counted ),

@@ -1,4 +1,4 @@
-// What walks the columns: hash, snapshot, restore; and versions, which tell who wrote.
+// What walks the columns: hash, snapshot, restore; and what waits to be done on an entity.
 #include "store_fixture.h"
 
 // ---- hash ----
@@ -227,53 +227,70 @@ static void an_empty_store_restores_an_empty_snapshot( void** state )
     free( shot.bytes );
 }
 
-// ---- versions ----
+// ---- what waits ----
 
-static void a_write_changes_the_version_of_its_component_and_entity_alone( void** state )
+enum
 {
-    fixture* f = *state;
-    wisp_entity a = add( &f->s, 1 ), b = add( &f->s, 1 );
-    store_entity before[2] = { *store_find( &f->s, a ), *store_find( &f->s, b ) };
-    store_touch( &f->s, store_find( &f->s, a ), SHAPE );
-    for ( int c = 0; c < STORE_MAX_COMPONENTS; ++c )
-    {
-        bool same = store_find( &f->s, a )->versions[c] == before[0].versions[c];
-        assert_int_equal( same, c != SHAPE );
-        assert_int_equal( store_find( &f->s, b )->versions[c], before[1].versions[c] );
-    }
+    WATCHER = 5, // a pass that watches the shape
+    WRITER = 9,  // a pass that writes it
+};
+
+static void watch_shape( store* s )
+{
+    s->watchers[SHAPE] = (uint64_t)1 << WATCHER;
+    s->writers[SHAPE] = (uint64_t)1 << WRITER;
 }
 
-static void no_two_writes_share_a_version( void** state )
-{
-    fixture* f = *state;
-    wisp_entity e = add( &f->s, 1 );
-    uint64_t last = 0;
-    for ( int i = 0; i < 10; ++i )
-    {
-        store_touch( &f->s, store_find( &f->s, e ), (wisp_component)( 1 + i % 3 ) );
-        assert_true( store_find( &f->s, e )->versions[1 + i % 3] > last );
-        last = store_find( &f->s, e )->versions[1 + i % 3];
-    }
-}
-
-static void an_entity_in_a_reused_slot_has_versions_nobody_has_seen( void** state )
+static void everything_waits_on_a_new_entity( void** state )
 {
     fixture* f = *state;
     wisp_entity a = add( &f->s, 1 );
-    uint64_t seen = store_find( &f->s, a )->versions[SHAPE];
+    store_find( &f->s, a )->dirty = 0;
     store_remove( &f->s, a );
     wisp_entity b = add( &f->s, 1 );
     assert_int_equal( b.index, a.index );
-    assert_true( store_find( &f->s, b )->versions[SHAPE] > seen );
+    assert_true( store_find( &f->s, b )->dirty == ~(uint64_t)0 );
 }
 
-static void giving_a_component_is_a_write_of_its_rows( void** state )
+static void a_write_wakes_who_watches_the_component_on_that_entity_alone( void** state )
+{
+    fixture* f = *state;
+    watch_shape( &f->s );
+    wisp_entity a = add( &f->s, 1 ), b = add( &f->s, 1 );
+    store_find( &f->s, a )->dirty = store_find( &f->s, b )->dirty = 0;
+    store_touch( &f->s, store_find( &f->s, a ), POINT );
+    assert_true( store_find( &f->s, a )->dirty == 0 );
+    store_touch( &f->s, store_find( &f->s, a ), SHAPE );
+    assert_true( store_find( &f->s, a )->dirty == (uint64_t)1 << WATCHER );
+    assert_true( store_find( &f->s, b )->dirty == 0 );
+}
+
+static void rows_that_are_new_wake_their_watchers_and_their_writers( void** state )
+{
+    fixture* f = *state;
+    watch_shape( &f->s );
+    wisp_entity e = add( &f->s, 1 );
+    store_find( &f->s, e )->dirty = 0;
+    assert_true( store_attach( &f->s, e, SHAPE ) );
+    assert_true( store_find( &f->s, e )->dirty == ( (uint64_t)1 << WATCHER | (uint64_t)1 << WRITER ) );
+    store_find( &f->s, e )->dirty = 0;
+    assert_true( store_attach( &f->s, e, SHAPE ) ); // they are there already
+    assert_true( store_find( &f->s, e )->dirty == 0 );
+}
+
+static void what_waits_is_part_of_the_snapshot( void** state )
 {
     fixture* f = *state;
     wisp_entity e = add( &f->s, 1 );
-    uint64_t seen = store_find( &f->s, e )->versions[SHAPE];
-    assert_true( store_attach( &f->s, e, SHAPE ) );
-    assert_true( store_find( &f->s, e )->versions[SHAPE] > seen );
+    store_find( &f->s, e )->dirty = 42;
+    size_t size = store_snapshot_size( &f->s );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    store_snapshot( &f->s, bytes );
+    store_find( &f->s, e )->dirty = 7;
+    assert_int_equal( store_restore( &f->s, bytes, size, NULL ), WISP_OK );
+    free( bytes );
+    assert_true( store_find( &f->s, e )->dirty == 42 );
 }
 
 int main( void )
@@ -289,10 +306,10 @@ int main( void )
         STORE_TEST( a_snapshot_with_any_bit_flipped_is_refused ),
         STORE_TEST( a_snapshot_of_another_structure_is_refused ),
         STORE_TEST( an_empty_store_restores_an_empty_snapshot ),
-        STORE_TEST( a_write_changes_the_version_of_its_component_and_entity_alone ),
-        STORE_TEST( no_two_writes_share_a_version ),
-        STORE_TEST( an_entity_in_a_reused_slot_has_versions_nobody_has_seen ),
-        STORE_TEST( giving_a_component_is_a_write_of_its_rows ),
+        STORE_TEST( everything_waits_on_a_new_entity ),
+        STORE_TEST( a_write_wakes_who_watches_the_component_on_that_entity_alone ),
+        STORE_TEST( rows_that_are_new_wake_their_watchers_and_their_writers ),
+        STORE_TEST( what_waits_is_part_of_the_snapshot ),
     };
     return cmocka_run_group_tests_name( "store snapshot", tests, NULL, NULL );
 }

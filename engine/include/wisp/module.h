@@ -88,8 +88,8 @@ typedef struct wisp_pass
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
-    /// Null, or: has this entity anything to do in this step? Asked once a step, on the calling thread,
-    /// right before the pass would run.
+    /// Null, or: has this entity anything to do in this step? Asked on the calling thread when all
+    /// passes before it have run.
     bool ( *is_due )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
     int grain; ///< items a block, 0 for the domain's default

@@ -43,7 +43,8 @@ WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* para
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
 
 /// Neighbours of queries in slices of eight, in two lists: near ones, and a shell around them that lets the lists be
-/// used for a while after the items have moved. Zero-initialised is empty.
+/// used for a while after the items have moved. Empty lanes of the last slice have their own numbers too, beyond the last
+/// query. Zero-initialised is empty.
 typedef struct wisp_neighbours
 {
     int slice_count;

@@ -1,0 +1,61 @@
+// Every public header compiles as C++, in one program, and links as C. The build fails if a header is missing here.
+#include "wisp/base.h"
+#include "wisp/components.h"
+#include "wisp/jobs.h"
+#include "wisp/kernels.h"
+#include "wisp/module.h"
+#include "wisp/random.h"
+#include "wisp/space.h"
+#include "wisp/wisp.h"
+
+#include "climate.h"
+#include "frozen_hair.h"
+#include "strand_look.h"
+
+#include <cstdio>
+
+// A module written in C++ declares itself like one written in C.
+static wisp_status declare( wisp_registry* registry )
+{
+    static const wisp_column_def columns[] = { WISP_COLUMN_DEF( float, value, 1 ) };
+    const wisp_component_def component = { "cpp.value", WISP_TABLE_ENTITY, columns, WISP_COUNT( columns ) };
+    return wisp_declare_component( registry, &component ) != 0 ? WISP_OK : WISP_NO_MEMORY;
+}
+
+static bool can_step( const wisp_module* const* modules, int count )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = modules;
+    def.module_count = count;
+    def.workers = 1;
+    wisp_world* world = nullptr;
+    wisp_error error = {};
+    if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
+    {
+        std::printf( "no world: %s\n", error.sentence );
+        return false;
+    }
+    const bool good = wisp_world_step( world, 1.0f / 60.0f ) == WISP_OK;
+    wisp_world_destroy( world );
+    return good;
+}
+
+// What a header defines inline works here too.
+static bool draws_numbers()
+{
+    const wisp_random_key key = wisp_random_make_key( 1, 2, 3 );
+    const double unit = wisp_random_unit( key, 4, 5, 6 );
+    return unit >= 0.0 && unit < 1.0 && wisp_random_unit_float( key, 4, 5, 6 ) <= static_cast<float>( unit );
+}
+
+int main()
+{
+    const wisp_module own = { "cpp", declare };
+    const wisp_module* const modules[] = { &wisp_climate_module, &wisp_frozen_hair_module, &wisp_strand_look_module,
+                                           &own };
+    const bool stepped = can_step( modules, WISP_COUNT( modules ) );
+    const bool drew = draws_numbers();
+    std::printf( "a world with a module in C++ steps: %s\nrandom numbers: %s\n", stepped ? "yes" : "no",
+                 drew ? "yes" : "no" );
+    return stepped && drew ? 0 : 1;
+}

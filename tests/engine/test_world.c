@@ -1,0 +1,373 @@
+// The public face: who is alive in a world, what it shows, and what it remembers.
+#include "world_fixture.h"
+
+// ---- stale handles ----
+
+static void every_call_with_a_stale_handle_says_so( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 ), out = { 1, 1 };
+    assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+    const wisp_entity stale[] = { e, { 0, 0 }, { 99, 1 } };
+    for ( int i = 0; i < WISP_COUNT( stale ); ++i )
+    {
+        wisp_view view;
+        uint64_t hash = 1;
+        assert_false( wisp_is_alive( h->world, stale[i] ) );
+        assert_int_equal( wisp_remove( h->world, stale[i] ), WISP_STALE_ID );
+        assert_one_sentence( wisp_world_message( h->world ) );
+        assert_int_equal( wisp_add_instance( h->world, stale[i], &out ), WISP_STALE_ID );
+        assert_int_equal( out.index, 0 );
+        assert_int_equal( wisp_want( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
+        assert_int_equal( wisp_unwant( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
+        assert_int_equal( wisp_world_view( h->world, stale[i], WISP_STRAND_POINTS, &view ), WISP_STALE_ID );
+        assert_int_equal( wisp_world_hash_column( h->world, stale[i], WISP_STRAND_POINTS, &hash ), WISP_STALE_ID );
+        assert_int_equal( wisp_world_attach( h->world, stale[i], WISP_STRAND_STIFFNESS ), WISP_STALE_ID );
+        assert_int_equal( wisp_world_detach( h->world, stale[i], WISP_STRAND_STIFFNESS ), WISP_STALE_ID );
+        assert_false( wisp_world_has( h->world, stale[i], WISP_STRAND_REST ) );
+        assert_null( wisp_world_column( h->world, stale[i], WISP_STRAND_REST, 0 ) );
+        assert_null( wisp_world_strands( h->world, stale[i] ) );
+    }
+}
+
+// ---- wishes and views ----
+
+static void points_come_out_in_the_users_order( void** state )
+{
+    hosted* h = *state;
+    static const int lengths[] = { 3, 0, 7, 1, 7, 2, 0, 12 };
+    test_strands s = test_strands_make( lengths, WISP_COUNT( lengths ) );
+    wisp_strands_def def = test_strands_def( &s );
+    wisp_entity e;
+    assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    wisp_view view = view_of( h->world, e, WISP_STRAND_POINTS );
+    assert_int_equal( view.count, s.vertex_count );
+    assert_int_equal( view.stride, sizeof( wisp_vec3 ) );
+    assert_memory_equal( view.data, s.points, (size_t)s.vertex_count * sizeof( wisp_vec3 ) );
+    test_strands_free( &s );
+}
+
+static void a_view_of_what_nobody_wants_is_a_conflict( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 );
+    const wisp_component wrong[] = { WISP_STRAND_POINTS, WISP_POINT_WIDTH, WISP_STRAND_POSITION, 0, 200 };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        wisp_view view = { &view, 1, 1 };
+        assert_int_equal( wisp_world_view( h->world, e, wrong[i], &view ), WISP_CONFLICT );
+        assert_null( view.data );
+        assert_one_sentence( wisp_world_message( h->world ) );
+    }
+}
+
+static void a_wish_for_a_component_that_no_module_knows_is_a_conflict( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 );
+    assert_int_equal( wisp_want( h->world, e, 0 ), WISP_CONFLICT );
+    assert_int_equal( wisp_want( h->world, e, 63 ), WISP_CONFLICT );
+    assert_int_equal( wisp_want( h->world, e, UINT16_MAX ), WISP_CONFLICT );
+    assert_int_equal( wisp_unwant( h->world, e, 63 ), WISP_CONFLICT );
+    assert_one_sentence( wisp_world_message( h->world ) );
+}
+
+static void a_wish_brings_a_pass_and_taking_it_back_takes_it_away( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 );
+    assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), 1 );
+    assert_int_equal( wisp_unwant( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
+    wisp_view view;
+    assert_int_equal( wisp_world_view( h->world, e, WISP_STRAND_POINTS, &view ), WISP_CONFLICT );
+}
+
+static void a_wish_taken_back_keeps_rows_that_the_user_gave( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 );
+    assert_int_equal( wisp_world_attach( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
+    float* width = wisp_world_column( h->world, e, WISP_POINT_WIDTH, 0 );
+    width[8] = 5.0f;
+    assert_int_equal( wisp_want( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
+    assert_int_equal( wisp_unwant( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
+    assert_true( wisp_world_has( h->world, e, WISP_POINT_WIDTH ) );
+    assert_true( ( (const float*)view_of( h->world, e, WISP_POINT_WIDTH ).data )[8] == 5.0f );
+}
+
+static void points_wanted_again_are_there_again( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 3, 3 );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    uint64_t hash = hash_of( h->world, e, WISP_STRAND_POINTS );
+    assert_int_equal( wisp_unwant( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    assert_int_equal( hash_of( h->world, e, WISP_STRAND_POINTS ), hash );
+}
+
+static void strands_without_strands_step_and_show_nothing( void** state )
+{
+    hosted* h = *state;
+    wisp_entity none = add_frozen( h->world, 0, 0 ), empty = add_frozen( h->world, 20, 0 );
+    step( h->world );
+    assert_int_equal( view_of( h->world, none, WISP_STRAND_POINTS ).count, 0 );
+    assert_int_equal( view_of( h->world, empty, WISP_STRAND_POINTS ).count, 0 );
+}
+
+// ---- instances and removal ----
+
+static void an_instance_shares_its_sources_topology_and_starts_at_rest( void** state )
+{
+    hosted* h = *state;
+    wisp_entity source = add_frozen( h->world, 20, 6 ), instance;
+    uint64_t at_rest = hash_of( h->world, source, WISP_STRAND_POINTS );
+    step( h->world );
+    assert_int_not_equal( hash_of( h->world, source, WISP_STRAND_POINTS ), at_rest );
+
+    assert_int_equal( wisp_add_instance( h->world, source, &instance ), WISP_OK );
+    assert_ptr_equal( wisp_world_strands( h->world, instance ), wisp_world_strands( h->world, source ) );
+    size_t bytes = (size_t)wisp_world_strands( h->world, source )->row_count * 48 * sizeof( float );
+    assert_memory_equal( wisp_world_column( h->world, instance, WISP_STRAND_POSITION, 0 ),
+                         wisp_world_column( h->world, source, WISP_STRAND_REST, 0 ), bytes );
+    assert_false( wisp_world_has( h->world, instance, WISP_STRAND_STIFFNESS ) );
+}
+
+static void an_instance_survives_its_source( void** state )
+{
+    hosted* h = *state;
+    wisp_entity source = add_frozen( h->world, 20, 6 ), instance, second;
+    step( h->world );
+    uint64_t hash = hash_of( h->world, source, WISP_STRAND_POINTS );
+    assert_int_equal( wisp_add_instance( h->world, source, &instance ), WISP_OK );
+    assert_int_equal( wisp_remove( h->world, source ), WISP_OK );
+    assert_int_equal( wisp_add_instance( h->world, instance, &second ), WISP_OK );
+    assert_int_equal( wisp_remove( h->world, instance ), WISP_OK );
+
+    wisp_frozen_hair_def def = clumping_def();
+    assert_int_equal( wisp_set_frozen_hair( h->world, second, &def ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, second, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    assert_int_equal( hash_of( h->world, second, WISP_STRAND_POINTS ), hash );
+}
+
+static void removing_an_entity_leaves_the_others_as_they_are( void** state )
+{
+    hosted* h = *state;
+    wisp_entity entities[5];
+    uint64_t hashes[5];
+    for ( int i = 0; i < 5; ++i )
+    {
+        entities[i] = add_frozen( h->world, 5 + 7 * i, 4 + i );
+    }
+    step( h->world );
+    for ( int i = 0; i < 5; ++i )
+    {
+        hashes[i] = hash_of( h->world, entities[i], WISP_STRAND_POINTS );
+    }
+    static const int order[] = { 2, 0, 4, 1 };
+    for ( int k = 0; k < WISP_COUNT( order ); ++k )
+    {
+        assert_int_equal( wisp_remove( h->world, entities[order[k]] ), WISP_OK );
+        hashes[order[k]] = 0;
+        step( h->world );
+        for ( int i = 0; i < 5; ++i )
+        {
+            assert_int_equal( wisp_is_alive( h->world, entities[i] ), hashes[i] != 0 );
+            assert_true( hashes[i] == 0 || hash_of( h->world, entities[i], WISP_STRAND_POINTS ) == hashes[i] );
+        }
+    }
+}
+
+// ---- snapshots of a world ----
+
+static void a_snapshot_needs_room_and_brings_the_state_back( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_frozen( h->world, 20, 6 );
+    step( h->world );
+    size_t size = wisp_world_snapshot_size( h->world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    uint64_t hash = wisp_world_hash( h->world );
+    assert_int_equal( wisp_command_frozen_hair( h->world, e, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
+    step( h->world );
+    assert_int_not_equal( wisp_world_hash( h->world ), hash );
+    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    assert_int_equal( wisp_world_hash( h->world ), hash );
+    assert_int_equal( wisp_world_restore( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
+    assert_one_sentence( wisp_world_message( h->world ) );
+    free( bytes );
+}
+
+// Snapshot, a step, restore, the same step again: both must end alike. @return the two hashes
+static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64_t hashes[2] )
+{
+    wisp_entity e = test_add_strands( h->world, 20, 6 );
+    wisp_frozen_hair_def def = clumping_def();
+    def.base = base;
+    assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    size_t size = wisp_world_snapshot_size( h->world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    step( h->world );
+    hashes[0] = wisp_world_hash( h->world );
+    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    step( h->world );
+    hashes[1] = wisp_world_hash( h->world );
+    free( bytes );
+}
+
+static void a_restored_world_goes_on_as_the_one_that_was_taken( void** state )
+{
+    uint64_t hashes[2];
+    step_twice_from_a_snapshot( *state, WISP_BASE_REST, hashes );
+    assert_int_equal( hashes[0], hashes[1] );
+}
+
+static void a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way( void** state )
+{
+    uint64_t hashes[2];
+    step_twice_from_a_snapshot( *state, WISP_BASE_PREVIOUS, hashes );
+    assert_int_equal( hashes[0], hashes[1] );
+}
+
+static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
+{
+    hosted* h = *state;
+    // as many strands, vertices, groups and rows, but vertex 6 belongs to another strand
+    static const int first[] = { 4, 2, 2 }, second[] = { 4, 3, 1 };
+    test_strands a = test_strands_make( first, 3 ), b = test_strands_make( second, 3 );
+    wisp_strands_def a_def = test_strands_def( &a ), b_def = test_strands_def( &b );
+    wisp_world* other = NULL;
+    wisp_entity e;
+    assert_int_equal( wisp_world_create( &h->def, &other, NULL ), WISP_OK );
+    assert_int_equal( wisp_add_strands( h->world, &a_def, &e ), WISP_OK );
+    assert_int_equal( wisp_add_strands( other, &b_def, &e ), WISP_OK );
+    test_strands_free( &a );
+    test_strands_free( &b );
+    size_t size = wisp_world_snapshot_size( h->world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    wisp_status status = wisp_world_restore( other, bytes, size );
+    free( bytes );
+    wisp_world_destroy( other );
+    assert_int_equal( status, WISP_BAD_INPUT );
+}
+
+// ---- counters ----
+
+static void counters_have_names_and_start_at_zero( void** state )
+{
+    hosted* h = *state;
+    for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
+    {
+        assert_int_equal( wisp_world_counter( h->world, (wisp_counter)i ), 0 );
+        assert_string_not_equal( wisp_counter_name( (wisp_counter)i ), "unknown" );
+    }
+    assert_string_equal( wisp_counter_name( WISP_COUNTER_COUNT ), "unknown" );
+}
+
+static void counters_count_what_a_scene_met( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_frozen( h->world, 40, 6 );
+    for ( int i = 0; i < 3; ++i )
+    {
+        step( h->world );
+    }
+    wisp_frozen_hair_report report;
+    assert_int_equal( wisp_report_frozen_hair( h->world, e, &report ), WISP_OK );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 3 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_PLANS ), 1 );
+    // one command, in the first step
+    assert_true( report.neighbours > 0 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_NEIGHBOURS ), report.neighbours );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_SEARCHES ), report.searches );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_CAPPED ), 0 );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_COARSE_GRIDS ), report.coarse_grid );
+}
+
+static void a_neighbour_limit_that_bites_is_counted( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = test_add_strands( h->world, 40, 6 );
+    wisp_frozen_hair_def def = clumping_def();
+    def.neighbour_limit = 1;
+    assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    step( h->world );
+    assert_true( wisp_world_counter( h->world, WISP_COUNT_CAPPED ) > 0 );
+}
+
+// ---- many worlds ----
+
+static void a_hundred_worlds_live_side_by_side_and_agree( void** state )
+{
+    hosted* h = *state;
+    wisp_world* worlds[100];
+    wisp_entity entities[100];
+    for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
+    {
+        assert_int_equal( wisp_world_create( &h->def, worlds + i, NULL ), WISP_OK );
+        entities[i] = add_frozen( worlds[i], 20, 5 );
+    }
+    for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
+    {
+        step( worlds[i] );
+    }
+    // one goes its own way, and the others do not notice
+    assert_int_equal( wisp_command_frozen_hair( worlds[50], entities[50], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
+                      WISP_OK );
+    step( worlds[50] );
+    int same = 0;
+    for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
+    {
+        same += wisp_world_hash( worlds[i] ) == wisp_world_hash( worlds[0] ) ? 1 : 0;
+    }
+    for ( int i = 0; i < WISP_COUNT( worlds ); ++i )
+    {
+        wisp_world_destroy( worlds[i] );
+    }
+    assert_int_equal( same, 99 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        WORLD_TEST( every_call_with_a_stale_handle_says_so ),
+        WORLD_TEST( points_come_out_in_the_users_order ),
+        WORLD_TEST( a_view_of_what_nobody_wants_is_a_conflict ),
+        WORLD_TEST( a_wish_for_a_component_that_no_module_knows_is_a_conflict ),
+        WORLD_TEST( a_wish_brings_a_pass_and_taking_it_back_takes_it_away ),
+        WORLD_TEST( a_wish_taken_back_keeps_rows_that_the_user_gave ),
+        WORLD_TEST( points_wanted_again_are_there_again ),
+        WORLD_TEST( strands_without_strands_step_and_show_nothing ),
+        WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest ),
+        WORLD_TEST( an_instance_survives_its_source ),
+        WORLD_TEST( removing_an_entity_leaves_the_others_as_they_are ),
+        WORLD_TEST( a_snapshot_needs_room_and_brings_the_state_back ),
+        WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken ),
+        WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way ),
+        WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused ),
+        WORLD_TEST( counters_have_names_and_start_at_zero ),
+        WORLD_TEST( counters_count_what_a_scene_met ),
+        WORLD_TEST( a_neighbour_limit_that_bites_is_counted ),
+        WORLD_TEST( a_hundred_worlds_live_side_by_side_and_agree ),
+    };
+    return cmocka_run_group_tests_name( "world", tests, NULL, NULL );
+}

@@ -1,0 +1,359 @@
+// What a world refuses: definitions of worlds, of modules and of strands, each by its own sentence.
+#include "world_fixture.h"
+
+#include <math.h>
+
+// ---- definitions of worlds ----
+
+// Refused with one sentence that holds these words, and without a world.
+static void assert_no_world( const wisp_world_def* def, const char* words )
+{
+    wisp_world* world = (wisp_world*)(uintptr_t)1;
+    wisp_error error = { WISP_OK, "" };
+    assert_int_equal( wisp_world_create( def, &world, &error ), WISP_BAD_INPUT );
+    assert_null( world );
+    assert_int_equal( error.status, WISP_BAD_INPUT );
+    assert_one_sentence( error.sentence );
+    if ( strstr( error.sentence, words ) == NULL )
+    {
+        fail_msg( "'%s' is not in: %s", words, error.sentence );
+    }
+    assert_int_equal( wisp_world_create( def, &world, NULL ), WISP_BAD_INPUT );
+}
+
+static void a_world_of_impossible_workers_is_refused( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = -1;
+    assert_no_world( &def, "workers is -1" );
+    def.workers = WISP_MAX_WORKERS + 1;
+    assert_no_world( &def, "workers is 65" );
+}
+
+static void a_world_of_no_loops_is_refused( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    def.substeps = 0;
+    assert_no_world( &def, "substeps is 0" );
+    def.substeps = 1;
+    def.iterations = -5;
+    assert_no_world( &def, "iterations is -5" );
+}
+
+static void half_an_allocator_is_refused( void** state )
+{
+    (void)state;
+    test_host host = { 0 };
+    wisp_world_def def = wisp_default_world_def();
+    def.allocator = test_host_allocator( &host );
+    def.allocator.release = NULL;
+    assert_no_world( &def, "allocator" );
+    def.allocator = test_host_allocator( &host );
+    def.allocator.allocate = NULL;
+    assert_no_world( &def, "allocator" );
+}
+
+static void modules_that_are_not_there_are_refused( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    def.module_count = -1;
+    assert_no_world( &def, "module_count is -1" );
+    def.module_count = 2;
+    assert_no_world( &def, "module_count is 2" );
+}
+
+static void an_unknown_instruction_set_is_refused( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    def.isa = "sse9";
+    assert_no_world( &def, "'sse9'" );
+}
+
+static void a_known_instruction_set_is_a_cap( void** state )
+{
+    (void)state;
+    static const char* const isas[] = { "baseline", "avx2", "avx512" };
+    for ( int i = 0; i < WISP_COUNT( isas ); ++i )
+    {
+        wisp_world_def def = wisp_default_world_def();
+        def.isa = isas[i];
+        wisp_world* world = NULL;
+        assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+        int place = 0;
+        while ( place < WISP_COUNT( isas ) && strcmp( isas[place], wisp_world_isa( world ) ) != 0 )
+        {
+            ++place;
+        }
+        wisp_world_destroy( world );
+        assert_true( place <= i );
+    }
+}
+
+static void a_default_world_has_a_worker_and_an_instruction_set( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    wisp_world* world = NULL;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    assert_in_range( wisp_world_workers( world ), 1, WISP_MAX_WORKERS );
+    assert_true( strlen( wisp_world_isa( world ) ) > 0 );
+    assert_string_equal( wisp_world_message( world ), "" );
+    assert_true( wisp_world_memory( world ) > 0 );
+    wisp_world_destroy( world );
+    wisp_world_destroy( NULL );
+}
+
+static int asserts;
+
+static bool count_assert( const char* condition, const char* file, int line )
+{
+    (void)condition, (void)file, (void)line;
+    asserts += 1;
+    return false;
+}
+
+static void a_definition_that_was_not_filled_by_default_is_wrong_code( void** state )
+{
+    (void)state;
+    wisp_world_def def = wisp_default_world_def();
+    def.made_by_default = 0;
+    wisp_world* world = NULL;
+    asserts = 0;
+    wisp_set_assert_handler( count_assert );
+    wisp_status status = wisp_world_create( &def, &world, NULL );
+    wisp_set_assert_handler( NULL );
+    wisp_world_destroy( world );
+    assert_int_equal( status, WISP_OK );
+    assert_int_equal( asserts, 1 );
+}
+
+// ---- modules that declare wrongly ----
+
+static const wisp_column_def VALUE[] = { { "value", 4 } }, WIDE[] = { { "value", 8 } };
+
+static void run_nothing( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)frame, (void)span, (void)user;
+}
+
+static wisp_status declare_value( wisp_registry* r )
+{
+    wisp_component c =
+        wisp_declare_component( r, &( wisp_component_def ){ "test.value", WISP_TABLE_ENTITY, VALUE, 1 } );
+    return wisp_declare_pass( r, &( wisp_pass ){ .name = "test.pass", .writes = { c }, .run = run_nothing } );
+}
+
+static wisp_status declare_wide( wisp_registry* r )
+{
+    wisp_declare_component( r, &( wisp_component_def ){ "test.value", WISP_TABLE_ENTITY, WIDE, 1 } );
+    return WISP_OK;
+}
+
+static wisp_status declare_same_pass( wisp_registry* r )
+{
+    return wisp_declare_pass( r, &( wisp_pass ){ .name = "test.pass", .writes = { 1 }, .run = run_nothing } );
+}
+
+static wisp_status declare_pass_that_runs_nothing( wisp_registry* r )
+{
+    return wisp_declare_pass( r, &( wisp_pass ){ .name = "test.still", .writes = { 1 } } );
+}
+
+static wisp_status declare_pass_that_writes_nothing( wisp_registry* r )
+{
+    return wisp_declare_pass( r, &( wisp_pass ){ .name = "test.vain", .run = run_nothing } );
+}
+
+static wisp_status declare_too_many_passes( wisp_registry* r )
+{
+    static char names[PLAN_MAX_PASSES + 1][24];
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( names ) && status == WISP_OK; ++i )
+    {
+        snprintf( names[i], sizeof( names[i] ), "test.pass%d", i );
+        status = wisp_declare_pass( r, &( wisp_pass ){ .name = names[i], .writes = { 1 }, .run = run_nothing } );
+    }
+    return status;
+}
+
+static wisp_status declare_too_many_components( wisp_registry* r )
+{
+    static char names[STORE_MAX_COMPONENTS + 1][24];
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        snprintf( names[i], sizeof( names[i] ), "test.value%d", i );
+        wisp_declare_component( r, &( wisp_component_def ){ names[i], WISP_TABLE_ENTITY, VALUE, 1 } );
+    }
+    return WISP_OK;
+}
+
+static wisp_status declare_nothing_and_fail( wisp_registry* r )
+{
+    (void)r;
+    return WISP_BAD_INPUT;
+}
+
+static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        wisp_module module;
+        const char* words;
+    } wrong[] = {
+        { { "wide", declare_wide },
+          "module 'wide': too many components, or another module declared this one differently: "
+          "'test.value'" },
+        { { "twin", declare_same_pass }, "module 'twin': there is already a pass 'test.pass'" },
+        { { "still", declare_pass_that_runs_nothing }, "'test.still'" },
+        { { "vain", declare_pass_that_writes_nothing }, "'test.vain'" },
+        { { "busy", declare_too_many_passes }, "module 'busy': too many passes" },
+        { { "rich", declare_too_many_components }, "module 'rich': too many components" },
+        { { "mute", declare_nothing_and_fail }, "module 'mute' could not declare itself" },
+    };
+    static const wisp_module value = { "value", declare_value };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        const wisp_module* modules[] = { &value, &wrong[i].module };
+        test_host host = { 0 };
+        wisp_world_def def = wisp_default_world_def();
+        def.allocator = test_host_allocator( &host );
+        def.modules = modules;
+        def.module_count = 2;
+        assert_no_world( &def, wrong[i].words );
+        assert_host_has_all_back( &host );
+    }
+}
+
+// ---- definitions of strands ----
+
+static const wisp_vec3 POINTS[] = {
+    { 0.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f }
+};
+static const int32_t OFFSETS[] = { 0, 2, 4 };
+
+static wisp_strands_def two_strands( void )
+{
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = POINTS;
+    def.offsets = OFFSETS;
+    def.strand_count = 2;
+    return def;
+}
+
+static void assert_no_strands( hosted* h, const wisp_strands_def* def, const char* words )
+{
+    wisp_entity e = { 7, 7 };
+    uint64_t hash = wisp_world_hash( h->world );
+    size_t memory = wisp_world_memory( h->world );
+    int heard = h->log.count;
+    assert_int_equal( wisp_add_strands( h->world, def, &e ), WISP_BAD_INPUT );
+    assert_int_equal( e.index, 0 );
+    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_string_equal( h->log.last, wisp_world_message( h->world ) );
+    assert_int_equal( h->log.count, heard + 1 );
+    assert_int_equal( wisp_world_hash( h->world ), hash );
+    assert_int_equal( wisp_world_memory( h->world ), memory );
+    if ( strstr( wisp_world_message( h->world ), words ) == NULL )
+    {
+        fail_msg( "'%s' is not in: %s", words, wisp_world_message( h->world ) );
+    }
+}
+
+static void strands_with_wrong_counts_are_refused( void** state )
+{
+    hosted* h = *state;
+    wisp_strands_def def = two_strands();
+    def.strand_count = -1;
+    assert_no_strands( h, &def, "strand_count is -1" );
+    def = two_strands();
+    def.strand_count = INT32_MAX;
+    assert_no_strands( h, &def, "strand_count is 2147483647" );
+    def = two_strands();
+    def.offsets = NULL;
+    assert_no_strands( h, &def, "offsets" );
+    def = two_strands();
+    def.points = NULL;
+    assert_no_strands( h, &def, "offsets promise 4 points, points is null" );
+    def = two_strands();
+    def.dimension = 4;
+    assert_no_strands( h, &def, "dimension is 4" );
+}
+
+static void strands_with_wrong_offsets_are_refused_by_number( void** state )
+{
+    hosted* h = *state;
+    wisp_strands_def def = two_strands();
+    def.offsets = ( const int32_t[] ){ 1, 2, 4 };
+    assert_no_strands( h, &def, "offsets begin at 1" );
+    def.offsets = ( const int32_t[] ){ 0, 4, 3 };
+    assert_no_strands( h, &def, "strand 1 runs from vertex 4 to 3" );
+    def.offsets = ( const int32_t[] ){ 0, -2, 4 };
+    assert_no_strands( h, &def, "strand 0 runs from vertex 0 to -2" );
+    def.offsets = ( const int32_t[] ){ 0, 2, INT32_MAX };
+    assert_no_strands( h, &def, "strand 1 runs from vertex 2 to 2147483647" );
+}
+
+static void points_that_are_no_places_are_refused_by_strand_and_vertex( void** state )
+{
+    hosted* h = *state;
+    const float wrong[] = { NAN, INFINITY, -INFINITY, 1.1e6f, -1.1e6f };
+    for ( int i = 0; i < WISP_COUNT( wrong ) * 3; ++i )
+    {
+        wisp_vec3 points[WISP_COUNT( POINTS )];
+        memcpy( points, POINTS, sizeof( points ) );
+        ( &points[3].x )[i % 3] = wrong[i / 3];
+        wisp_strands_def def = two_strands();
+        def.points = points;
+        assert_no_strands( h, &def, "strand 1, vertex 1" );
+    }
+}
+
+static void flat_strands_with_depth_are_refused( void** state )
+{
+    hosted* h = *state;
+    wisp_vec3 points[WISP_COUNT( POINTS )];
+    memcpy( points, POINTS, sizeof( points ) );
+    points[2].z = 0.5f;
+    wisp_strands_def def = two_strands();
+    def.points = points;
+    def.dimension = 2;
+    assert_no_strands( h, &def, "strand 1, vertex 0: z is 0.5" );
+}
+
+static void a_step_of_no_possible_length_is_refused( void** state )
+{
+    hosted* h = *state;
+    const float wrong[] = { 0.0f, -0.01f, NAN, INFINITY };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        assert_int_equal( wisp_world_step( h->world, wrong[i] ), WISP_BAD_INPUT );
+        assert_one_sentence( wisp_world_message( h->world ) );
+    }
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_world_of_impossible_workers_is_refused ),
+        cmocka_unit_test( a_world_of_no_loops_is_refused ),
+        cmocka_unit_test( half_an_allocator_is_refused ),
+        cmocka_unit_test( modules_that_are_not_there_are_refused ),
+        cmocka_unit_test( an_unknown_instruction_set_is_refused ),
+        cmocka_unit_test( a_known_instruction_set_is_a_cap ),
+        cmocka_unit_test( a_default_world_has_a_worker_and_an_instruction_set ),
+        cmocka_unit_test( a_definition_that_was_not_filled_by_default_is_wrong_code ),
+        cmocka_unit_test( a_module_that_declares_wrongly_is_refused_by_name ),
+        WORLD_TEST( strands_with_wrong_counts_are_refused ),
+        WORLD_TEST( strands_with_wrong_offsets_are_refused_by_number ),
+        WORLD_TEST( points_that_are_no_places_are_refused_by_strand_and_vertex ),
+        WORLD_TEST( flat_strands_with_depth_are_refused ),
+        WORLD_TEST( a_step_of_no_possible_length_is_refused ),
+    };
+    return cmocka_run_group_tests_name( "world, definitions", tests, NULL, NULL );
+}

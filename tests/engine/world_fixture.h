@@ -1,0 +1,94 @@
+/// Worlds with the modules that come with the engine, on a host that counts its memory.
+#pragma once
+
+#include "support.h"
+
+#include "world.h"
+
+#include "climate.h"
+#include "frozen_hair.h"
+#include "strand_look.h"
+
+typedef struct hosted
+{
+    test_host host;
+    test_log log;
+    wisp_world_def def;
+    wisp_world* world;
+} hosted;
+
+static inline wisp_world_def hosted_def( hosted* h )
+{
+    static const wisp_module* const MODULES[] = { &wisp_climate_module, &wisp_frozen_hair_module,
+                                                  &wisp_strand_look_module };
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = MODULES;
+    def.module_count = WISP_COUNT( MODULES );
+    def.allocator = test_host_allocator( &h->host );
+    def.log = test_log_listen;
+    def.log_user = &h->log;
+    def.workers = 1;
+    return def;
+}
+
+static inline int open_hosted( void** state )
+{
+    hosted* h = calloc( 1, sizeof( hosted ) );
+    assert_non_null( h );
+    h->def = hosted_def( h );
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    *state = h;
+    return 0;
+}
+
+static inline int close_hosted( void** state )
+{
+    hosted* h = *state;
+    wisp_world_destroy( h->world );
+    assert_host_has_all_back( &h->host );
+    free( h );
+    return 0;
+}
+
+/// Frozen hair that clumps: neighbours lie within its radius.
+static inline wisp_frozen_hair_def clumping_def( void )
+{
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.cursor = ( wisp_vec3 ){ 0.1f, 0.0f, 0.1f };
+    def.reach = 1.0f;
+    return def;
+}
+
+/// Strands with frozen hair whose points are wanted.
+static inline wisp_entity add_frozen( wisp_world* world, int strand_count, int length )
+{
+    wisp_entity e = test_add_strands( world, strand_count, length );
+    wisp_frozen_hair_def def = clumping_def();
+    assert_int_equal( wisp_set_frozen_hair( world, e, &def ), WISP_OK );
+    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    return e;
+}
+
+static inline wisp_view view_of( wisp_world* world, wisp_entity e, wisp_component component )
+{
+    wisp_view view = { 0 };
+    assert_int_equal( wisp_world_view( world, e, component, &view ), WISP_OK );
+    return view;
+}
+
+static inline uint64_t hash_of( wisp_world* world, wisp_entity e, wisp_component component )
+{
+    uint64_t hash = 0;
+    assert_int_equal( wisp_world_hash_column( world, e, component, &hash ), WISP_OK );
+    return hash;
+}
+
+static inline void step( wisp_world* world )
+{
+    if ( wisp_world_step( world, 0.01f ) != WISP_OK )
+    {
+        fail_msg( "no step: %s", wisp_world_message( world ) );
+    }
+}
+
+#define WORLD_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hosted, close_hosted )

@@ -1,0 +1,24 @@
+#!/bin/sh
+# The shared library shows names that begin with wisp_, and no other.
+#
+#     test_exports.sh LIBWISP.SO
+set -eu
+
+library=${1:?which library?}
+names=$(nm -D --defined-only "$library" | awk '{ print $NF }')
+
+foreign=$(printf '%s\n' "$names" | grep -v '^wisp_' || true)
+if [ -n "$foreign" ]; then
+    echo "these names are visible and do not begin with wisp_:"
+    printf '%s\n' "$foreign"
+    exit 1
+fi
+
+# An empty list would pass the check above; these three are what nobody can do without.
+for name in wisp_world_create wisp_world_step wisp_world_destroy; do
+    if ! printf '%s\n' "$names" | grep -qx "$name"; then
+        echo "$name is not visible"
+        exit 1
+    fi
+done
+echo "$(printf '%s\n' "$names" | wc -l) names, all of them begin with wisp_"

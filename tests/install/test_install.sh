@@ -1,0 +1,106 @@
+#!/bin/bash
+# Installs into a folder of its own and uses Wisp from there, as somebody would who has never seen this tree: the examples
+# and the README's own program, against the shared and the static library, and every header by itself.
+#
+#     test_install.sh SOURCE-TREE BUILD-FOLDER COMPILER...
+set -euo pipefail
+
+source_tree=$1
+build=$2
+shift 2
+compiler=("$@")
+strict=(-std=c17 -Wall -Wextra -Wpedantic -Werror)
+
+# A space in the path, because people have them.
+folder=$(mktemp -d "${TMPDIR:-/tmp}/wisp install.XXXXXX")
+trap 'rm -rf "$folder"' EXIT
+
+fail()
+{
+    echo "FAILED: $1"
+    exit 1
+}
+
+# ---- install ----
+
+root="$folder/root"
+env DESTDIR="$root" meson install -C "$build" --quiet >"$folder/install.log" 2>&1 || {
+    cat "$folder/install.log"
+    fail "meson install"
+}
+pc=$(find "$root" -name wisp.pc)
+[ -n "$pc" ] || fail "no wisp.pc is installed"
+export PKG_CONFIG_PATH="${pc%/*}"
+unset PKG_CONFIG_LIBDIR PKG_CONFIG_SYSROOT_DIR
+prefix=$(printf '%q' "$root$(sed -n 's/^prefix=//p' "$pc")")
+
+# The prefix goes in and the words come out as a shell would write them, so a shell must read them.
+words()
+{
+    eval "result=($(pkg-config --define-variable=prefix="$prefix" "$@" wisp))"
+}
+words --cflags
+cflags=("${result[@]}")
+words --libs
+shared=("${result[@]}")
+words --static --libs
+static=("${result[@]}")
+libdir=$(dirname "$(find "$root" -name 'libwisp.so')")
+
+# The archive by its path: -lwisp would take the shared library that lies beside it.
+for i in "${!static[@]}"; do
+    if [ "${static[$i]}" = -lwisp ]; then
+        static[i]="$libdir/libwisp.a"
+    fi
+done
+
+# ---- every header by itself, as C and as C++ ----
+
+include=$(dirname "$(find "$root" -path '*/wisp/wisp.h')")
+headers=0
+for header in "$include"/*.h; do
+    name=${header##*/}
+    printf '#include <wisp/%s>\nint nothing;\n' "$name" >"$folder/header.c"
+    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" -fsyntax-only "$folder/header.c" || fail "wisp/$name as C"
+    if command -v g++ >/dev/null; then
+        g++ -std=c++17 -Wall -Wextra -Wpedantic -Werror "${cflags[@]}" -x c++ -fsyntax-only "$folder/header.c" ||
+            fail "wisp/$name as C++"
+    fi
+    headers=$((headers + 1))
+done
+echo "$headers headers compile by themselves"
+
+# ---- programs ----
+
+# build_and_run NAME SOURCE
+build_and_run()
+{
+    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${shared[@]}" -o "$folder/$1.shared" ||
+        fail "$1 does not build against the shared library"
+    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${static[@]}" -o "$folder/$1.static" ||
+        fail "$1 does not build against the static library"
+    ldd "$folder/$1.static" | grep -q libwisp && fail "$1.static still wants libwisp.so"
+
+    LD_LIBRARY_PATH="$libdir${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}" "$folder/$1.shared" >"$folder/shared.txt" || {
+        cat "$folder/shared.txt"
+        fail "$1 with the shared library"
+    }
+    "$folder/$1.static" >"$folder/static.txt" || {
+        cat "$folder/static.txt"
+        fail "$1 with the static library"
+    }
+    # Times differ from run to run, what is computed does not.
+    diff <(grep hash "$folder/shared.txt") <(grep hash "$folder/static.txt") ||
+        fail "$1 computes something else with the static library"
+    echo "$1 builds and runs, shared and static"
+}
+
+for example in "$source_tree"/examples/*.c; do
+    name=${example##*/}
+    build_and_run "${name%.c}" "$example"
+done
+
+# The first block of C in the README is a whole program.
+awk '/^```c$/ { inside = 1; next } /^```$/ && inside { exit } inside' "$source_tree/README.md" >"$folder/readme.c"
+[ -s "$folder/readme.c" ] || fail "the README shows no program in C"
+build_and_run readme "$folder/readme.c"

@@ -1,0 +1,224 @@
+/// What the tests of the engine's rooms share: a host whose memory is counted and can run out, a log that listens,
+/// and strands of chosen lengths.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "wisp/random.h"
+#include "wisp/wisp.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- memory ----
+
+/// A host that counts what it lends, fills it with rubbish, checks what comes back, and can refuse one request or all
+/// from one on. Zero-initialised refuses nothing.
+typedef struct test_host
+{
+    _Atomic int64_t asked;  ///< requests so far
+    _Atomic int64_t blocks; ///< lent now
+    _Atomic int64_t bytes;  ///< lent now
+    _Atomic int faults;     ///< blocks that came back with another size than they were asked with
+    int64_t refuse;         ///< number of the request to refuse, from 1; 0 refuses none
+    bool refuse_rest;       ///< and all behind it
+} test_host;
+
+/// What a block's owner must tell back. It lies in front of the block, so that the block's end stays the end of the
+/// memory that a sanitizer watches.
+typedef struct test_block
+{
+    size_t front, size;
+} test_block;
+
+static inline void* test_host_allocate( void* user, size_t size, size_t alignment )
+{
+    test_host* host = user;
+    int64_t number = atomic_fetch_add( &host->asked, 1 ) + 1;
+    if ( host->refuse != 0 && ( number == host->refuse || ( number > host->refuse && host->refuse_rest ) ) )
+    {
+        return NULL;
+    }
+    test_block head = { alignment < sizeof( test_block ) ? sizeof( test_block ) : alignment, size };
+    void* memory = NULL;
+    if ( posix_memalign( &memory, head.front, head.front + size ) != 0 )
+    {
+        return NULL;
+    }
+    char* block = (char*)memory + head.front;
+    memcpy( block - sizeof( head ), &head, sizeof( head ) );
+    memset( block, 0xa5, size );
+    atomic_fetch_add( &host->blocks, 1 );
+    atomic_fetch_add( &host->bytes, (int64_t)size );
+    return block;
+}
+
+static inline void test_host_release( void* user, void* block, size_t size )
+{
+    test_host* host = user;
+    if ( block == NULL )
+    {
+        return;
+    }
+    test_block head;
+    memcpy( &head, (char*)block - sizeof( head ), sizeof( head ) );
+    atomic_fetch_add( &host->faults, head.size != size ? 1 : 0 );
+    atomic_fetch_sub( &host->blocks, 1 );
+    atomic_fetch_sub( &host->bytes, (int64_t)head.size );
+    free( (char*)block - head.front );
+}
+
+static inline wisp_allocator test_host_allocator( test_host* host )
+{
+    return ( wisp_allocator ){ test_host_allocate, test_host_release, host };
+}
+
+/// Refuse the n-th request from now on, or with `rest` that one and all behind it; n = 0 refuses none.
+static inline void test_host_refuse( test_host* host, int64_t n, bool rest )
+{
+    host->refuse = n > 0 ? atomic_load( &host->asked ) + n : 0;
+    host->refuse_rest = rest;
+}
+
+/// Did anybody ask for the request that test_host_refuse() named?
+static inline bool test_host_has_refused( const test_host* host )
+{
+    return host->refuse != 0 && atomic_load( &host->asked ) >= host->refuse;
+}
+
+/// Everything lent came back, with the size it was asked with.
+static inline void assert_host_has_all_back( test_host* host )
+{
+    assert_int_equal( atomic_load( &host->blocks ), 0 );
+    assert_int_equal( atomic_load( &host->bytes ), 0 );
+    assert_int_equal( atomic_load( &host->faults ), 0 );
+}
+
+// ---- log ----
+
+/// Keeps the last sentence of a world. Zero-initialised has heard nothing.
+typedef struct test_log
+{
+    int count;
+    wisp_log_level level;
+    char last[600];
+} test_log;
+
+static inline void test_log_listen( void* user, wisp_log_level level, const char* sentence )
+{
+    test_log* log = user;
+    log->count += 1;
+    log->level = level;
+    snprintf( log->last, sizeof( log->last ), "%s", sentence );
+}
+
+/// One sentence: some words, no newline, no full stop.
+static inline void assert_one_sentence( const char* sentence )
+{
+    size_t length = strlen( sentence );
+    assert_true( length > 10 );
+    assert_null( strchr( sentence, '\n' ) );
+    assert_true( sentence[length - 1] != '.' );
+}
+
+// ---- numbers ----
+
+/// A number below `count`, the same in every run; (a, b) pick it.
+static inline int test_random( int a, int b, int count )
+{
+    uint64_t bits = wisp_random_bits( wisp_random_make_key( 7, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
+    return (int)( bits % (uint64_t)count );
+}
+
+/// Uniform in [low, high).
+static inline float test_random_float( int a, int b, float low, float high )
+{
+    return low +
+           ( high - low ) * wisp_random_unit_float( wisp_random_make_key( 8, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
+}
+
+// ---- strands ----
+
+/// Strands as a user hands them over.
+typedef struct test_strands
+{
+    int strand_count, vertex_count;
+    int32_t* offsets;
+    wisp_vec3* points;
+} test_strands;
+
+/// Strands of the given lengths, a millimetre apart, a centimetre a segment, a little crooked. Free with
+/// test_strands_free().
+static inline test_strands test_strands_make( const int* lengths, int strand_count )
+{
+    test_strands s = { .strand_count = strand_count };
+    s.offsets = calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
+    assert_non_null( s.offsets );
+    for ( int i = 0; i < strand_count; ++i )
+    {
+        s.offsets[i + 1] = s.offsets[i] + lengths[i];
+    }
+    s.vertex_count = s.offsets[strand_count];
+    s.points = calloc( (size_t)s.vertex_count + 1, sizeof( wisp_vec3 ) );
+    assert_non_null( s.points );
+    for ( int i = 0; i < strand_count; ++i )
+    {
+        for ( int v = 0; v < lengths[i]; ++v )
+        {
+            s.points[s.offsets[i] + v] = ( wisp_vec3 ){
+                .x = 1e-3f * (float)i + test_random_float( i, 2 * v, 0.0f, 1e-3f ),
+                .y = 0.1f + 1e-2f * (float)v,
+                .z = test_random_float( i, 2 * v + 1, 0.0f, 1e-3f ),
+            };
+        }
+    }
+    return s;
+}
+
+/// Strands that all have the same length.
+static inline test_strands test_strands_of( int strand_count, int length )
+{
+    int* lengths = calloc( (size_t)strand_count + 1, sizeof( int ) );
+    assert_non_null( lengths );
+    for ( int i = 0; i < strand_count; ++i )
+    {
+        lengths[i] = length;
+    }
+    test_strands s = test_strands_make( lengths, strand_count );
+    free( lengths );
+    return s;
+}
+
+static inline void test_strands_free( test_strands* s )
+{
+    free( s->offsets );
+    free( s->points );
+    *s = ( test_strands ){ 0 };
+}
+
+static inline wisp_strands_def test_strands_def( const test_strands* s )
+{
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = s->points;
+    def.offsets = s->offsets;
+    def.strand_count = s->strand_count;
+    return def;
+}
+
+/// Add strands of equal length to a world; this must succeed.
+static inline wisp_entity test_add_strands( wisp_world* world, int strand_count, int length )
+{
+    test_strands s = test_strands_of( strand_count, length );
+    wisp_strands_def def = test_strands_def( &s );
+    wisp_entity entity;
+    wisp_status status = wisp_add_strands( world, &def, &entity );
+    test_strands_free( &s );
+    assert_int_equal( status, WISP_OK );
+    return entity;
+}
