@@ -21,7 +21,7 @@ LANE_INLINE lane8v load_entry( const float* quads, const int32_t* entries, bool 
 
 LANE_INLINE lane8v load_slice( const float* quads, int slice )
 {
-    static const int32_t own[WISP_SLICE] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    static const int32_t own[WISP_SLICE] = { 0, 4, 8, 12, 16, 20, 24, 28 };
     return load_entry( quads + (size_t)slice * WISP_SLICE * 4, own, false );
 }
 

@@ -33,7 +33,7 @@
 ///
 /// and for eight lanes only
 ///
-///   lane8_load_xyz( quads, index, &x, &y, &z )          lane l gets quads[4 * index[l] + 0..2]
+///   lane8_load_xyz( quads, index, &x, &y, &z )          lane l gets quads[index[l] + 0..2], index a multiple of 4
 ///   lane8_load_xyzw( quads, index, &x, &y, &z, &w )     likewise with w
 ///   lane8_store_xyzw_contiguous( quads, x, y, z, w )    quad l gets lane l of x, y, z, w
 ///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;

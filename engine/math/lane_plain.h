@@ -149,7 +149,7 @@ LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane
 {
     for ( int l = 0; l < 8; ++l )
     {
-        const float* quad = quads + 4 * (ptrdiff_t)index[l];
+        const float* quad = quads + (ptrdiff_t)index[l];
         x->v[l] = quad[0];
         y->v[l] = quad[1];
         z->v[l] = quad[2];

@@ -297,8 +297,8 @@ LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane
     lane4 low[4], high[4];
     for ( int l = 0; l < 4; ++l )
     {
-        low[l] = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l] );
-        high[l] = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l + 4] );
+        low[l] = _mm_load_ps( quads + (ptrdiff_t)index[l] );
+        high[l] = _mm_load_ps( quads + (ptrdiff_t)index[l + 4] );
     }
     lane4_transpose( low );
     lane4_transpose( high );

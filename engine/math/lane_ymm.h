@@ -184,8 +184,8 @@ LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane
     lane8 q[4];
     for ( int l = 0; l < 4; ++l )
     {
-        __m128 low = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l] );
-        __m128 high = _mm_load_ps( quads + 4 * (ptrdiff_t)index[l + 4] );
+        __m128 low = _mm_load_ps( quads + (ptrdiff_t)index[l] );
+        __m128 high = _mm_load_ps( quads + (ptrdiff_t)index[l + 4] );
         q[l] = _mm256_insertf128_ps( _mm256_castps128_ps256( low ), high, 1 );
     }
     lane8_transpose_halves( q );

@@ -269,6 +269,70 @@ static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
     assert_int_equal( status, WISP_BAD_INPUT );
 }
 
+// A world with these modules, and frozen hair that has answered its first command.
+static wisp_world* open_frozen_world( const wisp_module* const* modules, int count, wisp_entity* out )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = modules;
+    def.module_count = count;
+    def.workers = 1;
+    wisp_world* world = NULL;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    *out = add_frozen( world, 20, 6 );
+    step( world );
+    return world;
+}
+
+static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused( void** state )
+{
+    (void)state;
+    static const wisp_module* const more[] = { &wisp_climate_module, &wisp_strand_look_module,
+                                               &wisp_frozen_hair_module };
+    wisp_entity e, other_e;
+    wisp_world* world = open_frozen_world( more + 2, 1, &e );
+    wisp_world* other = open_frozen_world( more, 3, &other_e );
+    size_t size = wisp_world_snapshot_size( world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( world, bytes, size ), WISP_OK );
+    wisp_status status =
+        wisp_world_snapshot_size( other ) == size ? wisp_world_restore( other, bytes, size ) : WISP_BAD_INPUT;
+    free( bytes );
+    step( world );
+    step( other );
+    uint64_t hash = hash_of( world, e, WISP_STRAND_POINTS );
+    uint64_t other_hash = hash_of( other, other_e, WISP_STRAND_POINTS );
+    wisp_world_destroy( world );
+    wisp_world_destroy( other );
+    assert_true( status == WISP_OK || status == WISP_BAD_INPUT );
+    assert_int_equal( other_hash, hash );
+}
+
+static void a_snapshot_of_flat_strands_is_refused_by_deep_ones( void** state )
+{
+    hosted* h = *state;
+    static const wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
+    static const int32_t offsets[] = { 0, 2 };
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points;
+    def.offsets = offsets;
+    def.strand_count = 1;
+    wisp_world* other = NULL;
+    wisp_entity e;
+    assert_int_equal( wisp_world_create( &h->def, &other, NULL ), WISP_OK );
+    assert_int_equal( wisp_add_strands( other, &def, &e ), WISP_OK );
+    def.dimension = 2;
+    assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
+    size_t size = wisp_world_snapshot_size( h->world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    wisp_status status = wisp_world_restore( other, bytes, size );
+    free( bytes );
+    wisp_world_destroy( other );
+    assert_int_equal( status, WISP_BAD_INPUT );
+}
+
 // ---- counters ----
 
 static void counters_have_names_and_start_at_zero( void** state )
@@ -364,6 +428,8 @@ int main( void )
         WORLD_TEST( a_restored_world_goes_on_as_the_one_that_was_taken ),
         WORLD_TEST( a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way ),
         WORLD_TEST( a_snapshot_of_strands_cut_differently_is_refused ),
+        cmocka_unit_test( a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused ),
+        WORLD_TEST( a_snapshot_of_flat_strands_is_refused_by_deep_ones ),
         WORLD_TEST( counters_have_names_and_start_at_zero ),
         WORLD_TEST( counters_count_what_a_scene_met ),
         WORLD_TEST( a_neighbour_limit_that_bites_is_counted ),

@@ -76,7 +76,7 @@ typedef struct wisp_range_search_job
 /// What eight queries found. Arrays are the caller's.
 typedef struct wisp_range_search_result
 {
-    int32_t *near, *shell;         ///< [length][8], room for limit + slack; a query's own number pads
+    int32_t *near, *shell;         ///< [length][8] 4 times the number, room for limit + slack; a query's own pads
     int near_length, shell_length; ///< entries a query, the longest of the eight
     int32_t* scratch;              ///< [16][limit + slack]
     int capped;                    ///< grows by the queries that ran into the limit
@@ -87,7 +87,7 @@ typedef struct wisp_neighbour_list
 {
     const int32_t* begin;   ///< [slice_count]
     const int32_t* length;  ///< [slice_count] entries a lane
-    const int32_t* entries; ///< [entry][8] numbers of neighbours; a lane's own number pads
+    const int32_t* entries; ///< [entry][8] 4 times the numbers of neighbours; a lane's own number pads
 } wisp_neighbour_list;
 
 /// Pairwise adhesion with a gap-keeping brake (FRZ, eq. 14-19), one Jacobi iteration in two sweeps.
