@@ -8,7 +8,7 @@
 typedef struct snapshot_header
 {
     char magic[8];
-    uint64_t structure; // hash of entities, components and row counts
+    uint64_t structure; // hash of passes, entities, topology, components and row counts
     uint64_t size;      // bytes behind the header
     uint64_t content;   // hash of those bytes
 } snapshot_header;
@@ -60,7 +60,7 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
 
 static uint64_t structure_hash( const store* s )
 {
-    uint64_t hash = 0;
+    uint64_t hash = s->passes;
     for ( int i = 0; i < s->entity_count; ++i )
     {
         const store_entity* e = s->entities + i;
@@ -68,6 +68,7 @@ static uint64_t structure_hash( const store* s )
         hash = e->alive ? store_hash_bytes( hash, identity, sizeof( identity ) ) : hash;
         if ( e->alive && e->strands != NULL )
         {
+            hash = store_hash_bytes( hash, &e->strands->dimension, sizeof( int ) );
             hash = store_hash_bytes( hash, e->strands->offsets,
                                      ( (size_t)e->strands->strand_count + 1 ) * sizeof( int32_t ) );
         }
@@ -154,7 +155,7 @@ wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error*
     }
     if ( header.structure != structure_hash( s ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot was taken of other entities or components" );
+        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot was taken of other entities, components or modules" );
     }
     if ( header.content != store_hash_bytes( 0, content, (size_t)header.size ) )
     {

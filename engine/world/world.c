@@ -51,6 +51,13 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "module_count is %d without that many modules", def->module_count );
     }
+    for ( int i = 0; i < def->module_count; ++i )
+    {
+        if ( def->modules[i] == NULL )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "module %d of %d is null", i, def->module_count );
+        }
+    }
     return WISP_OK;
 }
 

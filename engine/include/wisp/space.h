@@ -65,7 +65,7 @@ typedef struct wisp_neighbour_query
     const int32_t* rename; ///< [slot] number to report for a slot; null: the slot
 } wisp_neighbour_query;
 
-/// Find all items of other owners within the radii of each query.
+/// Find all items of other owners closer than the radii to each query.
 /// @return WISP_NO_MEMORY
 WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_parallel* parallel,
                                             const wisp_kernels* kernels, const wisp_grid* grid,

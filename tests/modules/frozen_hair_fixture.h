@@ -1,0 +1,104 @@
+/// What the tests of frozen hair share: scenes and runs that must succeed, random inputs, comparisons.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "oracle/frozen_hair_scenes.h"
+#include "wisp/random.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static inline double3* new_points( const frozen_scene* scene )
+{
+    double3* points = calloc( (size_t)scene->vertex_count + 1, sizeof( double3 ) );
+    assert_non_null( points );
+    return points;
+}
+
+static inline double* new_doubles( const frozen_scene* scene )
+{
+    double* values = calloc( (size_t)scene->vertex_count + 1, sizeof( double ) );
+    assert_non_null( values );
+    return values;
+}
+
+static inline frozen_scene new_scene( frozen_scene_shape shape, int dimension, int strands, int vertices,
+                                      double spacing )
+{
+    frozen_scene scene;
+    assert_true( frozen_scene_create( &scene, shape, dimension, strands, vertices, spacing ) );
+    return scene;
+}
+
+static inline frozen_scene new_scene_from( int strands, const int* counts, const double3* points )
+{
+    frozen_scene scene;
+    assert_true( frozen_scene_from_points( &scene, strands, counts, points ) );
+    return scene;
+}
+
+static inline void set_stiffness( frozen_scene* scene, double stiffness )
+{
+    for ( int s = 0; s < scene->hair.strand_count; ++s )
+    {
+        scene->stretch_stiffness[s] = stiffness;
+        scene->bend_stiffness[s] = stiffness;
+    }
+}
+
+static inline double random_between( int n, int m, double low, double high )
+{
+    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 99, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+}
+
+/// Components in (-1, 1), n picks the vector.
+static inline double3 random_vector( int n )
+{
+    return double3_make( random_between( n, 0, -1.0, 1.0 ), random_between( n, 1, -1.0, 1.0 ),
+                         random_between( n, 2, -1.0, 1.0 ) );
+}
+
+/// The oracle's pipeline; the caller frees the points.
+static inline double3* run( const frozen_scene* scene, const frozen_oracle_options* options )
+{
+    double3* out = new_points( scene );
+    wisp_error error = { WISP_OK, "" };
+    if ( frozen_oracle_run( &scene->hair, options, NULL, out, &error ) != WISP_OK )
+    {
+        fail_msg( "the oracle refuses: %s", error.sentence );
+    }
+    return out;
+}
+
+static inline void clump_step( const frozen_scene* scene, const frozen_oracle_options* options, int iteration,
+                               const double3* reference, const double3* in, double* delta, double* lambda,
+                               double3* out )
+{
+    assert_int_equal(
+        frozen_oracle_clump_step( &scene->hair, options, iteration, reference, in, NULL, delta, lambda, out ),
+        WISP_OK );
+}
+
+static inline void assert_close( double actual, double expected, double tolerance )
+{
+    if ( !( fabs( actual - expected ) <= tolerance ) )
+    {
+        fail_msg( "%.17g is not %.17g within %g", actual, expected, tolerance );
+    }
+}
+
+static inline bool same_bits( const double3* a, const double3* b, int count )
+{
+    return memcmp( a, b, (size_t)count * sizeof( double3 ) ) == 0;
+}
+
+/// The strand that owns a vertex, for strands of equal vertex count.
+static inline bool same_strand( const frozen_scene* scene, int v, int q )
+{
+    int vertices = scene->offsets[1];
+    return v / vertices == q / vertices;
+}

@@ -1,0 +1,381 @@
+// The third stage of the engine, clump, in the shadow of the double oracle: every switch, zero to twelve iterations,
+// lists that must be searched again, limits that must be reported (frozen_hair_shadow.h says where the tolerances
+// come from).
+#include "frozen_hair_shadow.h"
+
+#include <math.h>
+
+static void say( const char* what, hair_shadow s )
+{
+    print_message( "           %s: %.2g m off, %.0f %% of the tolerance, %llu neighbours, %u searches\n", what,
+                   s.offset, 100.0 * s.share, (unsigned long long)s.neighbours, (unsigned)s.searches );
+}
+
+// Strands 4 mm apart, so that a vertex has some thirty neighbours within the default radius of 1 cm.
+static hair_groom dense( hair_shape shape, int dimension )
+{
+    return hair_groom_create( shape, dimension, 25, 10, 0.004f );
+}
+
+static uint64_t count_neighbours( const hair_groom* groom, const wisp_vec3* points, float radius )
+{
+    uint64_t count = 0;
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
+        {
+            for ( int q = 0; q < groom->vertex_count; ++q )
+            {
+                bool own = q >= groom->offsets[s] && q < groom->offsets[s + 1];
+                double r = hair_distance( points[v], points[q] );
+                count += own == false && r > 0.0 && r < (double)radius ? 1 : 0;
+            }
+        }
+    }
+    return count;
+}
+
+// ---- every switch ----
+
+static const char* const gap_names[] = { "prose", "printed", "closing", "wet" };
+
+static void follow_gap( wisp_gap gap )
+{
+    hair_shadow worst = { 0 };
+    for ( int n = 0; n < 32; ++n )
+    {
+        hair_groom groom = dense( ( n & 1 ) != 0 ? HAIR_CURLY : HAIR_WAVY, ( n & 2 ) != 0 ? 3 : 2 );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.gap = gap;
+        def.gap_by_iteration = ( n & 4 ) != 0;
+        def.guard = ( n & 8 ) != 0;
+        def.epsilon = ( n & 16 ) != 0 ? 1e-6f : 0.0f;
+        def.lambda_min = ( n & 16 ) != 0 ? 0.3f : 0.0f;
+        def.clump_iterations = 4;
+        hair_shadow shadow = hair_follow( NULL, &groom, &def, n % 3 );
+        assert_int_equal( shadow.capped, 0 );
+        worst.offset = fmax( worst.offset, shadow.offset );
+        worst.share = fmax( worst.share, shadow.share );
+        worst.neighbours += shadow.neighbours;
+        worst.searches += shadow.searches;
+        hair_groom_destroy( &groom );
+    }
+    say( gap_names[gap], worst );
+}
+
+static void prose_gaps_follow_the_oracle( void** state )
+{
+    (void)state;
+    follow_gap( WISP_GAP_PROSE );
+}
+
+static void printed_gaps_follow_the_oracle( void** state )
+{
+    (void)state;
+    follow_gap( WISP_GAP_PRINTED );
+}
+
+static void closing_gaps_follow_the_oracle( void** state )
+{
+    (void)state;
+    follow_gap( WISP_GAP_CLOSING );
+}
+
+static void wet_hair_follows_the_oracle( void** state )
+{
+    (void)state;
+    follow_gap( WISP_GAP_WET );
+}
+
+// The switches are not ignored: each gives another shape.
+static void every_switch_of_the_stage_changes_the_result( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_CURLY, 3 );
+    wisp_frozen_hair_def plain = hair_clump_only(), other[10];
+    plain.clump_step = 0.01f;
+    for ( int n = 0; n < WISP_COUNT( other ); ++n )
+    {
+        other[n] = plain;
+    }
+    other[0].gap = WISP_GAP_PRINTED;
+    other[1].gap = WISP_GAP_CLOSING;
+    other[2].gap = WISP_GAP_WET;
+    other[3].gap_by_iteration = true;
+    other[4].guard = false;
+    other[5].lambda_min = 0.5f;
+    other[6].clump_step = 0.005f;
+    other[7].clump_radius = 0.012f;
+    other[8].distance_min = 0.001f;
+    other[9].epsilon = 1e-4f;
+    wisp_vec3* points = hair_run( NULL, &groom, &plain );
+    for ( int n = 0; n < WISP_COUNT( other ); ++n )
+    {
+        wisp_vec3* others = hair_run( NULL, &groom, &other[n] );
+        assert_false( hair_same_bits( points, others, groom.vertex_count ) );
+        free( others );
+    }
+    free( points );
+    hair_groom_destroy( &groom );
+}
+
+// ---- iterations and searches ----
+
+static void up_to_twelve_iterations_follow_the_oracle( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.clump_iterations = 12;
+        def.clump_step = 0.002f;
+        say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
+        def.clump_iterations = 0;
+        wisp_vec3* points = hair_run( NULL, &groom, &def );
+        assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
+        free( points );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Without the guard and with a step of the size of the radius vertices leave their lists' skin again and again.
+static void large_steps_search_again_and_still_follow_the_oracle( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 16; ++n )
+    {
+        hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.guard = false;
+        def.clump_step = ( n & 2 ) != 0 ? 0.01f : 0.0017f;
+        def.clump_iterations = 8;
+        def.gap = (wisp_gap)( n / 4 );
+        def.gap_by_iteration = ( n & 2 ) != 0;
+        def.neighbour_limit = 4096;
+        hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+        say( gap_names[def.gap], shadow );
+        assert_in_range( shadow.searches, 2, 8 );
+        assert_int_equal( shadow.capped, 0 );
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void lists_of_slow_hair_outlive_an_iteration( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_WAVY, 3 );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.clump_step = 1e-6f;
+    def.clump_iterations = 6;
+    hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+    assert_in_range( shadow.searches, 1, 5 );
+    hair_groom_destroy( &groom );
+}
+
+// ---- radius ----
+
+static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void** state )
+{
+    (void)state;
+    const float radius[] = { 0.001f, 0.0039f, 0.025f, 0.08f, 3.0f };
+    for ( int n = 0; n < 2 * WISP_COUNT( radius ); ++n )
+    {
+        hair_groom groom = dense( HAIR_WAVY, 2 + n % 2 );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.clump_radius = radius[n / 2];
+        def.clump_step = 0.0005f;
+        def.neighbour_limit = 512;
+        hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+        say( "radius", shadow );
+        assert_int_equal( shadow.capped, 0 );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// For every number of vertices modulo the eight that are searched at once, and from few neighbours to all.
+static void the_report_counts_exactly_the_pairs_within_the_radius( void** state )
+{
+    (void)state;
+    const float radius[] = { 0.004f, 0.01f, 0.08f, 3.0f };
+    for ( int n = 0; n < 2 * 8 * WISP_COUNT( radius ); ++n )
+    {
+        int vertices = 17 + n / 2 % 8;
+        hair_groom groom = hair_groom_create( HAIR_CURLY, 2 + n % 2, 9, vertices, 0.004f );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.clump_radius = radius[n / 16];
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+        uint64_t expected = count_neighbours( &groom, groom.points, def.clump_radius );
+        if ( def.clump_radius > 1.0f )
+        {
+            assert_int_equal( expected, 9 * vertices * 8 * vertices ); // all vertices of all other strands
+        }
+        assert_int_equal( hair_report( world, entity ).neighbours, expected );
+        assert_int_equal( wisp_world_counter( world, WISP_COUNT_NEIGHBOURS ), expected );
+        wisp_world_destroy( world );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance knows.
+static void hair_far_from_the_origin_follows_the_oracle( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_CURLY, 3 );
+    for ( int v = 0; v < groom.vertex_count; ++v )
+    {
+        groom.points[v].x += 500.0f;
+        groom.points[v].z -= 300.0f;
+    }
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.cursor = ( wisp_vec3 ){ 500.09f, -0.05f, -299.9f };
+    say( "half a kilometre away", hair_follow( NULL, &groom, &def, 0 ) );
+    hair_groom_destroy( &groom );
+}
+
+static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 64, 10, 5.0f );
+    wisp_frozen_hair_def def = hair_clump_only();
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    wisp_frozen_hair_report report = hair_report( world, entity );
+    assert_int_equal( report.coarse_grid, 1 );
+    assert_int_equal( report.neighbours, 0 );
+    assert_int_equal( wisp_world_counter( world, WISP_COUNT_COARSE_GRIDS ), 1 );
+    assert_true( hair_same_bits( hair_view( world, entity, 640 ), groom.points, 640 ) );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+// ---- limits and degenerate places ----
+
+static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_WAVY, 3 );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.neighbour_limit = 5;
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    wisp_frozen_hair_report report = hair_report( world, entity );
+    uint64_t all = count_neighbours( &groom, groom.points, def.clump_radius );
+
+    // in this dense groom every vertex has more than five neighbours
+    assert_in_range( report.capped, 250, 250 * report.searches );
+    assert_int_equal( wisp_world_counter( world, WISP_COUNT_CAPPED ), report.capped );
+    assert_in_range( report.neighbours, 1, 250 * 5 );
+    assert_true( report.neighbours < all );
+    hair_assert_finite( hair_view( world, entity, 250 ), 250 );
+
+    // a limit that nobody reaches leaves the report empty
+    def.neighbour_limit = 256;
+    hair_set( world, entity, &def );
+    hair_step( world );
+    report = hair_report( world, entity );
+    assert_int_equal( report.capped, 0 );
+    assert_int_equal( report.neighbours, all );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void strands_in_one_place_have_no_direction_and_stay( void** state )
+{
+    (void)state;
+    enum
+    {
+        copies = 9,
+        vertices = 12
+    };
+    hair_groom one = hair_groom_create( HAIR_CURLY, 3, 1, vertices, 0.0f );
+    wisp_vec3 points[copies * vertices];
+    int counts[copies];
+    for ( int n = 0; n < copies; ++n )
+    {
+        memcpy( points + n * vertices, one.points, sizeof( wisp_vec3 ) * vertices );
+        counts[n] = vertices;
+    }
+    hair_groom groom = hair_groom_from( 3, copies, counts, points );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.clump_radius = 0.003f; // less than a segment: only coincident vertices are near
+    for ( int gap = WISP_GAP_PROSE; gap <= WISP_GAP_WET; ++gap )
+    {
+        def.gap = (wisp_gap)gap;
+        def.guard = gap % 2 == 0;
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        assert_true( hair_same_bits( out, points, copies * vertices ) );
+        free( out );
+    }
+
+    // with the neighbours of a neighbour in reach they move, all together, as the oracle does
+    def.clump_radius = 0.009f;
+    say( "nine in one place", hair_follow( NULL, &groom, &def, 0 ) );
+    hair_groom_destroy( &groom );
+    hair_groom_destroy( &one );
+}
+
+static void a_strand_does_not_attract_itself( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.clump_radius = 0.5f;
+    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    assert_true( hair_same_bits( points, groom.points, 40 ) );
+    free( points );
+    hair_groom_destroy( &groom );
+}
+
+static void a_step_of_zero_leaves_every_vertex( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_WAVY, 3 );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.clump_step = 0.0f;
+    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
+    free( points );
+    hair_groom_destroy( &groom );
+}
+
+// A guard distance above every distance leaves no room at all.
+static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
+{
+    (void)state;
+    hair_groom groom = dense( HAIR_WAVY, 3 );
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.distance_min = 0.02f;
+    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
+    free( points );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( prose_gaps_follow_the_oracle ),
+        cmocka_unit_test( printed_gaps_follow_the_oracle ),
+        cmocka_unit_test( closing_gaps_follow_the_oracle ),
+        cmocka_unit_test( wet_hair_follows_the_oracle ),
+        cmocka_unit_test( every_switch_of_the_stage_changes_the_result ),
+        cmocka_unit_test( up_to_twelve_iterations_follow_the_oracle ),
+        cmocka_unit_test( large_steps_search_again_and_still_follow_the_oracle ),
+        cmocka_unit_test( lists_of_slow_hair_outlive_an_iteration ),
+        cmocka_unit_test( radii_from_nothing_near_to_everything_near_follow_the_oracle ),
+        cmocka_unit_test( the_report_counts_exactly_the_pairs_within_the_radius ),
+        cmocka_unit_test( hair_far_from_the_origin_follows_the_oracle ),
+        cmocka_unit_test( hair_too_sparse_for_its_radius_is_reported_and_stays ),
+        cmocka_unit_test( a_neighbour_limit_that_is_reached_is_counted_and_reported ),
+        cmocka_unit_test( strands_in_one_place_have_no_direction_and_stay ),
+        cmocka_unit_test( a_strand_does_not_attract_itself ),
+        cmocka_unit_test( a_step_of_zero_leaves_every_vertex ),
+        cmocka_unit_test( a_guard_distance_beyond_the_radius_stops_everything ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

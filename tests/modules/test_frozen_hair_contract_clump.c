@@ -1,0 +1,320 @@
+// The contract of frozen hair, rows FRZ-12 to FRZ-16: adhesion, gaps, guard, and the pipeline as one, held by the
+// engine against closed-form truths through its public face alone. Rows 1 to 11 are in test_frozen_hair_contract.c,
+// and say how tolerances are counted in u = 2^-24.
+#include "frozen_hair_engine_fixture.h"
+
+#include <math.h>
+
+static const double u = HAIR_ROUNDING;
+
+// The largest distance from the origin: what coordinates round by is this times u.
+static double extent( const wisp_vec3* points, int count )
+{
+    double most = 0.0;
+    for ( int v = 0; v < count; ++v )
+    {
+        most = fmax( most, double3_length( hair_widen( points[v] ) ) );
+    }
+    return most;
+}
+
+// The number that the first command draws with the default seed.
+static double draw( uint64_t stream, int strand, int vertex )
+{
+    const wisp_random_key key = wisp_random_make_key( 1, stream, 0 );
+    return wisp_random_unit( key, (uint32_t)strand, (uint32_t)vertex, 0 );
+}
+
+// ---- FRZ-12 to FRZ-15: clumping ----
+
+// Pairs of two-vertex strands on a lattice, 3 cm apart and therefore alone: tips r apart along x, roots far above.
+typedef struct pair_groom
+{
+    hair_groom groom;
+    int count;
+} pair_groom;
+
+static pair_groom make_pairs( int side, float low, float high )
+{
+    int count = side * side;
+    wisp_vec3* points = calloc( 4 * (size_t)count, sizeof( wisp_vec3 ) );
+    int* counts = calloc( 2 * (size_t)count, sizeof( int ) );
+    assert_true( points != NULL && counts != NULL );
+    for ( int n = 0; n < count; ++n )
+    {
+        float x = 0.03125f * (float)( n % side ), z = 0.03125f * (float)( n / side );
+        float half = 0.5f * ( low + ( high - low ) * (float)n / (float)( count > 1 ? count - 1 : 1 ) );
+        points[4 * n] = ( wisp_vec3 ){ x, 1.0f, z };
+        points[4 * n + 1] = ( wisp_vec3 ){ x - half, 0.0f, z };
+        points[4 * n + 2] = ( wisp_vec3 ){ x, 2.0f, z };
+        points[4 * n + 3] = ( wisp_vec3 ){ x + half, 0.0f, z };
+        counts[2 * n] = counts[2 * n + 1] = 2;
+    }
+    pair_groom pairs = { hair_groom_from( 3, 2 * count, counts, points ), count };
+    free( points );
+    free( counts );
+    return pairs;
+}
+
+static wisp_frozen_hair_def one_wet_step( void )
+{
+    wisp_frozen_hair_def def = hair_clump_only();
+    def.clump_iterations = 1;
+    def.gap = WISP_GAP_WET;
+    def.guard = false;
+    def.clump_step = 0.001f;
+    return def;
+}
+
+// FRZ-12, Eq. 14: the kernel, read off the step of one pair at the origin
+static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly( void** state )
+{
+    (void)state;
+    const wisp_frozen_hair_def def = one_wet_step();
+    const double h = (double)def.clump_radius, sigma = (double)def.clump_step;
+    double before = 2.0;
+    for ( int n = 0; n <= 120; ++n )
+    {
+        float r = n == 0 ? 1e-8f : 0.0001f * (float)n;
+        pair_groom pair = make_pairs( 1, r, r );
+        wisp_vec3* out = hair_run( NULL, &pair.groom, &def );
+        double exact_r = (double)( pair.groom.points[3].x - pair.groom.points[1].x );
+        double g = frozen_oracle_kernel( exact_r, h ), root = fmax( 0.0, 1.0 - exact_r / h );
+        double seen = hair_distance( out[1], pair.groom.points[1] ) / sigma;
+        hair_assert_close( seen, g, 24.0 * u * root + 4.0 * u * ( exact_r + sigma * g ) / sigma + 64.0 * u * u );
+        assert_true( seen <= before );
+        assert_true( exact_r < h || hair_same_bits( out, pair.groom.points, 4 ) );
+        before = seen;
+        free( out );
+        hair_groom_destroy( &pair.groom );
+    }
+
+    // slope 0 at h: at 0.99 h the kernel is 1e-4, not 1e-2
+    pair_groom pair = make_pairs( 1, 0.0099f, 0.0099f );
+    wisp_vec3* out = hair_run( NULL, &pair.groom, &def );
+    hair_assert_close( hair_distance( out[1], pair.groom.points[1] ) / sigma, 1e-4, 2e-6 );
+    free( out );
+    hair_groom_destroy( &pair.groom );
+}
+
+// FRZ-13, FRZ-14, Eq. 15-16
+static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( void** state )
+{
+    (void)state;
+    pair_groom pairs = make_pairs( 8, 0.0003f, 0.0097f );
+    const wisp_frozen_hair_def def = one_wet_step();
+    const double h = (double)def.clump_radius, sigma = (double)def.clump_step;
+    wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
+    for ( int n = 0; n < pairs.count; ++n )
+    {
+        const wisp_vec3 *p = pairs.groom.points + 4 * n, *q = out + 4 * n;
+        double r = hair_distance( p[1], p[3] ), step = sigma * frozen_oracle_kernel( r, h );
+
+        // the pair swaps places when it steps by more than its distance
+        hair_assert_close( (double)q[3].x - (double)q[1].x, r - 2.0 * step, 8.0 * u * 0.25 + 48.0 * u * sigma );
+        hair_assert_close( (double)q[1].x - (double)p[1].x, (double)p[3].x - (double)q[3].x, 2.0 * u * 0.25 );
+        assert_true( q[1].y == 0.0f && q[1].z == p[1].z && q[3].y == 0.0f && q[3].z == p[3].z );
+    }
+    free( out );
+    hair_groom_destroy( &pairs.groom );
+
+    // where coordinates are symmetrical, so are the steps, to the bit
+    pair_groom pair = make_pairs( 1, 0.004f, 0.004f );
+    out = hair_run( NULL, &pair.groom, &def );
+    assert_true( out[1].x == -out[3].x && out[1].x > pair.groom.points[1].x );
+    free( out );
+    hair_groom_destroy( &pair.groom );
+}
+
+// FRZ-15, Eq. 17-19, R7: what remains of the step of every vertex of a pair, and its mean over many
+static void lambda_obeys_the_law_of_each_gap_rule( void** state )
+{
+    (void)state;
+    pair_groom pairs = make_pairs( 16, 0.002f, 0.006f );
+    wisp_frozen_hair_def def = one_wet_step();
+    const double h = (double)def.clump_radius;
+    wisp_vec3* wet = hair_run( NULL, &pairs.groom, &def );
+    for ( int n = 0; n < 4; ++n )
+    {
+        const wisp_gap gaps[] = { WISP_GAP_PRINTED, WISP_GAP_PROSE, WISP_GAP_CLOSING, WISP_GAP_PROSE };
+        def.gap = gaps[n];
+        def.lambda_min = n == 3 ? 0.6f : 0.0f;
+        wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
+        double mean = 0.0, expected_mean = 0.0;
+        for ( int v = 1; v < 4 * pairs.count; v += 2 )
+        {
+            const wisp_vec3 p = pairs.groom.points[v];
+            double full = hair_distance( wet[v], p ), lambda = hair_distance( out[v], p ) / full;
+
+            // closing in by two full steps: no change as printed, a share of h in the other rules
+            double delta = def.gap == WISP_GAP_PRINTED ? 0.0 : 2.0 * full / h;
+            double floor = def.gap == WISP_GAP_CLOSING ? 1.0 : (double)def.lambda_min;
+            double law = ( 1.0 - delta ) * draw( 3, v / 2, 1 ) + delta * floor;
+
+            // both steps end in rounded coordinates below half a metre
+            hair_assert_close( lambda, law, 4.0 * u * 0.5 / full + 8.0 * u / h );
+            mean += lambda / ( 2.0 * pairs.count );
+            expected_mean += ( ( 1.0 - delta ) / 2.0 + delta * floor ) / ( 2.0 * pairs.count );
+        }
+        // three deviations of the mean of 512 uniform numbers
+        hair_assert_close( mean, expected_mean, 3.0 / sqrt( 12.0 * 2.0 * pairs.count ) );
+        free( out );
+    }
+    free( wet );
+    hair_groom_destroy( &pairs.groom );
+}
+
+static double nearest_of_all( const hair_groom* groom, const wisp_vec3* p )
+{
+    double nearest = INFINITY;
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
+        {
+            for ( int q = groom->offsets[s + 1]; q < groom->vertex_count; ++q )
+            {
+                nearest = fmin( nearest, hair_distance( p[v], p[q] ) );
+            }
+        }
+    }
+    return nearest;
+}
+
+// FRZ-15, R10: the guard
+static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.gap = WISP_GAP_WET;
+        def.clump_step = 0.05f;
+        def.distance_min = 0.0006f;
+        double start = nearest_of_all( &groom, groom.points );
+        for ( int k = 1; k <= 12; ++k )
+        {
+            def.clump_iterations = k;
+            wisp_vec3* out = hair_run( NULL, &groom, &def );
+
+            // an iteration may round each of the two coordinates once more
+            double slack = 4.0 * u * k * extent( out, groom.vertex_count );
+            assert_true( nearest_of_all( &groom, out ) >= fmin( start, (double)def.distance_min ) - slack );
+            free( out );
+        }
+        hair_groom_destroy( &groom );
+    }
+
+    // a step of fifty times the distance: with the guard the pair stops at r_min in its order, without it it swaps
+    pair_groom pair = make_pairs( 1, 0.001f, 0.001f );
+    wisp_frozen_hair_def def = one_wet_step();
+    def.clump_step = 0.05f;
+    wisp_vec3* swapped = hair_run( NULL, &pair.groom, &def );
+    assert_true( swapped[3].x < swapped[1].x );
+    def.guard = true;
+    wisp_vec3* kept = hair_run( NULL, &pair.groom, &def );
+    hair_assert_close( (double)kept[3].x - (double)kept[1].x, 0.0002, 8.0 * u * 0.001 );
+    free( swapped );
+    free( kept );
+    hair_groom_destroy( &pair.groom );
+}
+
+// ---- FRZ-16: the pipeline ----
+
+// Stages one at a time, each in a world of its own whose rest shape is what the stage before made, in a given order.
+static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
+{
+    int* counts = calloc( (size_t)groom->strand_count, sizeof( int ) );
+    assert_non_null( counts );
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        counts[s] = groom->offsets[s + 1] - groom->offsets[s];
+    }
+    wisp_vec3* points = calloc( (size_t)groom->vertex_count, sizeof( wisp_vec3 ) );
+    assert_non_null( points );
+    memcpy( points, groom->points, (size_t)groom->vertex_count * sizeof( wisp_vec3 ) );
+    for ( ; *order != 0; ++order )
+    {
+        hair_groom now = hair_groom_from( groom->dimension, groom->strand_count, counts, points );
+        wisp_frozen_hair_def part = *def;
+        part.freeze = *order == 'f';
+        part.align = *order == 'a';
+        part.clump = *order == 'c';
+        free( points );
+        points = hair_run( NULL, &now, &part );
+        hair_groom_destroy( &now );
+    }
+    free( counts );
+    return points;
+}
+
+// FRZ-16, Algorithm 1
+static void stages_run_in_the_printed_order_and_each_can_be_left_out( void** state )
+{
+    (void)state;
+    const char* const orders[] = { "", "f", "a", "c", "fa", "fc", "ac", "fac" };
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 49, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.cursor = ( wisp_vec3 ){ 0.08f, -0.1f, 0.05f };
+    for ( int n = 0; n < WISP_COUNT( orders ); ++n )
+    {
+        def.freeze = strchr( orders[n], 'f' ) != NULL;
+        def.align = strchr( orders[n], 'a' ) != NULL;
+        def.clump = strchr( orders[n], 'c' ) != NULL;
+        wisp_vec3 *whole = hair_run( NULL, &groom, &def ), *parts = run_in_order( &groom, &def, orders[n] );
+        assert_true( hair_same_bits( whole, parts, groom.vertex_count ) );
+        free( whole );
+        free( parts );
+    }
+    wisp_vec3 *printed = run_in_order( &groom, &def, "fac" ), *other = run_in_order( &groom, &def, "cfa" );
+    assert_false( hair_same_bits( printed, other, groom.vertex_count ) );
+    free( printed );
+    free( other );
+    hair_groom_destroy( &groom );
+}
+
+// FRZ-16, section 10 "idempotent"
+static void replaying_an_event_from_rest_gives_the_same_bits( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 36, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    const wisp_vec3 here = { 0.08f, -0.1f, 0.05f }, there = { -0.1f, -0.02f, 0.0f };
+    def.cursor = here;
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    wisp_vec3* looks[2];
+    hair_step( world );
+    looks[0] = hair_points( world, entity, groom.vertex_count );
+    hair_command( world, entity, there );
+    hair_step( world );
+    looks[1] = hair_points( world, entity, groom.vertex_count );
+    assert_false( hair_same_bits( looks[0], looks[1], groom.vertex_count ) );
+    for ( int n = 0; n < 6; ++n )
+    {
+        int event = n * 5 / 2 % 2;
+        assert_int_equal( wisp_replay_frozen_hair( world, entity, event == 0 ? here : there, (uint64_t)event ),
+                          WISP_OK );
+        hair_step( world );
+        assert_true(
+            hair_same_bits( hair_view( world, entity, groom.vertex_count ), looks[event], groom.vertex_count ) );
+        assert_int_equal( hair_report( world, entity ).event, event );
+    }
+    free( looks[0] );
+    free( looks[1] );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly ),
+        cmocka_unit_test( two_vertices_step_towards_each_other_equally_by_twice_the_kernel ),
+        cmocka_unit_test( lambda_obeys_the_law_of_each_gap_rule ),
+        cmocka_unit_test( under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps ),
+        cmocka_unit_test( stages_run_in_the_printed_order_and_each_can_be_left_out ),
+        cmocka_unit_test( replaying_an_event_from_rest_gives_the_same_bits ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

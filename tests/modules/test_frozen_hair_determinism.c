@@ -1,0 +1,361 @@
+// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
+// data/golden/frozen_hair.hash. WISP_GOLDEN=write in the environment writes that file anew.
+#include "frozen_hair_engine_fixture.h"
+
+#include <inttypes.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/frozen_hair.hash";
+
+// ---- cases: grooms without the C library's mathematics, several blocks long ----
+
+typedef struct golden_case
+{
+    const char* name;
+    hair_shape shape;
+    int dimension, strands;
+    bool mixed;
+    void ( *change )( wisp_frozen_hair_def* def ); // what differs from the defaults
+} golden_case;
+
+static void keep( wisp_frozen_hair_def* def )
+{
+    (void)def;
+}
+
+static void freeze_only( wisp_frozen_hair_def* def )
+{
+    def->align = def->clump = false;
+}
+
+static void align_chord( wisp_frozen_hair_def* def )
+{
+    def->freeze = def->clump = false;
+    def->blend_chord = true;
+}
+
+static void clump_by( wisp_frozen_hair_def* def, wisp_gap gap )
+{
+    def->freeze = def->align = false;
+    def->gap = gap;
+    def->clump_iterations = 6;
+    def->clump_step = 0.0025f; // so large that lists are searched again
+}
+
+static void clump_prose( wisp_frozen_hair_def* def )
+{
+    clump_by( def, WISP_GAP_PROSE );
+}
+
+static void clump_printed( wisp_frozen_hair_def* def )
+{
+    clump_by( def, WISP_GAP_PRINTED );
+}
+
+static void clump_closing( wisp_frozen_hair_def* def )
+{
+    clump_by( def, WISP_GAP_CLOSING );
+}
+
+static void clump_wet( wisp_frozen_hair_def* def )
+{
+    clump_by( def, WISP_GAP_WET );
+}
+
+static void clump_by_iteration( wisp_frozen_hair_def* def )
+{
+    clump_by( def, WISP_GAP_PROSE );
+    def->gap_by_iteration = true;
+}
+
+// Everything as the source prints it.
+static void printed_form( wisp_frozen_hair_def* def )
+{
+    def->epsilon = 1e-6f;
+    def->blend_chord = true;
+    def->gap = WISP_GAP_PRINTED;
+    def->guard = false;
+}
+
+static void capped( wisp_frozen_hair_def* def )
+{
+    def->neighbour_limit = 6;
+}
+
+static const golden_case cases[] = {
+    { "plane-wavy-all", HAIR_WAVY, 2, 220, false, keep },
+    { "space-curly-all", HAIR_CURLY, 3, 220, false, keep },
+    { "space-straight-freeze", HAIR_STRAIGHT, 3, 150, false, freeze_only },
+    { "space-wavy-align-chord", HAIR_WAVY, 3, 150, false, align_chord },
+    { "space-wavy-clump-prose", HAIR_WAVY, 3, 60, false, clump_prose },
+    { "space-wavy-clump-printed", HAIR_WAVY, 3, 60, false, clump_printed },
+    { "space-wavy-clump-closing", HAIR_WAVY, 3, 60, false, clump_closing },
+    { "space-wavy-clump-wet", HAIR_WAVY, 3, 60, false, clump_wet },
+    { "plane-curly-clump-by-iteration", HAIR_CURLY, 2, 60, false, clump_by_iteration },
+    { "plane-wavy-printed-form", HAIR_WAVY, 2, 60, false, printed_form },
+    { "space-curly-mixed-lengths", HAIR_CURLY, 3, 120, true, keep },
+    { "space-wavy-capped", HAIR_WAVY, 3, 60, false, capped },
+};
+
+static hair_groom make_groom( const golden_case* c )
+{
+    const int lengths[] = { 17, 3, 40, 0, 2, 20, 1 };
+    int counts[512];
+    assert_in_range( c->strands, 1, 512 );
+    for ( int s = 0; s < c->strands; ++s )
+    {
+        counts[s] = c->mixed ? lengths[s * 3 % WISP_COUNT( lengths )] : 20;
+    }
+    return hair_groom_create_mixed( c->shape, c->dimension, c->strands, counts, 0.004f );
+}
+
+// Two commands, the second from the first one's numbers and a different cursor.
+static uint64_t hash_case( const golden_case* c, const hair_host* host )
+{
+    hair_groom groom = make_groom( c );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.cursor = ( wisp_vec3 ){ 0.05f, -0.1f, 0.0f };
+    c->change( &def );
+    wisp_world* world = hair_world_create( host );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    uint64_t first, second;
+    assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, &first ), WISP_OK );
+    hair_command( world, entity, ( wisp_vec3 ){ 0.12f, -0.06f, 0.0f } );
+    hair_step( world );
+    assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, &second ), WISP_OK );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+    return first ^ ( second << 1 | second >> 63 );
+}
+
+// ---- hosts ----
+
+// Instruction sets of this processor, each once.
+static int list_isas( const char* isas[3] )
+{
+    static const char* const names[] = { "baseline", "avx2", "avx512" };
+    int count = 0;
+    for ( int n = 0; n < WISP_COUNT( names ); ++n )
+    {
+        const hair_host host = { .isa = names[n] };
+        wisp_world* world = hair_world_create( &host );
+        if ( strcmp( wisp_world_isa( world ), names[n] ) == 0 )
+        {
+            isas[count++] = names[n];
+        }
+        wisp_world_destroy( world );
+    }
+    return count;
+}
+
+static void last_block_first( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    int* calls = user;
+    *calls += 1;
+    for ( int block = block_count - 1; block >= 0; --block )
+    {
+        run( context, block, 0 );
+    }
+}
+
+// A host that starts its threads for each wave and lets them race for blocks.
+typedef struct thread_wave
+{
+    wisp_block_fn* run;
+    void* context;
+    int block_count;
+    atomic_int next;
+} thread_wave;
+
+typedef struct thread_worker
+{
+    thread_wave* wave;
+    int number;
+} thread_worker;
+
+enum
+{
+    host_threads = 4
+};
+
+static void* race( void* argument )
+{
+    const thread_worker* worker = argument;
+    thread_wave* wave = worker->wave;
+    for ( int block = atomic_fetch_add( &wave->next, 1 ); block < wave->block_count;
+          block = atomic_fetch_add( &wave->next, 1 ) )
+    {
+        wave->run( wave->context, block, worker->number );
+    }
+    return NULL;
+}
+
+static void with_threads( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    int* calls = user;
+    *calls += 1;
+    thread_wave wave = { .run = run, .context = context, .block_count = block_count };
+    atomic_init( &wave.next, 0 );
+    thread_worker workers[host_threads];
+    pthread_t threads[host_threads];
+    for ( int n = 0; n < host_threads; ++n )
+    {
+        workers[n] = ( thread_worker ){ &wave, n };
+        assert_int_equal( pthread_create( threads + n, NULL, race, workers + n ), 0 );
+    }
+    for ( int n = 0; n < host_threads; ++n )
+    {
+        assert_int_equal( pthread_join( threads[n], NULL ), 0 );
+    }
+}
+
+static void assert_hash( const golden_case* c, const hair_host* host, uint64_t expected )
+{
+    uint64_t hash = hash_case( c, host );
+    if ( hash != expected )
+    {
+        fail_msg( "%s: %016" PRIx64 " with %d workers and %s%s, %016" PRIx64 " with one and baseline", c->name, hash,
+                  host->workers, host->isa, host->parallel_for != NULL ? " on a host's loop" : "", expected );
+    }
+}
+
+// ---- tests ----
+
+static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+{
+    (void)state;
+    const int workers[] = { 1, 2, 3, 5, 8, 64 };
+    const char* isas[3];
+    const int isa_count = list_isas( isas );
+    assert_in_range( isa_count, 1, 3 );
+    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
+    {
+        const hair_host one = { .workers = 1, .isa = "baseline" };
+        const uint64_t expected = hash_case( cases + n, &one );
+        for ( int k = 0; k < WISP_COUNT( workers ) * isa_count; ++k )
+        {
+            const hair_host host = { .workers = workers[k / isa_count], .isa = isas[k % isa_count] };
+            assert_hash( cases + n, &host, expected );
+        }
+    }
+    for ( int i = 0; i < isa_count; ++i )
+    {
+        print_message( "           compared: %s\n", isas[i] );
+    }
+}
+
+static void a_hosts_own_loop_does_not_change_a_bit( void** state )
+{
+    (void)state;
+    const char* isas[3];
+    const int isa_count = list_isas( isas );
+    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
+    {
+        const hair_host one = { .workers = 1, .isa = "baseline" };
+        const uint64_t expected = hash_case( cases + n, &one );
+        for ( int i = 0; i < isa_count; ++i )
+        {
+            int calls = 0;
+            assert_hash( cases + n, &( hair_host ){ 1, isas[i], last_block_first, &calls, { 0 } }, expected );
+            assert_true( calls > 0 );
+            calls = 0;
+            assert_hash( cases + n, &( hair_host ){ host_threads, isas[i], with_threads, &calls, { 0 } }, expected );
+            assert_true( calls > 0 );
+        }
+    }
+}
+
+static void write_golden( void )
+{
+    FILE* file = fopen( golden_file, "w" );
+    assert_non_null( file );
+    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
+    {
+        fprintf( file, "%s %016" PRIx64 "\n", cases[n].name, hash_case( cases + n, NULL ) );
+    }
+    assert_int_equal( fclose( file ), 0 );
+}
+
+static void looks_are_those_of_the_golden_file( void** state )
+{
+    (void)state;
+    const char* mode = getenv( "WISP_GOLDEN" );
+    if ( mode != NULL && strcmp( mode, "write" ) == 0 )
+    {
+        write_golden();
+    }
+    FILE* file = fopen( golden_file, "r" );
+    if ( file == NULL )
+    {
+        fail_msg( "%s cannot be read; WISP_GOLDEN=write makes it", golden_file );
+    }
+    char name[64];
+    uint64_t hash;
+    int lines = 0, wrong = 0;
+    while ( fscanf( file, "%63s %" SCNx64, name, &hash ) == 2 )
+    {
+        assert_true( lines < WISP_COUNT( cases ) );
+        assert_string_equal( name, cases[lines].name );
+        uint64_t now = hash_case( cases + lines, NULL );
+        if ( now != hash )
+        {
+            print_error( "           %s is %016" PRIx64 ", it was %016" PRIx64 "\n", name, now, hash );
+            wrong += 1;
+        }
+        lines += 1;
+    }
+    fclose( file );
+    assert_int_equal( lines, WISP_COUNT( cases ) );
+    assert_int_equal( wrong, 0 );
+}
+
+// A hash that forgot a vertex would let everything pass.
+static void a_hash_tells_cases_and_single_bits_apart( void** state )
+{
+    (void)state;
+    uint64_t hashes[WISP_COUNT( cases )];
+    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
+    {
+        hashes[n] = hash_case( cases + n, NULL );
+        for ( int k = 0; k < n; ++k )
+        {
+            assert_true( hashes[n] != hashes[k] );
+        }
+    }
+    hair_groom groom = make_groom( cases + 2 );
+    uint64_t before, after;
+    for ( int n = 0; n < 2; ++n )
+    {
+        wisp_frozen_hair_def def = hair_no_stages();
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+        assert_int_equal( wisp_world_hash_column( world, entity, WISP_STRAND_POINTS, n == 0 ? &before : &after ),
+                          WISP_OK );
+        wisp_world_destroy( world );
+        uint32_t bits;
+        memcpy( &bits, &groom.points[groom.vertex_count - 1].z, sizeof( bits ) );
+        bits ^= 1u;
+        memcpy( &groom.points[groom.vertex_count - 1].z, &bits, sizeof( bits ) );
+    }
+    assert_true( before != after );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( looks_are_those_of_the_golden_file ),
+        cmocka_unit_test( a_hash_tells_cases_and_single_bits_apart ),
+        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
+        cmocka_unit_test( a_hosts_own_loop_does_not_change_a_bit ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,241 @@
+// What frozen hair cannot take is refused with one sentence that names it, and the refused call has changed nothing.
+#include "frozen_hair_engine_fixture.h"
+
+#include <math.h>
+
+// X( what the sentence must name, the statement that breaks a definition )
+#define BROKEN_DEFS( X )                                                                                             \
+    X( "stretch_stiffness is 0,", d->stretch_stiffness = 0.0f )                                                      \
+    X( "stretch_stiffness is -7,", d->stretch_stiffness = -7.0f )                                                    \
+    X( "stretch_stiffness is 2e+12,", d->stretch_stiffness = 2e12f )                                                 \
+    X( "stretch_stiffness is", d->stretch_stiffness = NAN )                                                          \
+    X( "bend_stiffness is 0.0009,", d->bend_stiffness = 9e-4f )                                                      \
+    X( "bend_stiffness is inf,", d->bend_stiffness = INFINITY )                                                      \
+    X( "bend_angle_max is 3.15,", d->bend_angle_max = 3.15f )                                                        \
+    X( "bend_angle_max is -0.1,", d->bend_angle_max = -0.1f )                                                        \
+    X( "intensity is 1.01,", d->intensity = 1.01f )                                                                  \
+    X( "intensity is -0.01,", d->intensity = -0.01f )                                                                \
+    X( "cursor.x is 1.1e+06,", d->cursor.x = 1.1e6f )                                                                \
+    X( "cursor.y is", d->cursor.y = NAN )                                                                            \
+    X( "cursor.z is -inf,", d->cursor.z = -INFINITY )                                                                \
+    X( "reach is -1,", d->reach = -1.0f )                                                                            \
+    X( "clump_radius is 0,", d->clump_radius = 0.0f )                                                                \
+    X( "clump_radius is -0.01,", d->clump_radius = -0.01f )                                                          \
+    X( "clump_radius is", d->clump_radius = NAN )                                                                    \
+    X( "clump_iterations is -1,", d->clump_iterations = -1 )                                                         \
+    X( "clump_iterations is 1001,", d->clump_iterations = 1001 )                                                     \
+    X( "clump_step is -0.5,", d->clump_step = -0.5f )                                                                \
+    X( "clump_step is inf,", d->clump_step = INFINITY )                                                              \
+    X( "distance_min is -2,", d->distance_min = -2.0f )                                                              \
+    X( "lambda_min is 1.5,", d->lambda_min = 1.5f )                                                                  \
+    X( "neighbour_limit is 0,", d->neighbour_limit = 0 )                                                             \
+    X( "neighbour_limit is 4097,", d->neighbour_limit = 4097 )                                                       \
+    X( "epsilon is -1e-06,", d->epsilon = -1e-6f )                                                                   \
+    X( "gap is 4,", d->gap = (wisp_gap)4 )                                                                           \
+    X( "base is 2,", d->base = (wisp_frozen_base)2 )                                                                 \
+    X( "event is 9,", d->event = (wisp_frozen_event)9 )                                                              \
+    X( "stretch_stiffness of strand 3 is 0,", d->strand_stretch_stiffness = with_a_zero )                            \
+    X( "bend_stiffness of strand 3 is 0,", d->strand_bend_stiffness = with_a_zero )                                  \
+    X( "intensity of strand 0 is 5,", d->strand_intensity = with_a_zero )
+
+static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
+
+enum
+{
+#define COUNT_ONE( sentence, statement ) +1
+    broken_count = 0 BROKEN_DEFS( COUNT_ONE )
+#undef COUNT_ONE
+};
+
+static const char* break_def( int number, wisp_frozen_hair_def* d )
+{
+    int n = 0;
+    const char* expected = NULL;
+#define BREAK_ONE( sentence, statement )                                                                             \
+    if ( n++ == number )                                                                                             \
+    {                                                                                                                \
+        statement;                                                                                                   \
+        expected = sentence;                                                                                         \
+    }
+    BROKEN_DEFS( BREAK_ONE )
+#undef BREAK_ONE
+    return expected;
+}
+
+static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+    wisp_frozen_hair_def good = wisp_default_frozen_hair_def();
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &good );
+    hair_step( world );
+    uint64_t hash = wisp_world_hash( world );
+    for ( int n = 0; n < broken_count; ++n )
+    {
+        wisp_frozen_hair_def bad = good;
+        const char* expected = break_def( n, &bad );
+        assert_int_equal( wisp_set_frozen_hair( world, entity, &bad ), WISP_BAD_INPUT );
+        if ( strstr( wisp_world_message( world ), expected ) == NULL )
+        {
+            fail_msg( "'%s' does not say '%s'", wisp_world_message( world ), expected );
+        }
+        hair_step( world );
+        assert_int_equal( wisp_world_hash( world ), hash );
+    }
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
+    for ( int high = 0; high <= 1; ++high )
+    {
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.stretch_stiffness = def.bend_stiffness = high ? 1e12f : 1e-3f;
+        def.bend_angle_max = high ? 3.14159274f : 0.0f;
+        def.intensity = high ? 1.0f : 0.0f;
+        def.cursor = high ? ( wisp_vec3 ){ 1e6f, -1e6f, 1e6f } : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        def.reach = high ? 1e7f : 0.0f;
+        def.clump_radius = high ? 1e6f : 1e-6f;
+        def.clump_iterations = high ? 1000 : 1;
+        def.clump_step = high ? 1e3f : 0.0f;
+        def.lambda_min = high ? 1.0f : 0.0f;
+        def.neighbour_limit = high ? 4096 : 1;
+        def.epsilon = high ? 1.0f : 0.0f;
+        for ( int guard = 0; guard <= 1; ++guard )
+        {
+            def.guard = guard != 0;
+            wisp_vec3* out = hair_run( NULL, &groom, &def );
+            hair_assert_finite( out, groom.vertex_count );
+            free( out );
+        }
+    }
+    hair_groom_destroy( &groom );
+}
+
+static void a_cursor_that_is_no_place_is_refused_and_no_command_waits( void** state )
+{
+    (void)state;
+    const wisp_vec3 nowhere[] = { { NAN, 0, 0 }, { 0, INFINITY, 0 }, { 0, 0, -1.5e6f } };
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    uint64_t hash = wisp_world_hash( world );
+    for ( int n = 0; n < WISP_COUNT( nowhere ); ++n )
+    {
+        assert_int_equal( wisp_command_frozen_hair( world, entity, nowhere[n] ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( world ), "cursor" ) );
+        assert_int_equal( wisp_replay_frozen_hair( world, entity, nowhere[n], 0 ), WISP_BAD_INPUT );
+        hair_step( world );
+        assert_int_equal( wisp_world_hash( world ), hash );
+    }
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void forget( void* user, wisp_log_level level, const char* sentence )
+{
+    (void)user;
+    (void)level;
+    (void)sentence;
+}
+
+static void commands_to_nobody_are_refused( void** state )
+{
+    (void)state;
+    const wisp_vec3 cursor = { 0, 0, 0 };
+    wisp_frozen_hair_report report;
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+
+    // strands without frozen hair
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity bare = hair_add( world, &groom );
+    assert_int_equal( wisp_command_frozen_hair( world, bare, cursor ), WISP_CONFLICT );
+    assert_int_equal( wisp_replay_frozen_hair( world, bare, cursor, 0 ), WISP_CONFLICT );
+    assert_int_equal( wisp_report_frozen_hair( world, bare, &report ), WISP_CONFLICT );
+
+    // nobody, and somebody who has left
+    const wisp_entity null = { 0, 0 };
+    assert_int_equal( wisp_set_frozen_hair( world, null, &def ), WISP_STALE_ID );
+    assert_int_equal( wisp_command_frozen_hair( world, null, cursor ), WISP_STALE_ID );
+    assert_int_equal( wisp_remove( world, bare ), WISP_OK );
+    assert_int_equal( wisp_set_frozen_hair( world, bare, &def ), WISP_STALE_ID );
+    assert_int_equal( wisp_command_frozen_hair( world, bare, cursor ), WISP_STALE_ID );
+    assert_int_equal( wisp_report_frozen_hair( world, bare, &report ), WISP_STALE_ID );
+    wisp_world_destroy( world );
+
+    // a world that does not know the module
+    wisp_world_def world_def = wisp_default_world_def();
+    static const wisp_module* const other[] = { &wisp_climate_module };
+    world_def.modules = other;
+    world_def.module_count = 1;
+    world_def.workers = 1;
+    world_def.log = forget;
+    assert_int_equal( wisp_world_create( &world_def, &world, NULL ), WISP_OK );
+    wisp_strands_def strands = wisp_default_strands_def();
+    strands.points = groom.points;
+    strands.offsets = groom.offsets;
+    strands.strand_count = groom.strand_count;
+    assert_int_equal( wisp_add_strands( world, &strands, &bare ), WISP_OK );
+    assert_int_equal( wisp_set_frozen_hair( world, bare, &def ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( world ), "frozen_hair" ) );
+    assert_int_equal( wisp_command_frozen_hair( world, bare, cursor ), WISP_CONFLICT );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void strands_that_are_none_are_refused_by_strand_and_vertex( void** state )
+{
+    (void)state;
+    const float coordinates[] = { NAN, INFINITY, -1.5e6f };
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
+    wisp_world* world = hair_world_create( NULL );
+    wisp_strands_def strands = wisp_default_strands_def();
+    wisp_entity entity;
+    strands.points = groom.points;
+    strands.offsets = groom.offsets;
+    strands.strand_count = groom.strand_count;
+    for ( int n = 0; n < WISP_COUNT( coordinates ); ++n )
+    {
+        const wisp_vec3 kept = groom.points[37];
+        groom.points[37].y = coordinates[n];
+        assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( world ), "strand 3, vertex 7" ) );
+        assert_int_equal( entity.index, 0 );
+        groom.points[37] = kept;
+    }
+    groom.offsets[2] = 31;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( world ), "strand 2" ) );
+    groom.offsets[2] = 20;
+    groom.offsets[0] = 1;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+    groom.offsets[0] = 0;
+    strands.dimension = 4;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+    strands.dimension = 3;
+    strands.strand_count = -1;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+    strands.strand_count = 5;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_OK );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_parameter_out_of_range_is_named_and_changes_nothing ),
+        cmocka_unit_test( the_ends_of_every_range_are_accepted_and_give_numbers ),
+        cmocka_unit_test( a_cursor_that_is_no_place_is_refused_and_no_command_waits ),
+        cmocka_unit_test( commands_to_nobody_are_refused ),
+        cmocka_unit_test( strands_that_are_none_are_refused_by_strand_and_vertex ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

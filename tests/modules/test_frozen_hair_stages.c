@@ -1,0 +1,378 @@
+// The first two stages of the engine, freeze and align, in the shadow of the double oracle (frozen_hair_shadow.h says
+// how, and where the tolerances come from), every switch and every awkward strand; then all combinations of stages.
+#include "frozen_hair_shadow.h"
+
+#include <math.h>
+
+static const wisp_vec3 aside_2d = { 0.09f, -0.05f, 0.0f }, aside_3d = { 0.09f, -0.05f, 0.07f };
+
+static wisp_vec3 aside( int dimension )
+{
+    return dimension == 2 ? aside_2d : aside_3d;
+}
+
+static void say( const char* what, hair_shadow shadow )
+{
+    print_message( "           %s: %.2g m off, %.0f %% of the tolerance\n", what, shadow.offset,
+                   100.0 * shadow.share );
+}
+
+static hair_shadow worse( hair_shadow a, hair_shadow b )
+{
+    a.offset = fmax( a.offset, b.offset );
+    a.share = fmax( a.share, b.share );
+    return a;
+}
+
+// One number for each of up to 64 strands, evenly spread on a logarithmic scale and shuffled.
+static void spread( float* values, int count, double low, double high )
+{
+    for ( int s = 0; s < count; ++s )
+    {
+        values[s] = (float)( low * pow( high / low, (double)( s * 7 % count ) / ( count - 1 ) ) );
+    }
+}
+
+// ---- freeze ----
+
+static void freezing_follows_the_oracle_for_every_shape_stiffness_and_angle( void** state )
+{
+    (void)state;
+    const float stiffness[] = { 0.001f, 0.3f, 3.0f, 7.0f, 1e6f }, angle[] = { 0.0f, 0.785398163f, 3.14159274f };
+    for ( int dimension = 2; dimension <= 3; ++dimension )
+    {
+        hair_shadow worst = { 0 };
+        for ( int n = 0; n < 3 * WISP_COUNT( stiffness ) * WISP_COUNT( angle ); ++n )
+        {
+            hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, 37, 20, 0.008f );
+            wisp_frozen_hair_def def = hair_freeze_only();
+            def.stretch_stiffness = def.bend_stiffness = stiffness[n / 3 % WISP_COUNT( stiffness )];
+            def.bend_angle_max = angle[n / 3 / WISP_COUNT( stiffness )];
+            worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
+            hair_groom_destroy( &groom );
+        }
+        say( dimension == 2 ? "2D" : "3D", worst );
+    }
+}
+
+static void stretching_and_bending_stiffness_are_told_apart( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 33, 20, 0.008f );
+    float stretch[33], bend[33];
+    spread( stretch, 33, 0.01, 1e6 );
+    spread( bend, 33, 1e9, 0.2 );
+    wisp_frozen_hair_def def = hair_freeze_only();
+    def.stretch_stiffness = 2.0f;
+    def.bend_stiffness = 11.0f;
+    say( "one number for all", hair_follow( NULL, &groom, &def, 0 ) );
+    def.strand_bend_stiffness = bend;
+    say( "one a strand for bends", hair_follow( NULL, &groom, &def, 0 ) );
+    def.strand_stretch_stiffness = stretch;
+    say( "one a strand for both", hair_follow( NULL, &groom, &def, 0 ) );
+    hair_groom_destroy( &groom );
+}
+
+static void the_printed_epsilon_shortens_steps_as_the_oracle_says( void** state )
+{
+    (void)state;
+    const float epsilons[] = { 1e-6f, 1e-3f };
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n % 2, 20, 20, 0.008f );
+        wisp_frozen_hair_def def = hair_freeze_only();
+        def.stretch_stiffness = def.bend_stiffness = 0.7f;
+        def.epsilon = epsilons[n / 2];
+        hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+        say( n < 2 ? "epsilon 1e-6" : "epsilon 1e-3", shadow );
+
+        // it is really there: without it every segment is longer by a share of epsilon / length
+        wisp_vec3* printed = hair_run( NULL, &groom, &def );
+        def.epsilon = 0.0f;
+        wisp_vec3* resolved = hair_run( NULL, &groom, &def );
+        assert_false( hair_same_bits( printed, resolved, groom.vertex_count ) );
+        free( printed );
+        free( resolved );
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void every_event_and_every_seed_draws_the_numbers_of_the_oracle( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 20, 0.008f );
+    wisp_frozen_hair_def def = hair_freeze_only();
+    hair_shadow worst = { 0 };
+    for ( int command = 0; command < 4; ++command )
+    {
+        worst = worse( worst, hair_follow( NULL, &groom, &def, command ) );
+    }
+    def.seed = 0xfedcba9876543210u;
+    worst = worse( worst, hair_follow( NULL, &groom, &def, 1 ) );
+    say( "events 0 to 3, a large seed", worst );
+    hair_groom_destroy( &groom );
+}
+
+static void a_previous_base_gives_directions_and_the_rest_shape_gives_lengths( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 6; ++n )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 20, 20, 0.008f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.base = WISP_BASE_PREVIOUS;
+        def.align = def.clump = n % 3 == 0;
+        def.cursor = aside( groom.dimension );
+        def.clump_iterations = 2;
+        hair_shadow worst = { 0 };
+        for ( int command = 0; command < 4; ++command )
+        {
+            worst = worse( worst, hair_follow( NULL, &groom, &def, command ) );
+        }
+        say( n % 3 == 0 ? "all stages" : "freeze", worst );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- align ----
+
+static void aligning_follows_the_oracle_for_every_blend_direction_reach_and_intensity( void** state )
+{
+    (void)state;
+    const float intensity[] = { 0.0f, 0.2f, 0.8f, 1.0f };
+    for ( int dimension = 2; dimension <= 3; ++dimension )
+    {
+        hair_shadow worst = { 0 };
+        for ( int n = 0; n < 3 * 8 * WISP_COUNT( intensity ); ++n )
+        {
+            hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, 37, 20, 0.008f );
+            wisp_frozen_hair_def def = hair_align_only( aside( dimension ) );
+            int switches = n / 3 % 8;
+            def.blend_chord = ( switches & 1 ) != 0;
+            def.direction_from_root = ( switches & 2 ) != 0;
+            def.reach_nearest = ( switches & 4 ) != 0;
+            def.intensity = intensity[n / 24];
+            def.reach = 0.11f;
+            worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
+            hair_groom_destroy( &groom );
+        }
+        say( dimension == 2 ? "2D" : "3D", worst );
+        assert_true( worst.offset > 0.0 );
+    }
+}
+
+static void every_strand_may_have_its_own_intensity( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 40, 20, 0.008f );
+    float intensity[40];
+    for ( int s = 0; s < 40; ++s )
+    {
+        intensity[s] = (float)( s * 7 % 40 ) / 39.0f;
+    }
+    wisp_frozen_hair_def def = hair_align_only( aside_3d );
+    def.strand_intensity = intensity;
+    say( "arc", hair_follow( NULL, &groom, &def, 0 ) );
+    def.blend_chord = true;
+    say( "chord", hair_follow( NULL, &groom, &def, 0 ) );
+    hair_groom_destroy( &groom );
+}
+
+static void cursors_all_around_a_strand_turn_it_as_the_oracle_does( void** state )
+{
+    (void)state;
+    const wisp_random_key key = wisp_random_make_key( 5, 0, 0 );
+    hair_shadow worst = { 0 };
+    for ( int n = 0; n < 60; ++n )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n % 2, 3, 20, 0.05f );
+        float c[3];
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            c[axis] = 0.4f * ( wisp_random_unit_float( key, (uint32_t)n, (uint32_t)axis, 0 ) - 0.5f );
+        }
+        wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ c[0], c[1], n % 2 == 0 ? 0.0f : c[2] } );
+        def.blend_chord = n % 4 > 1;
+        worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
+        hair_groom_destroy( &groom );
+    }
+    say( "60 cursors", worst );
+}
+
+// A straight strand, and cursors exactly behind and before its root, at its root, at its tip.
+static void special_cursors_turn_a_strand_as_the_oracle_does( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2 + n % 2, 1, 17, 0.0f );
+        const wisp_vec3 tip = groom.points[16], behind = { -tip.x, -tip.y, -tip.z }, root = groom.points[0];
+        wisp_frozen_hair_def def = hair_align_only( behind );
+        def.blend_chord = n > 1;
+        def.intensity = 1.0f;
+
+        // tip - root is exact, so both precisions see the same opposite; tip - mean is not
+        def.direction_from_root = true;
+        say( "antiparallel", hair_follow( NULL, &groom, &def, 0 ) );
+        def.direction_from_root = false;
+
+        // a straight strand turned by pi about any perpendicular is the strand reflected in its root
+        wisp_vec3* points = hair_run( NULL, &groom, &def );
+        hair_assert_close( hair_distance( points[16], behind ), 0.0, 20.0 * HAIR_ROUNDING * 0.11 );
+        free( points );
+
+        def.cursor = tip;
+        say( "parallel", hair_follow( NULL, &groom, &def, 0 ) );
+
+        // under the cursor, and out of a reach of zero: bits stay
+        def.cursor = root;
+        points = hair_run( NULL, &groom, &def );
+        assert_true( hair_same_bits( points, groom.points, 17 ) );
+        free( points );
+        def.cursor = behind;
+        def.reach = 0.0f;
+        points = hair_run( NULL, &groom, &def );
+        assert_true( hair_same_bits( points, groom.points, 17 ) );
+        free( points );
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.008f );
+    wisp_frozen_hair_def def = hair_align_only( groom.points[20 * 11 + 19] );
+    def.reach = 0.0f;
+    hair_follow( NULL, &groom, &def, 0 );
+    wisp_vec3* points = hair_run( NULL, &groom, &def );
+    for ( int s = 0; s < 30; ++s )
+    {
+        assert_int_equal( hair_same_bits( points + 20 * s, groom.points + 20 * s, 20 ), s != 11 );
+    }
+    free( points );
+    hair_groom_destroy( &groom );
+}
+
+// ---- awkward strands ----
+
+static void strands_of_mixed_lengths_follow_the_oracle( void** state )
+{
+    (void)state;
+    const int lengths[] = { 3, 0, 17, 1, 40, 2, 0, 1 };
+    int counts[41];
+    for ( int s = 0; s < 41; ++s )
+    {
+        counts[s] = lengths[s * 5 % WISP_COUNT( lengths )];
+    }
+    for ( int n = 0; n < 6; ++n )
+    {
+        hair_groom groom = hair_groom_create_mixed( (hair_shape)( n / 2 ), 2 + n % 2, 41, counts, 0.005f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.cursor = aside( groom.dimension );
+        say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
+
+        // what the last command left behind a short strand's tip is not taken for a vertex by the next
+        def.base = WISP_BASE_PREVIOUS;
+        def.freeze = n % 4 < 2;
+        def.reach_nearest = n % 3 == 0;
+        def.clump_step = 0.003f;
+        say( "third command on the last shape", hair_follow( NULL, &groom, &def, 2 ) );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Coincident neighbours at the root, in the middle and at the tip, a strand that is one point, and two equal strands.
+static void segments_without_length_stay_without_length( void** state )
+{
+    (void)state;
+    const wisp_vec3 points[] = {
+        { 0, 0, 0 },      { 0, 0, 0 },           { 0, -0.01f, 0 },      { 0.005f, -0.02f, 0 }, //
+        { 0.002f, 0, 0 }, { 0.002f, -0.01f, 0 }, { 0.002f, -0.01f, 0 }, { 0.004f, -0.02f, 0 }, //
+        { 0.004f, 0, 0 }, { 0.004f, -0.01f, 0 }, { 0.006f, -0.02f, 0 }, { 0.006f, -0.02f, 0 }, //
+        { 0.006f, 0, 0 }, { 0.006f, 0, 0 },      { 0.006f, 0, 0 },      { 0.006f, 0, 0 },      //
+        { 0.004f, 0, 0 }, { 0.004f, -0.01f, 0 }, { 0.006f, -0.02f, 0 }, { 0.006f, -0.02f, 0 }, //
+    };
+    const int counts[] = { 4, 4, 4, 4, 4 };
+    for ( int dimension = 2; dimension <= 3; ++dimension )
+    {
+        hair_groom groom = hair_groom_from( dimension, 5, counts, points );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.cursor = aside( dimension );
+        for ( int n = 0; n < 4; ++n )
+        {
+            def.clump_iterations = n;
+            def.epsilon = n % 2 == 0 ? 0.0f : 1e-6f;
+            say( "all stages", hair_follow( NULL, &groom, &def, n ) );
+        }
+        def = hair_freeze_only();
+        wisp_vec3* frozen = hair_run( NULL, &groom, &def );
+        hair_assert_finite( frozen, groom.vertex_count );
+        const int second[] = { 1, 6, 11, 13, 14, 15, 19 };
+        for ( int n = 0; n < WISP_COUNT( second ); ++n )
+        {
+            assert_true( hair_same_bits( frozen + second[n], frozen + second[n] - 1, 1 ) );
+        }
+        free( frozen );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- together ----
+
+static void every_combination_of_stages_follows_the_oracle( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 48; ++n )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)( n / 16 ), 2 + n / 8 % 2, 16, 12, 0.005f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.freeze = ( n & 1 ) != 0;
+        def.align = ( n & 2 ) != 0;
+        def.clump = ( n & 4 ) != 0;
+        def.cursor = aside( groom.dimension );
+        hair_follow( NULL, &groom, &def, n % 3 );
+        if ( n % 8 == 0 )
+        {
+            wisp_vec3* points = hair_run( NULL, &groom, &def );
+            assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
+            free( points );
+        }
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void the_pipeline_as_a_whole_agrees_with_the_oracle( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 18; ++n )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 9, 25, 20, 0.005f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.cursor = aside( groom.dimension );
+        def.clump_iterations = n / 3 % 3 * 4;
+        hair_compare_pipeline( &groom, &def );
+        hair_groom_destroy( &groom );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( freezing_follows_the_oracle_for_every_shape_stiffness_and_angle ),
+        cmocka_unit_test( stretching_and_bending_stiffness_are_told_apart ),
+        cmocka_unit_test( the_printed_epsilon_shortens_steps_as_the_oracle_says ),
+        cmocka_unit_test( every_event_and_every_seed_draws_the_numbers_of_the_oracle ),
+        cmocka_unit_test( a_previous_base_gives_directions_and_the_rest_shape_gives_lengths ),
+        cmocka_unit_test( aligning_follows_the_oracle_for_every_blend_direction_reach_and_intensity ),
+        cmocka_unit_test( every_strand_may_have_its_own_intensity ),
+        cmocka_unit_test( cursors_all_around_a_strand_turn_it_as_the_oracle_does ),
+        cmocka_unit_test( special_cursors_turn_a_strand_as_the_oracle_does ),
+        cmocka_unit_test( a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor ),
+        cmocka_unit_test( strands_of_mixed_lengths_follow_the_oracle ),
+        cmocka_unit_test( segments_without_length_stay_without_length ),
+        cmocka_unit_test( every_combination_of_stages_follows_the_oracle ),
+        cmocka_unit_test( the_pipeline_as_a_whole_agrees_with_the_oracle ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

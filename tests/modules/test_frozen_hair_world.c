@@ -1,0 +1,477 @@
+// Frozen hair as a guest of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
+#include "frozen_hair_engine_fixture.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+
+// ---- grooms beside each other ----
+
+// Groom n of many, and its parameters: every shape, size and switch gets its turn.
+static hair_groom groom_of( int n )
+{
+    return hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 3 + n * 7 % 40, 2 + n * 5 % 19, 0.004f );
+}
+
+static wisp_frozen_hair_def def_of( int n )
+{
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.freeze = n % 5 != 1;
+    def.align = n % 4 != 1;
+    def.clump = n % 6 != 1;
+    def.gap = (wisp_gap)( n / 2 % 4 );
+    def.gap_by_iteration = n % 7 == 3;
+    def.blend_chord = n % 3 == 2;
+    def.clump_radius = 0.006f + 0.0005f * (float)( n % 11 );
+    def.clump_step = n % 8 == 0 ? 0.004f : -1.0f;
+    def.seed = (uint64_t)n;
+    def.cursor = ( wisp_vec3 ){ 0.05f, -0.05f, n / 3 % 2 == 0 ? 0.0f : 0.02f };
+    return def;
+}
+
+static void assert_alike_in_company( int first, int count, const hair_host* host )
+{
+    wisp_world* world = hair_world_create( host );
+    wisp_entity entities[64];
+    for ( int n = 0; n < count; ++n )
+    {
+        hair_groom groom = groom_of( first + n );
+        wisp_frozen_hair_def def = def_of( first + n );
+        entities[n] = hair_add_frozen( world, &groom, &def );
+        hair_groom_destroy( &groom );
+    }
+    hair_step( world );
+    for ( int n = 0; n < count; ++n )
+    {
+        hair_groom groom = groom_of( first + n );
+        wisp_frozen_hair_def def = def_of( first + n );
+        wisp_vec3* alone = hair_run( NULL, &groom, &def );
+        if ( !hair_same_bits( alone, hair_view( world, entities[n], groom.vertex_count ), groom.vertex_count ) )
+        {
+            fail_msg( "groom %d of %d with %d workers is not what it is alone", n, count, host->workers );
+        }
+        free( alone );
+        hair_groom_destroy( &groom );
+    }
+    wisp_world_destroy( world );
+}
+
+static void two_grooms_in_a_world_are_what_each_is_alone( void** state )
+{
+    (void)state;
+    for ( int first = 0; first < 24; first += 2 )
+    {
+        assert_alike_in_company( first, 2, &( hair_host ){ .workers = 1 + first % 3 } );
+    }
+
+    // one large enough for all workers and one that shares its wave
+    hair_groom large = hair_groom_create( HAIR_WAVY, 3, 400, 20, 0.004f ), small = groom_of( 5 );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    const hair_host host = { .workers = 2 };
+    wisp_world* world = hair_world_create( &host );
+    wisp_entity a = hair_add_frozen( world, &large, &def ), b = hair_add_frozen( world, &small, &def );
+    hair_step( world );
+    wisp_vec3 *alone_a = hair_run( NULL, &large, &def ), *alone_b = hair_run( NULL, &small, &def );
+    assert_true( hair_same_bits( alone_a, hair_view( world, a, large.vertex_count ), large.vertex_count ) );
+    assert_true( hair_same_bits( alone_b, hair_view( world, b, small.vertex_count ), small.vertex_count ) );
+    free( alone_a );
+    free( alone_b );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &large );
+    hair_groom_destroy( &small );
+}
+
+static void fifty_small_grooms_are_what_each_is_alone_for_any_workers( void** state )
+{
+    (void)state;
+    const int workers[] = { 1, 2, 5 };
+    for ( int n = 0; n < WISP_COUNT( workers ); ++n )
+    {
+        assert_alike_in_company( 0, 50, &( hair_host ){ .workers = workers[n] } );
+    }
+}
+
+static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def(), other = def;
+    other.seed = 77;
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity source = hair_add_frozen( world, &groom, &def ), instance;
+    hair_step( world );
+    size_t before = wisp_world_memory( world );
+    assert_int_equal( wisp_add_instance( world, source, &instance ), WISP_OK );
+    assert_int_equal( wisp_want( world, instance, WISP_STRAND_POINTS ), WISP_OK );
+    print_message( "           an instance of %d vertices takes %zu bytes\n", groom.vertex_count,
+                   wisp_world_memory( world ) - before );
+    wisp_vec3 *first = hair_run( NULL, &groom, &def ), *second = hair_run( NULL, &groom, &other );
+
+    // it starts at rest, not at the look of its source
+    hair_step( world );
+    assert_true( hair_same_bits( hair_view( world, instance, 800 ), groom.points, 800 ) );
+    hair_set( world, instance, &other );
+    hair_step( world );
+    assert_true( hair_same_bits( hair_view( world, source, 800 ), first, 800 ) );
+    assert_true( hair_same_bits( hair_view( world, instance, 800 ), second, 800 ) );
+
+    // and outlives it
+    assert_int_equal( wisp_remove( world, source ), WISP_OK );
+    assert_int_equal( wisp_replay_frozen_hair( world, instance, other.cursor, 0 ), WISP_OK );
+    hair_step( world );
+    assert_true( hair_same_bits( hair_view( world, instance, 800 ), second, 800 ) );
+    assert_int_equal( wisp_command_frozen_hair( world, source, def.cursor ), WISP_STALE_ID );
+    free( first );
+    free( second );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void empty_hair_is_no_work_and_no_failure( void** state )
+{
+    (void)state;
+    const int none[] = { 0, 0, 0 };
+    for ( int strands = 0; strands <= 3; strands += 3 )
+    {
+        hair_groom groom = hair_groom_from( 3, strands, none, &( wisp_vec3 ){ 0, 0, 0 } );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        for ( int n = 0; n < 3; ++n )
+        {
+            hair_command( world, entity, def.cursor );
+            hair_step( world );
+            hair_view( world, entity, 0 );
+            assert_int_equal( hair_report( world, entity ).neighbours, 0 );
+            assert_int_equal( hair_report( world, entity ).event, n );
+        }
+        wisp_world_destroy( world );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- the plan ----
+
+typedef struct plan_text
+{
+    char text[8192];
+    size_t length;
+} plan_text;
+
+static void append_line( void* user, const char* line )
+{
+    plan_text* plan = user;
+    int n = snprintf( plan->text + plan->length, sizeof( plan->text ) - plan->length, "%s\n", line );
+    plan->length += n > 0 ? (size_t)n : 0;
+    assert_true( plan->length < sizeof( plan->text ) );
+}
+
+// Does the plan keep the pass? Kept or absent, it is named.
+static bool keeps( wisp_world* world, const char* pass )
+{
+    static plan_text plan;
+    plan.length = 0;
+    assert_int_equal( wisp_world_plan( world, append_line, &plan ), WISP_OK );
+    const char* found = strstr( plan.text, pass );
+    assert_non_null( found );
+    const char* line = found;
+    while ( line > plan.text && line[-1] != '\n' )
+    {
+        --line;
+    }
+    return strncmp( line, "  absent", 8 ) != 0;
+}
+
+static void a_stage_that_is_not_asked_for_does_not_exist( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    for ( int n = 0; n < 16; ++n )
+    {
+        wisp_frozen_hair_def def = hair_no_stages();
+        def.freeze = ( n & 1 ) != 0;
+        def.align = ( n & 2 ) != 0;
+        def.clump = ( n & 4 ) != 0;
+        def.clump_iterations = ( n & 8 ) != 0 ? 0 : 4;
+        const bool clumps = def.clump && def.clump_iterations > 0;
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+
+        // command, start and points are there for any stage
+        assert_int_equal( wisp_world_plan_passes( world ), 3 + def.freeze + def.align + clumps );
+        assert_int_equal( wisp_world_profile( world ).count, 3 + def.freeze + def.align + clumps );
+        assert_true( keeps( world, "frozen_hair.command" ) && keeps( world, "frozen_hair.start" ) );
+        assert_int_equal( keeps( world, "frozen_hair.freeze" ), def.freeze );
+        assert_int_equal( keeps( world, "frozen_hair.align" ), def.align );
+        assert_int_equal( keeps( world, "frozen_hair.clump " ), clumps );
+        assert_false( keeps( world, "climate.stiffness" ) );
+        assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ) > 0, clumps );
+
+        // switched off later, a stage goes away; the plan is made anew once
+        def = hair_freeze_only();
+        uint64_t plans = wisp_world_counter( world, WISP_COUNT_PLANS );
+        hair_set( world, entity, &def );
+        hair_step( world );
+        hair_step( world );
+        assert_int_equal( wisp_world_plan_passes( world ), 4 );
+        assert_true( wisp_world_counter( world, WISP_COUNT_PLANS ) <= plans + 1 );
+        wisp_vec3* fresh = hair_run( NULL, &groom, &def );
+        assert_int_equal( wisp_replay_frozen_hair( world, entity, def.cursor, 0 ), WISP_OK );
+        hair_step( world );
+        assert_true( hair_same_bits( fresh, hair_view( world, entity, 200 ), 200 ) );
+        free( fresh );
+        wisp_world_destroy( world );
+    }
+    hair_groom_destroy( &groom );
+}
+
+static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    wisp_world* world = hair_world_create( NULL );
+    assert_int_equal( wisp_world_plan_passes( world ), 0 );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    assert_int_equal( wisp_world_plan_passes( world ), 6 );
+    assert_int_equal( wisp_unwant( world, entity, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( world ), 0 );
+    hair_step( world );
+    assert_int_equal( wisp_world_profile( world ).count, 0 );
+    assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ), 0 );
+
+    // asked again, the command that waited is answered
+    assert_int_equal( wisp_want( world, entity, WISP_STRAND_POINTS ), WISP_OK );
+    hair_step( world );
+    wisp_vec3* alone = hair_run( NULL, &groom, &def );
+    assert_true( hair_same_bits( alone, hair_view( world, entity, 200 ), 200 ) );
+    free( alone );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+// ---- memory ----
+
+typedef struct counting_memory
+{
+    atomic_llong live;  // bytes
+    atomic_int asked;   // allocations so far
+    atomic_int refuses; // the allocations after so many fail; below 0: none does
+} counting_memory;
+
+static void* count_allocation( void* user, size_t size, size_t alignment )
+{
+    counting_memory* memory = user;
+    int number = atomic_fetch_add( &memory->asked, 1 ), refuses = atomic_load( &memory->refuses );
+    if ( refuses >= 0 && number >= refuses )
+    {
+        return NULL;
+    }
+    atomic_fetch_add( &memory->live, (long long)size );
+    return aligned_alloc( alignment, ( size + alignment - 1 ) / alignment * alignment );
+}
+
+static void count_release( void* user, void* block, size_t size )
+{
+    counting_memory* memory = user;
+    atomic_fetch_sub( &memory->live, block != NULL ? (long long)size : 0 );
+    free( block );
+}
+
+static hair_host counted_host( counting_memory* memory, int workers )
+{
+    atomic_init( &memory->live, 0 );
+    atomic_init( &memory->asked, 0 );
+    atomic_init( &memory->refuses, -1 );
+    return ( hair_host ){ .workers = workers, .allocator = { count_allocation, count_release, memory } };
+}
+
+static void replay( wisp_world* world, wisp_entity entity, int event )
+{
+    assert_int_equal( wisp_replay_frozen_hair( world, entity, ( wisp_vec3 ){ 0.05f, -0.1f, 0.0f }, (uint64_t)event ),
+                      WISP_OK );
+    hair_step( world );
+}
+
+static void a_warm_step_allocates_nothing( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        counting_memory memory;
+        const hair_host host = counted_host( &memory, 1 + n % 2 );
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2, 300, 20, 0.004f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.clump_step = 0.003f; // lists are searched again
+        wisp_world* world = hair_world_create( &host );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        for ( int warm = 0; warm < 2; ++warm )
+        {
+            replay( world, entity, 0 );
+            replay( world, entity, 1 );
+        }
+        int asked = atomic_load( &memory.asked );
+        long long live = atomic_load( &memory.live );
+        for ( int step = 0; step < 8; ++step )
+        {
+            replay( world, entity, step % 2 );
+            hair_step( world );
+        }
+        assert_int_equal( atomic_load( &memory.asked ), asked );
+        assert_int_equal( atomic_load( &memory.live ), live );
+        wisp_world_destroy( world );
+        assert_int_equal( atomic_load( &memory.live ), 0 );
+        hair_groom_destroy( &groom );
+    }
+}
+
+static void memory_is_counted_and_a_vertex_costs_little( void** state )
+{
+    (void)state;
+    const int strands[] = { 100, 1000, 5000 };
+    for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
+    {
+        counting_memory memory;
+        const hair_host host = counted_host( &memory, 1 );
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2, strands[n / 2], 20, 0.004f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.clump = n % 2 == 1;
+        wisp_world* world = hair_world_create( &host );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+        assert_int_equal( wisp_world_memory( world ), atomic_load( &memory.live ) );
+        double bytes = (double)wisp_world_memory( world ) / groom.vertex_count;
+        double pairs = (double)hair_report( world, entity ).neighbours / groom.vertex_count;
+        print_message( "           %6d vertices %s: %.0f bytes a vertex, %.1f neighbours\n", groom.vertex_count,
+                       def.clump ? "with clumps" : "no clumps  ", bytes, pairs );
+
+        // rest, position and points are 36 bytes; a clumped vertex has some twenty numbers of its own, and a list
+        // that is stored twice and grows by quarters; a world has its tables, which many vertices share
+        double fixed = 200000.0 / groom.vertex_count;
+        assert_true( bytes < fixed + ( def.clump ? 500.0 + 40.0 * pairs : 60.0 ) );
+        wisp_world_destroy( world );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Every allocation fails in its turn: the call that needed it says so, and nothing is broken afterwards.
+static void short_memory_is_a_status_and_the_world_goes_on( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 60, 12, 0.004f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    wisp_vec3* expected = hair_run( NULL, &groom, &def );
+    counting_memory memory;
+    bool complete = false;
+    int failures = 0;
+    for ( int allowed = 0; complete == false; ++allowed )
+    {
+        const hair_host host = counted_host( &memory, 1 );
+        wisp_world* world = hair_world_create( &host );
+        wisp_entity entity = hair_add( world, &groom );
+        atomic_store( &memory.refuses, atomic_load( &memory.asked ) + allowed );
+        wisp_status set = wisp_set_frozen_hair( world, entity, &def );
+        wisp_status step = wisp_world_step( world, 0.01f );
+        assert_true( set == WISP_OK || set == WISP_NO_MEMORY );
+        assert_true( step == WISP_OK || step == WISP_NO_MEMORY );
+        complete = set == WISP_OK && step == WISP_OK;
+        failures += complete ? 0 : 1;
+        assert_true( complete || strlen( wisp_world_message( world ) ) > 0 );
+
+        atomic_store( &memory.refuses, -1 );
+        hair_set( world, entity, &def );
+        assert_int_equal( wisp_replay_frozen_hair( world, entity, def.cursor, 0 ), WISP_OK );
+        hair_step( world );
+        assert_true( hair_same_bits( expected, hair_view( world, entity, groom.vertex_count ), groom.vertex_count ) );
+        wisp_world_destroy( world );
+        assert_int_equal( atomic_load( &memory.live ), 0 );
+    }
+    assert_true( failures > 5 );
+    free( expected );
+    hair_groom_destroy( &groom );
+}
+
+// ---- snapshots ----
+
+static void a_restored_snapshot_repeats_what_followed( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.base = WISP_BASE_PREVIOUS;
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    wisp_vec3* first = hair_points( world, entity, 600 );
+    size_t size = wisp_world_snapshot_size( world );
+    void* snapshot = malloc( size );
+    assert_non_null( snapshot );
+    assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
+    hair_command( world, entity, def.cursor );
+    hair_step( world );
+    wisp_vec3* second = hair_points( world, entity, 600 );
+    uint64_t hash = wisp_world_hash( world );
+
+    assert_int_equal( wisp_world_restore( world, snapshot, size ), WISP_OK );
+    assert_true( hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) );
+    hair_command( world, entity, def.cursor );
+    hair_step( world );
+    assert_true( hair_same_bits( second, hair_view( world, entity, 600 ), 600 ) );
+    assert_int_equal( wisp_world_hash( world ), hash );
+    free( first );
+    free( second );
+    free( snapshot );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+// Going back in time is no command: the step after a restore leaves the look that was restored.
+static void a_step_after_a_restore_changes_nothing( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    for ( int base = WISP_BASE_REST; base <= WISP_BASE_PREVIOUS; ++base )
+    {
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.base = (wisp_frozen_base)base;
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+        wisp_vec3* first = hair_points( world, entity, 600 );
+        size_t size = wisp_world_snapshot_size( world );
+        void* snapshot = malloc( size );
+        assert_non_null( snapshot );
+        assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
+        hair_command( world, entity, def.cursor );
+        hair_step( world );
+        assert_int_equal( wisp_world_restore( world, snapshot, size ), WISP_OK );
+        hair_step( world );
+        if ( !hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) )
+        {
+            fail_msg( "base %s: the look changed without a command", base == WISP_BASE_REST ? "rest" : "previous" );
+        }
+        free( first );
+        free( snapshot );
+        wisp_world_destroy( world );
+    }
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( two_grooms_in_a_world_are_what_each_is_alone ),
+        cmocka_unit_test( fifty_small_grooms_are_what_each_is_alone_for_any_workers ),
+        cmocka_unit_test( an_instance_shares_the_rest_shape_and_lives_its_own_life ),
+        cmocka_unit_test( empty_hair_is_no_work_and_no_failure ),
+        cmocka_unit_test( a_stage_that_is_not_asked_for_does_not_exist ),
+        cmocka_unit_test( a_scene_that_asks_for_nothing_has_no_passes ),
+        cmocka_unit_test( a_warm_step_allocates_nothing ),
+        cmocka_unit_test( memory_is_counted_and_a_vertex_costs_little ),
+        cmocka_unit_test( short_memory_is_a_status_and_the_world_goes_on ),
+        cmocka_unit_test( a_restored_snapshot_repeats_what_followed ),
+        cmocka_unit_test( a_step_after_a_restore_changes_nothing ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
