@@ -46,7 +46,7 @@ typedef struct store
     int entity_capacity;
     uint64_t watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
     uint64_t writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
-    uint64_t passes; // hash of the passes' names in order: what the bits mean
+    uint64_t passes;                         // hash of the passes' names in order: what the bits mean
     uint32_t structure;                      // grows whenever an entity, a component or a wish comes or goes
 } store;
 

@@ -75,7 +75,8 @@ typedef wisp_status fixture_writer( FILE* out, const wisp_groom* groom, const ch
 /// What a writer writes.
 /// @return zero-terminated, for free()
 /// Not inlined: gcc 12 would take the stream's buffer for the local that held its address.
-__attribute__( ( noinline, unused ) ) static char* fixture_written( fixture_writer* write, const wisp_groom* groom, size_t* size )
+__attribute__( ( noinline, unused ) ) static char* fixture_written( fixture_writer* write, const wisp_groom* groom,
+                                                                    size_t* size )
 {
     char* text = NULL;
     size_t length = 0;

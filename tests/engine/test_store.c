@@ -83,8 +83,9 @@ static void a_component_declared_with_another_shape_is_refused( void** state )
 static void a_component_of_too_many_columns_is_refused( void** state )
 {
     fixture* f = *state;
-    wisp_column_def columns[STORE_MAX_COLUMNS + 1];
-    char names[STORE_MAX_COLUMNS + 1][16];
+    // static: the store keeps the descriptors until it is torn down
+    static wisp_column_def columns[STORE_MAX_COLUMNS + 1];
+    static char names[STORE_MAX_COLUMNS + 1][16];
     for ( int i = 0; i < WISP_COUNT( columns ); ++i )
     {
         snprintf( names[i], sizeof( names[i] ), "c%d", i );
@@ -101,7 +102,7 @@ static void a_component_of_too_many_columns_is_refused( void** state )
 static void one_component_too_many_is_refused( void** state )
 {
     fixture* f = *state;
-    char names[STORE_MAX_COMPONENTS][24];
+    static char names[STORE_MAX_COMPONENTS][24]; // the store keeps them until it is torn down
     for ( int i = COMPONENT_END; i <= STORE_MAX_COMPONENTS; ++i )
     {
         snprintf( names[i - 1], sizeof( names[0] ), "test.%d", i );
