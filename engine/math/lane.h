@@ -86,6 +86,29 @@
 #include "lane_plain.h"
 #endif
 
+// Backends without wide shuffles transpose through memory.
+#if !defined( LANE_TRANSPOSES_IN_REGISTERS )
+LANE_INLINE void lane8i_transpose( lane8i rows[8] )
+{
+    int32_t from[8][8], to[8][8];
+    for ( int l = 0; l < 8; ++l )
+    {
+        lane8i_storeu( from[l], rows[l] );
+    }
+    for ( int l = 0; l < 8; ++l )
+    {
+        for ( int k = 0; k < 8; ++k )
+        {
+            to[k][l] = from[l][k];
+        }
+    }
+    for ( int l = 0; l < 8; ++l )
+    {
+        rows[l] = lane8i_loadu( to[l] );
+    }
+}
+#endif
+
 #define LANE_P lane8
 #define LANE_COUNT 8
 #include "lane_derived.h"

@@ -185,27 +185,6 @@ LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
     return count;
 }
 
-// Row l and lane k change places, through memory.
-LANE_INLINE void lane8i_transpose( lane8i rows[8] )
-{
-    int32_t from[8][8], to[8][8];
-    for ( int l = 0; l < 8; ++l )
-    {
-        lane8i_storeu( from[l], rows[l] );
-    }
-    for ( int l = 0; l < 8; ++l )
-    {
-        for ( int k = 0; k < 8; ++k )
-        {
-            to[k][l] = from[l][k];
-        }
-    }
-    for ( int l = 0; l < 8; ++l )
-    {
-        rows[l] = lane8i_loadu( to[l] );
-    }
-}
-
 #define LANE_WIDE lane16
 #define LANE_HALF lane8
 #define LANE_HALF_COUNT 8

@@ -213,6 +213,7 @@ LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, la
 }
 
 // Row l and lane k change places.
+#define LANE_TRANSPOSES_IN_REGISTERS
 LANE_INLINE void lane8i_transpose( lane8i rows[8] )
 {
     lane8i pairs[8], fours[8];

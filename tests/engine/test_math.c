@@ -208,6 +208,26 @@ static void quads_are_loaded_by_index_and_transposed( void** state )
     }
 }
 
+static void rows_and_lanes_change_places( void** state )
+{
+    (void)state;
+    lane8i rows[8];
+    for ( int l = 0; l < 8; ++l )
+    {
+        rows[l] = lane8i_add( lane8i_set1( 100 * l ), lane8i_iota() );
+    }
+    lane8i_transpose( rows );
+    for ( int l = 0; l < 8; ++l )
+    {
+        int32_t got[8];
+        lane8i_storeu( got, rows[l] );
+        for ( int k = 0; k < 8; ++k )
+        {
+            assert_int_equal( got[k], 100 * k + l );
+        }
+    }
+}
+
 static void quads_are_stored_in_lane_order( void** state )
 {
     (void)state;
@@ -537,6 +557,7 @@ int main( void )
         LANE_TESTS( lane8 ),
         LANE_TESTS( lane16 ),
         cmocka_unit_test( quads_are_loaded_by_index_and_transposed ),
+        cmocka_unit_test( rows_and_lanes_change_places ),
         cmocka_unit_test( quads_are_stored_in_lane_order ),
         cmocka_unit_test( compressing_keeps_the_order_of_the_chosen_lanes ),
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),
