@@ -84,14 +84,18 @@ static void run( const char* command )
     read_back( err, result.err );
 }
 
-/// Run the program with its error stream on a terminal; what the terminal got is in result.err.
+/// Run the program with its error stream on a terminal; what the terminal got is in result.err. Some containers have no
+/// terminals to give: then the test is skipped.
 static void run_on_terminal( const char* command )
 {
     char line[1024], *arguments[ARGUMENTS_MAX + 1];
     snprintf( line, sizeof( line ), "%s", command );
     split( line, arguments );
     int near_end, far_end;
-    assert_int_equal( openpty( &near_end, &far_end, NULL, NULL, NULL ), 0 );
+    if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
+    {
+        skip();
+    }
     FILE* out = tmpfile();
     assert_non_null( out );
     pid_t child = fork();
