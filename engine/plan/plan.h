@@ -6,7 +6,6 @@
 #pragma once
 
 #include "jobs.h"
-#include "log.h"
 #include "store.h"
 
 #include "wisp/module.h"
@@ -129,7 +128,6 @@ struct wisp_frame
     plan* plan;
     jobs_pool* pool;
     const wisp_kernels* kernels;
-    const base_log* log;
     uint64_t step;
     int substeps, iterations;
     const plan_block* wave; // of the wave that runs

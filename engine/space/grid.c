@@ -17,20 +17,16 @@ bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, 
     {
         return true;
     }
-    size_t wanted = bytes + bytes / 4; // the next frame may need a little more
-    void* data = base_allocate( allocator, wanted, 64 );
-    if ( data == NULL )
-    {
-        return false;
-    }
-    base_release( allocator, buffer->data, buffer->size );
-    *buffer = ( wisp_buffer ){ data, wanted };
-    return true;
+    base_buffer grown = { buffer->data, buffer->size };
+    // the next frame may need a little more
+    bool enough = base_buffer_reserve( allocator, &grown, bytes + bytes / 4 );
+    *buffer = ( wisp_buffer ){ grown.data, grown.size };
+    return enough;
 }
 
 void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator )
 {
-    base_release( allocator, buffer->data, buffer->size );
+    base_buffer_release( allocator, &( base_buffer ){ buffer->data, buffer->size } );
     *buffer = ( wisp_buffer ){ NULL, 0 };
 }
 

@@ -98,7 +98,6 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.plan = &world->plan;
     world->frame.pool = world->pool;
     world->frame.kernels = kernels;
-    world->frame.log = &world->log;
     world->frame.substeps = def->substeps;
     world->frame.iterations = def->iterations;
     return WISP_OK;

@@ -59,7 +59,6 @@ void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allo
 // One run of the stage.
 typedef struct clump_run
 {
-    wisp_frame* frame;
     const wisp_parallel* parallel;
     const wisp_kernels* kernels;
     const wisp_strand_topology* strands;
@@ -402,7 +401,6 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     wisp_frozen_hair_report* report = wisp_frame_column( frame, span->entity, state->report, 0 );
     clump_run run = {
-        .frame = frame,
         .parallel = wisp_frame_parallel( frame, span ),
         .kernels = wisp_frame_kernels( frame ),
         .strands = t,

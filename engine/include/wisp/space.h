@@ -72,7 +72,7 @@ WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const w
                                             const wisp_neighbour_query* query );
 WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator );
 
-/// Make room, keeping nothing. @return false without memory: the buffer is as it was
+/// Make room; what the buffer held is not promised to stay. @return false without memory: the buffer is as it was
 WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
 WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
 
