@@ -19,6 +19,12 @@ LANE_INLINE lane8v load_entry( const float* quads, const int32_t* entries, bool 
     return q;
 }
 
+// |d|^2. In the plane z would add a zero, which the compiler may not drop on its own: it does not know the zero's sign.
+LANE_INLINE lane8 squared_length( lane8v d, bool planar )
+{
+    return planar ? lane8_add( lane8_mul( d.x, d.x ), lane8_mul( d.y, d.y ) ) : lane8v_dot( d, d );
+}
+
 LANE_INLINE lane8v load_slice( const float* quads, int slice )
 {
     static const int32_t own[WISP_SLICE] = { 0, 4, 8, 12, 16, 20, 24, 28 };
@@ -80,11 +86,14 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
     for ( int k = 0; k < list->length[slice]; ++k )
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, planar ), p );
-        lane8 r = lane8v_length( d );
+        lane8 r = lane8_sqrt( squared_length( d, planar ) );
         lane8 u = lane8_sub( one, lane8_mul( r, inverse_h ) );
         lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
         lane8 pull = lane8_div( lane8_mul( u, u ), lane8_add( r, epsilon ) );
-        sums.force = lane8v_mul_add( sums.force, lane8_select( inside, pull, zero ), d );
+        pull = lane8_select( inside, pull, zero );
+        sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
+        sums.force.y = lane8_mul_add( d.y, pull, sums.force.y );
+        sums.force.z = planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
         sums.nearest = lane8_min( sums.nearest, lane8_select( inside, r, sums.nearest ) );
     }
     return sums;
@@ -155,12 +164,14 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
     for ( int k = 0; k < list->length[slice]; ++k )
     {
         const int32_t* entry = entries + k * WISP_SLICE;
-        lane8 r1 = lane8v_length( lane8v_sub( load_entry( job->tentative, entry, law.planar ), moved ) );
+        lane8v d1 = lane8v_sub( load_entry( job->tentative, entry, law.planar ), moved );
+        lane8 r1 = lane8_sqrt( squared_length( d1, law.planar ) );
         lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( job->current, entry, law.planar ), p ) )
                                     : lane8_load( job->reference_distance + first + (size_t)k * WISP_SLICE );
         lane8 change = law.gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
-        change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : change;
-        change = lane8_min( lane8_max( lane8_mul( change, inverse_h ), zero ), one );
+        change = lane8_mul( change, inverse_h );
+        change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : lane8_max( change, zero );
+        change = lane8_min( change, one );
         lane8 weight = kernel_weight( r0, h, inverse_h );
         sums.weights = lane8_add( sums.weights, weight );
         sums.changes = lane8_mul_add( weight, change, sums.changes );
