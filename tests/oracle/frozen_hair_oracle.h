@@ -6,7 +6,7 @@
 /// Nothing here is optimised: neighbours are searched among all vertices.
 #pragma once
 
-#include "frozen_hair_double3.h"
+#include "double3.h"
 #include "wisp/base.h"
 
 /// How the aligning rotation is spread along a strand (R5).

@@ -1,0 +1,522 @@
+#include "balloon_meshes.h"
+
+#include "constraint_oracle.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+static bool allocate( balloon_mesh* mesh, int vertex_count, int triangle_count )
+{
+    balloon_mesh made = { .vertex_count = vertex_count, .triangle_count = triangle_count };
+    made.positions = calloc( (size_t)vertex_count, sizeof( double3 ) );
+    made.triangles = calloc( 3 * (size_t)triangle_count, sizeof( int ) );
+    if ( made.positions == NULL || made.triangles == NULL )
+    {
+        balloon_mesh_destroy( &made );
+        return false;
+    }
+    *mesh = made;
+    return true;
+}
+
+static bool from_lists( balloon_mesh* mesh, int vertex_count, const double3* positions, double scale,
+                        int triangle_count, const int* triangles )
+{
+    if ( !allocate( mesh, vertex_count, triangle_count ) )
+    {
+        return false;
+    }
+    for ( int i = 0; i < vertex_count; ++i )
+    {
+        mesh->positions[i] = double3_scale( scale, positions[i] );
+    }
+    memcpy( mesh->triangles, triangles, 3 * (size_t)triangle_count * sizeof( int ) );
+    return true;
+}
+
+void balloon_mesh_destroy( balloon_mesh* mesh )
+{
+    free( mesh->positions );
+    free( mesh->triangles );
+    *mesh = ( balloon_mesh ){ 0 };
+}
+
+bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge )
+{
+    double h = 0.5 * sqrt( 3.0 );
+    const double3 positions[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0.5, h, 0 }, { 0.5, -h, 0 } };
+    const int triangles[] = { 0, 1, 2, 1, 0, 3 };
+    return from_lists( mesh, 4, positions, edge, 2, triangles );
+}
+
+bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge )
+{
+    const double3 positions[] = { { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 } };
+    const int triangles[] = { 0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2 };
+    return from_lists( mesh, 4, positions, edge / sqrt( 8.0 ), 4, triangles );
+}
+
+bool balloon_mesh_cube( balloon_mesh* mesh, double edge )
+{
+    const double3 positions[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 },
+                                  { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 }, { 0, 1, 1 } };
+    const int triangles[] = { 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                              1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7 };
+    return from_lists( mesh, 8, positions, edge, 12, triangles );
+}
+
+bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge )
+{
+    double r = 1.0 / sqrt( 3.0 ), h = sqrt( 2.0 / 3.0 );
+    const double3 positions[] = {
+        { r, 0, 0 }, { -0.5 * r, 0.5, 0 }, { -0.5 * r, -0.5, 0 }, { 0, 0, h }, { 0, 0, -h }
+    };
+    const int triangles[] = { 0, 1, 3, 1, 2, 3, 2, 0, 3, 1, 0, 4, 2, 1, 4, 0, 2, 4 };
+    return from_lists( mesh, 5, positions, edge, 6, triangles );
+}
+
+static bool icosahedron( balloon_mesh* mesh, double radius )
+{
+    double g = 0.5 * ( 1.0 + sqrt( 5.0 ) );
+    const double3 positions[] = { { -1, g, 0 }, { 1, g, 0 }, { -1, -g, 0 }, { 1, -g, 0 },
+                                  { 0, -1, g }, { 0, 1, g }, { 0, -1, -g }, { 0, 1, -g },
+                                  { g, 0, -1 }, { g, 0, 1 }, { -g, 0, -1 }, { -g, 0, 1 } };
+    const int triangles[] = { 0, 11, 5,  0, 5,  1, 0, 1, 7, 0, 7,  10, 0, 10, 11, 1, 5, 9, 5, 11,
+                              4, 11, 10, 2, 10, 7, 6, 7, 1, 8, 3,  9,  4, 3,  4,  2, 3, 2, 6, 3,
+                              6, 8,  3,  8, 9,  4, 9, 5, 2, 4, 11, 6,  2, 10, 8,  6, 7, 9, 8, 1 };
+    return from_lists( mesh, 12, positions, radius / sqrt( 1.0 + g * g ), 20, triangles );
+}
+
+// Every triangle becomes four; the midpoint of edge e becomes vertex vertex_count + e, pushed out to the sphere.
+static bool refine( balloon_mesh* mesh, double radius )
+{
+    balloon_mesh_topology topology;
+    if ( !balloon_mesh_build_topology( mesh, &topology ) )
+    {
+        return false;
+    }
+    balloon_mesh fine;
+    bool made = allocate( &fine, mesh->vertex_count + topology.edge_count, 4 * mesh->triangle_count );
+    if ( made )
+    {
+        memcpy( fine.positions, mesh->positions, (size_t)mesh->vertex_count * sizeof( double3 ) );
+        for ( int e = 0; e < topology.edge_count; ++e )
+        {
+            double3 sum = double3_add( mesh->positions[topology.edges[e].a], mesh->positions[topology.edges[e].b] );
+            fine.positions[mesh->vertex_count + e] = double3_scale( radius / double3_length( sum ), sum );
+        }
+        for ( int t = 0; t < mesh->triangle_count; ++t )
+        {
+            const int* c = mesh->triangles + 3 * t;
+            const int* edge = topology.triangle_edge + 3 * t;
+            int m[3] = { mesh->vertex_count + edge[0], mesh->vertex_count + edge[1], mesh->vertex_count + edge[2] };
+            const int four[12] = { c[0], m[0], m[2], c[1], m[1], m[0], c[2], m[2], m[1], m[0], m[1], m[2] };
+            memcpy( fine.triangles + 12 * t, four, sizeof( four ) );
+        }
+        balloon_mesh_destroy( mesh );
+        *mesh = fine;
+    }
+    balloon_mesh_destroy_topology( &topology );
+    return made;
+}
+
+bool balloon_mesh_icosphere( balloon_mesh* mesh, int level, double radius )
+{
+    balloon_mesh made;
+    if ( !icosahedron( &made, radius ) )
+    {
+        return false;
+    }
+    for ( int n = 0; n < level; ++n )
+    {
+        if ( !refine( &made, radius ) )
+        {
+            balloon_mesh_destroy( &made );
+            return false;
+        }
+    }
+    *mesh = made;
+    return true;
+}
+
+bool balloon_mesh_pear( balloon_mesh* mesh, int level, double radius )
+{
+    if ( !balloon_mesh_icosphere( mesh, level, 1.0 ) )
+    {
+        return false;
+    }
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        double3 p = mesh->positions[i];
+        double swell = 1.0 + 0.25 * p.y + 0.15 * p.x * p.y + 0.1 * p.z - 0.1 * p.x * p.z;
+        mesh->positions[i] = double3_scale( radius * swell, double3_make( 1.2 * p.x, p.y, 0.8 * p.z + 0.1 * p.x ) );
+    }
+    return true;
+}
+
+bool balloon_mesh_torus( balloon_mesh* mesh, int around, int across, double radius, double tube )
+{
+    if ( !allocate( mesh, around * across, 2 * around * across ) )
+    {
+        return false;
+    }
+    for ( int i = 0; i < around; ++i )
+    {
+        for ( int j = 0; j < across; ++j )
+        {
+            double a = 2.0 * pi * i / around, b = 2.0 * pi * j / across, r = radius + tube * cos( b );
+            int next_i = ( i + 1 ) % around * across, next_j = ( j + 1 ) % across, at = i * across;
+            mesh->positions[at + j] = double3_make( r * cos( a ), tube * sin( b ), r * sin( a ) );
+            const int two[6] = { at + j, at + next_j, next_i + j, next_i + j, at + next_j, next_i + next_j };
+            memcpy( mesh->triangles + 6 * ( at + j ), two, sizeof( two ) );
+        }
+    }
+    return true;
+}
+
+bool balloon_mesh_join( balloon_mesh* mesh, const balloon_mesh* a, const balloon_mesh* b, double3 move_b )
+{
+    if ( !allocate( mesh, a->vertex_count + b->vertex_count, a->triangle_count + b->triangle_count ) )
+    {
+        return false;
+    }
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        int j = i - a->vertex_count;
+        mesh->positions[i] = j < 0 ? a->positions[i] : double3_add( b->positions[j], move_b );
+    }
+    for ( int n = 0; n < 3 * mesh->triangle_count; ++n )
+    {
+        int k = n - 3 * a->triangle_count;
+        mesh->triangles[n] = k < 0 ? a->triangles[n] : b->triangles[k] + a->vertex_count;
+    }
+    return true;
+}
+
+int balloon_mesh_farthest( const balloon_mesh* mesh, double3 direction )
+{
+    int farthest = 0;
+    for ( int i = 1; i < mesh->vertex_count; ++i )
+    {
+        double here = double3_dot( mesh->positions[i], direction );
+        farthest = here > double3_dot( mesh->positions[farthest], direction ) ? i : farthest;
+    }
+    return farthest;
+}
+
+// What a mesh says about itself.
+
+typedef struct half_edge
+{
+    int low, high, triangle, corner;
+} half_edge;
+
+static int compare_half_edges( const void* left, const void* right )
+{
+    const half_edge *a = left, *b = right;
+    if ( a->low != b->low )
+    {
+        return a->low < b->low ? -1 : 1;
+    }
+    if ( a->high != b->high )
+    {
+        return a->high < b->high ? -1 : 1;
+    }
+    return a->triangle != b->triangle ? ( a->triangle < b->triangle ? -1 : 1 ) : a->corner - b->corner;
+}
+
+static half_edge half_edge_of( const balloon_mesh* mesh, int triangle, int corner )
+{
+    int from = mesh->triangles[3 * triangle + corner], to = mesh->triangles[3 * triangle + ( corner + 1 ) % 3];
+    half_edge half = { from < to ? from : to, from < to ? to : from, triangle, corner };
+    return half;
+}
+
+static void add_use( const balloon_mesh* mesh, half_edge half, balloon_mesh_edge* edge )
+{
+    if ( edge->uses < 2 )
+    {
+        edge->triangle[edge->uses] = half.triangle;
+        edge->opposite[edge->uses] = mesh->triangles[3 * half.triangle + ( half.corner + 2 ) % 3];
+    }
+    edge->uses += 1;
+    edge->ascending += mesh->triangles[3 * half.triangle + half.corner] == half.low ? 1 : 0;
+}
+
+static void count_faults( balloon_mesh_topology* topology )
+{
+    for ( int e = 0; e < topology->edge_count; ++e )
+    {
+        const balloon_mesh_edge* edge = topology->edges + e;
+        topology->border_count += edge->uses == 1 ? 1 : 0;
+        topology->crossed_count += edge->uses == 2 && edge->ascending != 1 ? 1 : 0;
+        topology->crowded_count += edge->uses > 2 ? 1 : 0;
+    }
+}
+
+// Shells by repeated sweeps: a triangle takes the lowest number that it sees across an edge, until nothing changes.
+static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topology )
+{
+    int* shell = topology->triangle_shell;
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        shell[t] = t;
+    }
+    for ( bool changed = true; changed; )
+    {
+        changed = false;
+        for ( int e = 0; e < topology->edge_count; ++e )
+        {
+            int s = topology->edges[e].triangle[0], t = topology->edges[e].triangle[1];
+            if ( t >= 0 && shell[s] != shell[t] )
+            {
+                shell[s] = shell[t] = shell[s] < shell[t] ? shell[s] : shell[t];
+                changed = true;
+            }
+        }
+    }
+    // the lowest triangle of a shell has named it and comes first, so its name can be replaced by a running number
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        shell[t] = shell[t] == t ? topology->shell_count++ : shell[shell[t]];
+    }
+}
+
+bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topology* topology )
+{
+    size_t count = 3 * (size_t)mesh->triangle_count;
+    half_edge* halves = calloc( count + 1, sizeof( half_edge ) );
+    balloon_mesh_topology made = { .edges = calloc( count + 1, sizeof( balloon_mesh_edge ) ),
+                                   .triangle_edge = calloc( count + 1, sizeof( int ) ),
+                                   .triangle_shell = calloc( count + 1, sizeof( int ) ) };
+    if ( halves == NULL || made.edges == NULL || made.triangle_edge == NULL || made.triangle_shell == NULL )
+    {
+        free( halves );
+        balloon_mesh_destroy_topology( &made );
+        return false;
+    }
+    for ( int n = 0; n < 3 * mesh->triangle_count; ++n )
+    {
+        halves[n] = half_edge_of( mesh, n / 3, n % 3 );
+    }
+    qsort( halves, count, sizeof( half_edge ), compare_half_edges );
+    for ( size_t n = 0; n < count; ++n )
+    {
+        half_edge half = halves[n];
+        if ( n == 0 || half.low != halves[n - 1].low || half.high != halves[n - 1].high )
+        {
+            made.edges[made.edge_count++] = ( balloon_mesh_edge ){
+                .a = half.low, .b = half.high, .triangle = { -1, -1 }, .opposite = { -1, -1 }
+            };
+        }
+        add_use( mesh, half, made.edges + made.edge_count - 1 );
+        made.triangle_edge[3 * half.triangle + half.corner] = made.edge_count - 1;
+    }
+    free( halves );
+    count_faults( &made );
+    number_shells( mesh, &made );
+    *topology = made;
+    return true;
+}
+
+void balloon_mesh_destroy_topology( balloon_mesh_topology* topology )
+{
+    free( topology->edges );
+    free( topology->triangle_edge );
+    free( topology->triangle_shell );
+    *topology = ( balloon_mesh_topology ){ 0 };
+}
+
+int balloon_mesh_structural_pairs( const balloon_mesh_topology* topology, int* pairs )
+{
+    for ( int e = 0; e < topology->edge_count; ++e )
+    {
+        pairs[2 * e] = topology->edges[e].a;
+        pairs[2 * e + 1] = topology->edges[e].b;
+    }
+    return topology->edge_count;
+}
+
+int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs )
+{
+    int count = 0;
+    for ( int e = 0; e < topology->edge_count; ++e )
+    {
+        if ( topology->edges[e].uses == 2 )
+        {
+            pairs[2 * count] = topology->edges[e].opposite[0];
+            pairs[2 * count + 1] = topology->edges[e].opposite[1];
+            count += 1;
+        }
+    }
+    return count;
+}
+
+// Flood fill: turn[t] becomes 1 or -1 relative to the first triangle of its shell; 0 means not reached yet.
+static void fill_turns( const balloon_mesh_topology* topology, int first, int* turn )
+{
+    turn[first] = 1;
+    for ( bool changed = true; changed; )
+    {
+        changed = false;
+        for ( int e = 0; e < topology->edge_count; ++e )
+        {
+            const balloon_mesh_edge* edge = topology->edges + e;
+            int s = edge->triangle[0], t = edge->triangle[1], relation = edge->ascending == 1 ? 1 : -1;
+            if ( edge->uses == 2 && ( turn[s] == 0 ) != ( turn[t] == 0 ) )
+            {
+                *( turn[s] == 0 ? turn + s : turn + t ) = relation * ( turn[s] + turn[t] );
+                changed = true;
+            }
+        }
+    }
+}
+
+static bool turns_agree( const balloon_mesh_topology* topology, const int* turn )
+{
+    for ( int e = 0; e < topology->edge_count; ++e )
+    {
+        const balloon_mesh_edge* edge = topology->edges + e;
+        int relation = edge->ascending == 1 ? 1 : -1;
+        if ( edge->uses == 2 && turn[edge->triangle[0]] * turn[edge->triangle[1]] != relation )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool shell_is_closed( const balloon_mesh_topology* topology, int shell )
+{
+    for ( int e = 0; e < topology->edge_count; ++e )
+    {
+        const balloon_mesh_edge* edge = topology->edges + e;
+        if ( edge->uses == 1 && topology->triangle_shell[edge->triangle[0]] == shell )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Turn a shell inside out when its volume, with the turns found so far, is negative.
+static void face_outwards( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int shell, int* turn )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        bool here = topology->triangle_shell[t] == shell;
+        sum += here ? turn[t] * constraint_oracle_volume_sum( mesh->positions, mesh->triangles + 3 * t, 1 ) : 0.0;
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        turn[t] = topology->triangle_shell[t] == shell && sum < 0.0 ? -turn[t] : turn[t];
+    }
+}
+
+bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped )
+{
+    balloon_mesh_topology topology;
+    if ( !balloon_mesh_build_topology( mesh, &topology ) )
+    {
+        return false;
+    }
+    int* turn = calloc( (size_t)mesh->triangle_count + 1, sizeof( int ) );
+    for ( int t = 0; turn != NULL && t < mesh->triangle_count; ++t )
+    {
+        if ( turn[t] == 0 )
+        {
+            fill_turns( &topology, t, turn );
+        }
+    }
+    bool sound = turn != NULL && turns_agree( &topology, turn );
+    for ( int shell = 0; sound && shell < topology.shell_count; ++shell )
+    {
+        if ( shell_is_closed( &topology, shell ) )
+        {
+            face_outwards( mesh, &topology, shell, turn );
+        }
+    }
+    *flipped = 0;
+    for ( int t = 0; sound && t < mesh->triangle_count; ++t )
+    {
+        if ( turn[t] < 0 )
+        {
+            int* corner = mesh->triangles + 3 * t;
+            int kept = corner[1];
+            corner[1] = corner[2];
+            corner[2] = kept;
+            *flipped += 1;
+        }
+    }
+    free( turn );
+    balloon_mesh_destroy_topology( &topology );
+    return sound;
+}
+
+// next[v] is where the border goes on from v, against the direction of the triangle that has the border edge.
+static bool link_border( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int* next )
+{
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        next[v] = -1;
+    }
+    for ( int n = 0; n < 3 * mesh->triangle_count; ++n )
+    {
+        int from = mesh->triangles[n], to = mesh->triangles[n - n % 3 + ( n + 1 ) % 3];
+        if ( topology->edges[topology->triangle_edge[n]].uses == 1 )
+        {
+            if ( next[to] >= 0 )
+            {
+                return false;
+            }
+            next[to] = from;
+        }
+    }
+    return true;
+}
+
+static bool cap_loop( const balloon_mesh* mesh, int start, int* next, double* volume )
+{
+    double3 origin = mesh->positions[mesh->triangles[0]], middle = { 0.0, 0.0, 0.0 };
+    int count = 0;
+    for ( int v = start; count == 0 || v != start; v = next[v], ++count )
+    {
+        if ( next[v] < 0 || count > mesh->vertex_count )
+        {
+            return false;
+        }
+        middle = double3_add( middle, double3_sub( mesh->positions[v], origin ) );
+    }
+    middle = double3_scale( 1.0 / count, middle );
+    for ( int v = start; next[v] >= 0; )
+    {
+        int after = next[v];
+        double3 a = double3_sub( mesh->positions[v], origin ), b = double3_sub( mesh->positions[after], origin );
+        *volume += double3_dot( double3_cross( a, b ), middle ) / 6.0;
+        next[v] = -1;
+        v = after;
+    }
+    return true;
+}
+
+bool balloon_mesh_capped_volume( const balloon_mesh* mesh, double* volume )
+{
+    balloon_mesh_topology topology;
+    if ( !balloon_mesh_build_topology( mesh, &topology ) )
+    {
+        return false;
+    }
+    int* next = calloc( (size_t)mesh->vertex_count + 1, sizeof( int ) );
+    bool sound = next != NULL && link_border( mesh, &topology, next );
+    *volume = constraint_oracle_volume( mesh->positions, mesh->triangles, mesh->triangle_count );
+    for ( int v = 0; sound && v < mesh->vertex_count; ++v )
+    {
+        sound = next[v] < 0 || cap_loop( mesh, v, next, volume );
+    }
+    free( next );
+    balloon_mesh_destroy_topology( &topology );
+    return sound;
+}

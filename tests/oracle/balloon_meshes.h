@@ -1,0 +1,91 @@
+/// Small meshes for the tests of cloth and balloons, made from scratch, and what a mesh says about itself: its edges,
+/// its bend pairs, and what is wrong with it. Triangles are counter-clockwise seen from outside.
+#pragma once
+
+#include "double3.h"
+
+#include <stdbool.h>
+
+typedef struct balloon_mesh
+{
+    int vertex_count, triangle_count;
+    double3* positions; ///< [vertex_count], m
+    int* triangles;     ///< [3 * triangle_count]
+} balloon_mesh;
+
+// Makers. Each returns false when memory runs out; then nothing needs to be destroyed.
+
+bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge ); ///< open, equilateral, flat, share the edge 0 1
+bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge );   ///< regular, V = edge^3 / (6 sqrt 2)
+bool balloon_mesh_cube( balloon_mesh* mesh, double edge );          ///< twelve triangles, a corner at the origin
+
+/// Two tetrahedra on a common triangle that is no face: the edges of that triangle have three common neighbours
+/// (A10).
+bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge );
+
+/// 20 * 4^level triangles, vertices on the sphere.
+bool balloon_mesh_icosphere( balloon_mesh* mesh, int level, double radius );
+
+/// An icosphere drawn out to one side and dented: closed, genus 0, no symmetry. Stands for the scanned figure of the
+/// source.
+bool balloon_mesh_pear( balloon_mesh* mesh, int level, double radius );
+
+/// A torus about the y axis, genus 1: around * across * 2 triangles.
+bool balloon_mesh_torus( balloon_mesh* mesh, int around, int across, double radius, double tube );
+
+/// Both meshes in one, the second moved.
+bool balloon_mesh_join( balloon_mesh* mesh, const balloon_mesh* a, const balloon_mesh* b, double3 move_b );
+
+void balloon_mesh_destroy( balloon_mesh* mesh );
+
+/// The index of the vertex farthest along a direction, the lowest of equals.
+int balloon_mesh_farthest( const balloon_mesh* mesh, double3 direction );
+
+/// One edge, with what is across it.
+typedef struct balloon_mesh_edge
+{
+    int a, b;        ///< a < b
+    int uses;        ///< triangles that have it: 1 border, 2 interior, more than 2 non-manifold
+    int ascending;   ///< of those, how many run from a to b; 1 of 2 when winding is consistent
+    int triangle[2]; ///< the first two, in ascending order; -1 when there is none
+    int opposite[2]; ///< their third vertices; -1 when there is none
+} balloon_mesh_edge;
+
+/// The edges of a mesh in ascending order of (a, b), and counts of what section 9 of the method refuses.
+typedef struct balloon_mesh_topology
+{
+    int edge_count;
+    balloon_mesh_edge* edges;
+    int* triangle_edge;  ///< [3 * triangle_count], the edge from corner k to k + 1
+    int* triangle_shell; ///< [triangle_count], which connected piece
+    int shell_count;     ///< pieces connected through edges
+    int border_count;    ///< edges with one triangle: the mesh is open
+    int crossed_count;   ///< interior edges that both triangles run along in the same direction
+    int crowded_count;   ///< edges with more than two triangles
+} balloon_mesh_topology;
+
+/// @return false when memory runs out; then nothing needs to be destroyed
+bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topology* topology );
+
+void balloon_mesh_destroy_topology( balloon_mesh_topology* topology );
+
+/// Structural springs: every edge once.
+/// @param pairs receives [2 * edge_count]
+/// @return number of pairs
+int balloon_mesh_structural_pairs( const balloon_mesh_topology* topology, int* pairs );
+
+/// Bend springs: the two vertices across every edge of exactly two faces (A10: from the faces, not from common
+/// neighbours).
+/// @param pairs receives at most [2 * edge_count]
+/// @return number of pairs
+int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs );
+
+/// Repair inconsistent winding by flood fill from the first triangle of each shell, then turn each closed shell whose
+/// volume is negative inside out.
+/// @param flipped receives the number of triangles that changed
+/// @return false when a shell has no consistent winding (one-sided), or when memory runs out
+bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped );
+
+/// Volume with every hole closed by a fan around the mean of its border vertices (`allow_open`).
+/// @return false when a border is not a set of simple loops, or when memory runs out
+bool balloon_mesh_capped_volume( const balloon_mesh* mesh, double* volume );

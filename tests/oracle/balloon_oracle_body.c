@@ -1,0 +1,652 @@
+#include "balloon_oracle.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double3 zero = { 0.0, 0.0, 0.0 };
+
+balloon_oracle_options balloon_oracle_default_options( void )
+{
+    balloon_oracle_options options = {
+        .dt = 1.0 / 60.0,
+        .substeps = 10,
+        .iterations = 2,
+        .volume = BALLOON_ORACLE_VOLUME_XPBD,
+        .pressure = BALLOON_ORACLE_PRESSURE_VIRIAL,
+        .drag = BALLOON_ORACLE_DRAG_MAX,
+        .spin = BALLOON_ORACLE_SPIN_KICK,
+        .use_gravity = true,
+        .use_buoyancy = true,
+        .use_drag = true,
+        .use_jet = true,
+        .limit_drag = true,
+        .gravity = { 0.0, -9.8, 0.0 },
+        .atmosphere = 101325.0,
+        .temperature = 293.15,
+        .drag_coefficient = 0.5,
+        .outlet_area = 1e-4,
+        .structural_k = 0.9,
+        .bend_k = 0.1,
+        .volume_k = 1.0,
+        .structural_stiffness = 2000.0,
+        .bend_stiffness = 20.0,
+        .close_at = 1e-4,
+        .open_at = 5e-4,
+        .least_volume = 1.0,
+    };
+    return options;
+}
+
+// What the method cannot take. The oracle links nothing of the engine, so it writes its own sentences.
+
+static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
+
+static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
+{
+    if ( error != NULL )
+    {
+        va_list arguments;
+        va_start( arguments, format );
+        error->status = status;
+        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        va_end( arguments );
+    }
+    return status;
+}
+
+static bool is_within( double value, double low, double high )
+{
+    return value >= low && value <= high; // false for a NaN
+}
+
+static bool is_coordinate( double3 p )
+{
+    return is_within( p.x, -1e6, 1e6 ) && is_within( p.y, -1e6, 1e6 ) && is_within( p.z, -1e6, 1e6 );
+}
+
+static wisp_status check_options( const balloon_oracle_options* o, wisp_error* error )
+{
+    const struct
+    {
+        const char* name;
+        double value, low, high;
+    } limits[] = {
+        { "dt", o->dt, 1e-9, 1e3 },
+        { "substeps", o->substeps, 1.0, 1e6 },
+        { "iterations", o->iterations, 1.0, 1e6 },
+        { "gravity", double3_length( o->gravity ), 0.0, 1e6 },
+        { "atmosphere", o->atmosphere, 1e-3, 1e12 },
+        { "temperature", o->temperature, 1e-3, 1e6 },
+        { "drag coefficient", o->drag_coefficient, 0.0, 1e6 },
+        { "outlet area", o->outlet_area, 0.0, 1e6 },
+        { "structural k", o->structural_k, 1e-12, 1.0 },
+        { "bend k", o->bend_k, 0.0, 1.0 },
+        { "volume k", o->volume_k, 0.0, 1.0 },
+        { "structural stiffness", o->structural_stiffness, 1e-12, 1e12 },
+        { "bend stiffness", o->bend_stiffness, 1e-12, 1e12 },
+        { "velocity decay", o->velocity_decay, 0.0, 1e12 },
+        { "close_at", o->close_at, 0.0, o->open_at },
+        { "least volume", o->least_volume, 1e-3, 1.0 },
+        { "inflow", o->inflow, -1e6, 1e6 },
+    };
+    for ( int n = 0; n < WISP_COUNT( limits ); ++n )
+    {
+        if ( !is_within( limits[n].value, limits[n].low, limits[n].high ) )
+        {
+            return refuse( error, WISP_BAD_INPUT, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value,
+                           limits[n].low, limits[n].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_indices( const int* list, int count, int limit, const char* what, wisp_error* error )
+{
+    for ( int n = 0; n < count; ++n )
+    {
+        if ( list[n] < 0 || list[n] >= limit )
+        {
+            return refuse( error, WISP_BAD_INPUT, "index %d of the %s list is %d, must be in [0, %d)", n, what,
+                           list[n], limit );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_vertices( const balloon_oracle_def* def, wisp_error* error )
+{
+    for ( int i = 0; i < def->vertex_count; ++i )
+    {
+        if ( !is_coordinate( def->positions[i] ) )
+        {
+            return refuse( error, WISP_BAD_INPUT, "vertex %d is not finite or beyond 1e6 m", i );
+        }
+    }
+    for ( int i = 0; i < def->vertex_count; ++i )
+    {
+        if ( !is_within( def->mass[i], 1e-12, 1e12 ) )
+        {
+            return refuse( error, WISP_BAD_INPUT, "vertex %d has a mass of %g kg, must be in [1e-12, 1e12]", i,
+                           def->mass[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_edge( const balloon_mesh_edge* edge, wisp_error* error )
+{
+    if ( edge->a == edge->b )
+    {
+        return refuse( error, WISP_BAD_INPUT, "triangle %d has vertex %d twice", edge->triangle[0], edge->a );
+    }
+    if ( edge->uses == 1 )
+    {
+        return refuse( error, WISP_BAD_INPUT, "the mesh is open at edge %d-%d: it has no volume", edge->a, edge->b );
+    }
+    if ( edge->uses > 2 )
+    {
+        return refuse( error, WISP_BAD_INPUT, "edge %d-%d has %d faces, must have two", edge->a, edge->b,
+                       edge->uses );
+    }
+    if ( edge->ascending != 1 )
+    {
+        return refuse( error, WISP_BAD_INPUT, "triangles %d and %d run along edge %d-%d in the same direction",
+                       edge->triangle[0], edge->triangle[1], edge->a, edge->b );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_shell( const balloon_oracle_def* def, wisp_error* error )
+{
+    // the topology reads these two arrays and nothing else, and writes neither
+    balloon_mesh mesh = { .vertex_count = def->vertex_count, .triangle_count = def->triangle_count };
+    mesh.triangles = calloc( 3 * (size_t)def->triangle_count, sizeof( int ) );
+    balloon_mesh_topology topology;
+    if ( mesh.triangles == NULL )
+    {
+        return refuse( error, WISP_NO_MEMORY, "no memory for %d triangles", def->triangle_count );
+    }
+    memcpy( mesh.triangles, def->triangles, 3 * (size_t)def->triangle_count * sizeof( int ) );
+    bool made = balloon_mesh_build_topology( &mesh, &topology );
+    free( mesh.triangles );
+    if ( !made )
+    {
+        return refuse( error, WISP_NO_MEMORY, "no memory for the edges of %d triangles", def->triangle_count );
+    }
+    wisp_status status = WISP_OK;
+    for ( int e = 0; e < topology.edge_count && status == WISP_OK; ++e )
+    {
+        status = check_edge( topology.edges + e, error );
+    }
+    if ( status == WISP_OK && topology.shell_count != 1 )
+    {
+        status = refuse( error, WISP_BAD_INPUT, "the mesh has %d shells, this body takes one", topology.shell_count );
+    }
+    balloon_mesh_destroy_topology( &topology );
+    return status;
+}
+
+static wisp_status check_def( const balloon_oracle_def* def, wisp_error* error )
+{
+    int n = def->vertex_count, m = def->triangle_count;
+    if ( n < 4 || m < 4 || n > 1000000 || m > 1000000 )
+    {
+        return refuse( error, WISP_BAD_INPUT, "%d vertices and %d triangles, a closed mesh has 4 to 1000000 of both",
+                       n, m );
+    }
+    if ( def->structural_count < 0 || def->bend_count < 0 || def->outlet_patch_count < 0 )
+    {
+        return refuse( error, WISP_BAD_INPUT, "a list has a negative count" );
+    }
+    if ( def->structural_count > 10000000 || def->bend_count > 10000000 || def->outlet_patch_count > m )
+    {
+        return refuse( error, WISP_BAD_INPUT, "a list is longer than a mesh of this size can need" );
+    }
+    if ( def->outlet_vertex < -1 || def->outlet_vertex >= n )
+    {
+        return refuse( error, WISP_BAD_INPUT, "outlet vertex is %d, must be in [-1, %d)", def->outlet_vertex, n );
+    }
+    wisp_status status = check_vertices( def, error );
+    const struct
+    {
+        const int* list;
+        int count, limit;
+        const char* what;
+    } lists[] = {
+        { def->triangles, 3 * m, n, "triangle" },
+        { def->structural, 2 * def->structural_count, n, "structural" },
+        { def->bend, 2 * def->bend_count, n, "bend" },
+        { def->outlet_patch, def->outlet_patch_count, m, "outlet patch" },
+    };
+    for ( int k = 0; k < WISP_COUNT( lists ) && status == WISP_OK; ++k )
+    {
+        status = check_indices( lists[k].list, lists[k].count, lists[k].limit, lists[k].what, error );
+    }
+    return status == WISP_OK ? check_shell( def, error ) : status;
+}
+
+// Creation.
+
+static bool allocate( const balloon_oracle_def* def, balloon_oracle* b )
+{
+    size_t n = (size_t)def->vertex_count;
+    double3** vectors[] = { &b->x, &b->p, &b->v, &b->force, &b->normal, &b->gradient };
+    double** numbers[] = { &b->mass, &b->w, &b->area };
+    bool complete = true;
+    for ( int k = 0; k < WISP_COUNT( vectors ); ++k )
+    {
+        *vectors[k] = calloc( n, sizeof( double3 ) );
+        complete = complete && *vectors[k] != NULL;
+    }
+    for ( int k = 0; k < WISP_COUNT( numbers ); ++k )
+    {
+        *numbers[k] = calloc( n, sizeof( double ) );
+        complete = complete && *numbers[k] != NULL;
+    }
+    b->triangles = calloc( 3 * (size_t)def->triangle_count, sizeof( int ) );
+    b->outlet_patch = calloc( (size_t)def->outlet_patch_count + 1, sizeof( int ) );
+    b->structural = calloc( (size_t)def->structural_count + 1, sizeof( balloon_oracle_link ) );
+    b->bend = calloc( (size_t)def->bend_count + 1, sizeof( balloon_oracle_link ) );
+    return complete && b->triangles != NULL && b->outlet_patch != NULL && b->structural != NULL && b->bend != NULL;
+}
+
+void balloon_oracle_destroy( balloon_oracle* b )
+{
+    void* blocks[] = { b->x, b->p,    b->v,         b->force,        b->normal,     b->gradient, b->mass,
+                       b->w, b->area, b->triangles, b->outlet_patch, b->structural, b->bend };
+    for ( int k = 0; k < WISP_COUNT( blocks ); ++k )
+    {
+        free( blocks[k] );
+    }
+    *b = ( balloon_oracle ){ 0 };
+}
+
+static void copy_links( const double3* x, const int* pairs, int count, balloon_oracle_link* links )
+{
+    for ( int e = 0; e < count; ++e )
+    {
+        int a = pairs[2 * e], c = pairs[2 * e + 1];
+        links[e] = ( balloon_oracle_link ){ a, c, double3_distance( x[a], x[c] ), 0.0 };
+    }
+}
+
+static void turn_inside_out( balloon_oracle* b )
+{
+    for ( int t = 0; t < b->triangle_count; ++t )
+    {
+        int* corner = b->triangles + 3 * t;
+        int kept = corner[1];
+        corner[1] = corner[2];
+        corner[2] = kept;
+    }
+}
+
+static void copy_def( const balloon_oracle_def* def, balloon_oracle* b )
+{
+    for ( int i = 0; i < def->vertex_count; ++i )
+    {
+        b->x[i] = b->p[i] = def->positions[i];
+        b->mass[i] = def->mass[i];
+        b->w[i] = def->pinned != NULL && def->pinned[i] ? 0.0 : 1.0 / def->mass[i];
+        b->total_mass += def->mass[i];
+    }
+    memcpy( b->triangles, def->triangles, 3 * (size_t)def->triangle_count * sizeof( int ) );
+    if ( def->outlet_patch_count > 0 )
+    {
+        memcpy( b->outlet_patch, def->outlet_patch, (size_t)def->outlet_patch_count * sizeof( int ) );
+    }
+    copy_links( b->x, def->structural, def->structural_count, b->structural );
+    copy_links( b->x, def->bend, def->bend_count, b->bend );
+}
+
+wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,
+                                   balloon_oracle* out, wisp_error* error )
+{
+    wisp_status status = check_options( options, error );
+    status = status == WISP_OK ? check_def( def, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    balloon_oracle made = { .options = *options,
+                            .vertex_count = def->vertex_count,
+                            .triangle_count = def->triangle_count,
+                            .structural_count = def->structural_count,
+                            .bend_count = def->bend_count,
+                            .outlet_vertex = def->outlet_vertex,
+                            .outlet_patch_count = def->outlet_patch_count,
+                            .q = { 1.0, 0.0, 0.0, 0.0 } };
+    if ( !allocate( def, &made ) )
+    {
+        balloon_oracle_destroy( &made );
+        return refuse( error, WISP_NO_MEMORY, "no memory for a balloon of %d vertices", def->vertex_count );
+    }
+    copy_def( def, &made );
+    made.rest_volume = balloon_oracle_present_volume( &made );
+    if ( made.rest_volume < 0.0 )
+    {
+        turn_inside_out( &made );
+        made.rest_volume = -made.rest_volume;
+    }
+    if ( made.rest_volume == 0.0 )
+    {
+        balloon_oracle_destroy( &made );
+        return refuse( error, WISP_BAD_INPUT, "the mesh encloses no volume" );
+    }
+    made.volume = made.gas_volume = made.rest_volume;
+    made.centre = balloon_oracle_centre( made.x, made.mass, made.vertex_count );
+    *out = made;
+    return WISP_OK;
+}
+
+wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double areal_density, int outlet_vertex,
+                                             const balloon_oracle_options* options, balloon_oracle* out,
+                                             wisp_error* error )
+{
+    wisp_status sound =
+        check_indices( mesh->triangles, 3 * mesh->triangle_count, mesh->vertex_count, "triangle", error );
+    balloon_mesh_topology topology;
+    if ( sound != WISP_OK )
+    {
+        return sound;
+    }
+    if ( !balloon_mesh_build_topology( mesh, &topology ) )
+    {
+        return refuse( error, WISP_NO_MEMORY, "no memory for the edges of %d triangles", mesh->triangle_count );
+    }
+    int* pairs = calloc( 4 * (size_t)topology.edge_count + 1, sizeof( int ) );
+    double* mass = calloc( (size_t)mesh->vertex_count + 1, sizeof( double ) );
+    wisp_status status = WISP_NO_MEMORY;
+    if ( pairs == NULL || mass == NULL )
+    {
+        refuse( error, WISP_NO_MEMORY, "no memory for a mesh of %d vertices", mesh->vertex_count );
+    }
+    else
+    {
+        balloon_oracle_def def = { .vertex_count = mesh->vertex_count,
+                                   .triangle_count = mesh->triangle_count,
+                                   .positions = mesh->positions,
+                                   .mass = mass,
+                                   .triangles = mesh->triangles,
+                                   .structural = pairs,
+                                   .outlet_vertex = outlet_vertex };
+        balloon_oracle_masses( mesh->positions, mesh->vertex_count, mesh->triangles, mesh->triangle_count,
+                               areal_density, mass );
+        def.structural_count = balloon_mesh_structural_pairs( &topology, pairs );
+        def.bend = pairs + 2 * topology.edge_count;
+        def.bend_count = balloon_mesh_bend_pairs( &topology, pairs + 2 * topology.edge_count );
+        status = balloon_oracle_create( &def, options, out, error );
+    }
+    free( pairs );
+    free( mass );
+    balloon_mesh_destroy_topology( &topology );
+    return status;
+}
+
+// Readings.
+
+double balloon_oracle_present_volume( const balloon_oracle* b )
+{
+    return constraint_oracle_volume( b->x, b->triangles, b->triangle_count );
+}
+
+// Section 9: after a collapse Eq. 9 still needs a volume above zero.
+static double usable_volume( const balloon_oracle* b )
+{
+    return fmax( balloon_oracle_present_volume( b ), 1e-3 * b->rest_volume );
+}
+
+double balloon_oracle_gauge( const balloon_oracle* b, balloon_oracle_reading reading )
+{
+    const balloon_oracle_options* o = &b->options;
+    double volume = usable_volume( b ), sum;
+    switch ( reading )
+    {
+        case BALLOON_ORACLE_PRESSURE_GAS:
+            return o->atmosphere * ( b->gas_volume - volume ) / volume;
+        case BALLOON_ORACLE_PRESSURE_MULTIPLIER:
+            return b->h > 0.0 ? b->volume_lambda / ( b->h * b->h ) : 0.0;
+        case BALLOON_ORACLE_PRESSURE_VIRIAL:
+            break;
+    }
+    sum = balloon_oracle_virial( b->x, b->structural, b->structural_count, o->structural_stiffness ) +
+          balloon_oracle_virial( b->x, b->bend, b->bend_count, o->bend_stiffness );
+    return fmax( 0.0, sum / ( 3.0 * volume ) );
+}
+
+// Step 1 of section 4.
+static void measure( balloon_oracle* b )
+{
+    double volume = balloon_oracle_present_volume( b );
+    b->volume = usable_volume( b );
+    b->counters.clamped_volumes += b->volume > volume ? 1 : 0;
+    b->centre = balloon_oracle_centre( b->x, b->mass, b->vertex_count );
+    b->counters.zero_normals +=
+        balloon_oracle_skin( b->x, b->vertex_count, b->triangles, b->triangle_count, b->normal, b->area );
+}
+
+// The outlet's own normal, else the area vector of its patch, else none.
+static double3 find_outlet_normal( const balloon_oracle* b )
+{
+    double3 normal = b->normal[b->outlet_vertex], sum = zero;
+    if ( double3_length( normal ) > 0.0 )
+    {
+        return normal;
+    }
+    for ( int n = 0; n < b->outlet_patch_count; ++n )
+    {
+        const int* corner = b->triangles + 3 * b->outlet_patch[n];
+        double3 a = b->x[corner[0]];
+        sum =
+            double3_add( sum, double3_cross( double3_sub( b->x[corner[1]], a ), double3_sub( b->x[corner[2]], a ) ) );
+    }
+    double length = double3_length( sum );
+    return length > 0.0 ? double3_scale( 1.0 / length, sum ) : zero;
+}
+
+// Step 3: pressure, hysteresis and outlet speed.
+static void read_pressure( balloon_oracle* b )
+{
+    const balloon_oracle_options* o = &b->options;
+    b->gauge = balloon_oracle_gauge( b, o->pressure );
+    bool may = o->use_jet && o->outlet_open && b->outlet_vertex >= 0;
+    bool runs = may && balloon_oracle_jet_runs( b->jet_on, b->gauge, o->atmosphere, o->close_at, o->open_at );
+    b->counters.jet_starts += runs && !b->jet_on ? 1 : 0;
+    b->jet_on = runs;
+    double density = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
+    b->outlet_speed = runs ? balloon_oracle_outlet_speed( b->gauge, density ) : 0.0;
+    b->counters.fast_outlets += b->outlet_speed > 300.0 ? 1 : 0;
+}
+
+// Step 3, the gas that leaves within one substep. It is what V_0 has above its guard at most, and the reaction
+// follows what really leaves.
+static void let_gas_out( balloon_oracle* b, double h )
+{
+    const balloon_oracle_options* o = &b->options;
+    b->mass_flow = 0.0;
+    if ( !b->jet_on )
+    {
+        return;
+    }
+    b->outlet_normal = find_outlet_normal( b );
+    if ( double3_length( b->outlet_normal ) == 0.0 )
+    {
+        b->counters.silent_outlets += 1;
+        return;
+    }
+    double density = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
+    double wanted = balloon_oracle_mass_flow( density, o->outlet_area, b->outlet_speed );
+    double most = density * fmax( 0.0, b->gas_volume - o->least_volume * b->rest_volume ) / h;
+    b->mass_flow = fmin( wanted, most );
+    b->gas_volume -= b->mass_flow / density * h;
+    b->gas_lost += b->mass_flow * h;
+}
+
+static double3 share( const balloon_oracle* b, int i, double3 force )
+{
+    return double3_scale( b->mass[i] / b->total_mass, force );
+}
+
+// Step 4. Buoyancy and jet are shared by mass, which gives no torque about the centre (A13).
+static void gather_forces( balloon_oracle* b, double h )
+{
+    const balloon_oracle_options* o = &b->options;
+    double air = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_AIR, o->temperature );
+    double gas = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
+    balloon_oracle_forces f = { zero, zero, zero, zero };
+    f.gravity = o->use_gravity ? double3_scale( b->total_mass, o->gravity ) : zero;
+    f.buoyancy = o->use_buoyancy ? balloon_oracle_buoyancy( o->gravity, b->volume, air, gas ) : zero;
+    f.jet = b->jet_on ? balloon_oracle_reaction( b->mass_flow, b->outlet_speed, b->outlet_normal ) : zero;
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        double c = 0.5 * air * o->drag_coefficient * b->area[i];
+        double limit_rate = o->limit_drag ? h * b->w[i] : 0.0;
+        double3 drag =
+            o->use_drag ? balloon_oracle_drag_force( o->drag, c, b->v[i], b->normal[i], limit_rate ) : zero;
+        f.drag = double3_add( f.drag, drag );
+        b->force[i] = double3_add( share( b, i, double3_add( f.gravity, double3_add( f.buoyancy, f.jet ) ) ), drag );
+    }
+    b->forces = f;
+    b->jet_impulse = double3_add( b->jet_impulse, double3_scale( h, f.jet ) );
+}
+
+// Step 5.
+static void spin( balloon_oracle* b, double h )
+{
+    if ( b->jet_on )
+    {
+        balloon_oracle_matrix inertia = balloon_oracle_inertia( b->x, b->mass, b->vertex_count, b->centre );
+        double3 torque = balloon_oracle_torque( b->x[b->outlet_vertex], b->centre, b->forces.jet );
+        double3 increment = balloon_oracle_spin_increment( &inertia, torque, h );
+        if ( b->options.spin == BALLOON_ORACLE_SPIN_KICK )
+        {
+            balloon_oracle_spin_kick( b->x, b->v, b->w, b->vertex_count, b->centre, increment );
+        }
+        else
+        {
+            b->omega = double3_add( b->omega, increment );
+        }
+    }
+    if ( b->options.spin == BALLOON_ORACLE_SPIN_PRINTED )
+    {
+        balloon_oracle_quaternion still = { 1.0, 0.0, 0.0, 0.0 };
+        balloon_oracle_quaternion step = balloon_oracle_turn( still, b->omega, h );
+        for ( int i = 0; i < b->vertex_count; ++i )
+        {
+            double3 turned = balloon_oracle_rotate( step, double3_sub( b->x[i], b->centre ) );
+            b->x[i] = b->w[i] > 0.0 ? double3_add( b->centre, turned ) : b->x[i];
+        }
+    }
+}
+
+static void project_links( balloon_oracle* b, balloon_oracle_link* links, int count, double k, double stiffness )
+{
+    bool compliant = b->options.volume == BALLOON_ORACLE_VOLUME_XPBD;
+    double alpha = 1.0 / ( stiffness * b->h * b->h );
+    for ( int e = 0; e < count; ++e )
+    {
+        const int ends[2] = { links[e].a, links[e].b };
+        constraint_oracle_term term = constraint_oracle_distance( b->p[ends[0]], b->p[ends[1]], links[e].rest );
+        if ( compliant )
+        {
+            constraint_oracle_project_compliant( &term, ends, b->w, alpha, &links[e].lambda, b->p,
+                                                 &b->counters.skips );
+        }
+        else
+        {
+            links[e].lambda += constraint_oracle_project( &term, ends, b->w, k, b->p, &b->counters.skips );
+        }
+    }
+}
+
+static void project_volume( balloon_oracle* b )
+{
+    const balloon_oracle_options* o = &b->options;
+    constraint_oracle_skips* skips = &b->counters.skips;
+    if ( o->volume == BALLOON_ORACLE_VOLUME_XPBD )
+    {
+        double alpha = b->gas_volume / o->atmosphere / ( b->h * b->h );
+        constraint_oracle_project_volume_compliant( b->p, b->w, b->vertex_count, b->triangles, b->triangle_count,
+                                                    b->gas_volume, alpha, &b->volume_lambda, b->gradient, skips );
+    }
+    else
+    {
+        b->volume_lambda +=
+            constraint_oracle_project_volume( b->p, b->w, b->vertex_count, b->triangles, b->triangle_count,
+                                              b->gas_volume, o->volume_k, b->gradient, skips );
+    }
+}
+
+static void forget_lambdas( balloon_oracle* b )
+{
+    b->volume_lambda = 0.0;
+    for ( int e = 0; e < b->structural_count; ++e )
+    {
+        b->structural[e].lambda = 0.0;
+    }
+    for ( int e = 0; e < b->bend_count; ++e )
+    {
+        b->bend[e].lambda = 0.0;
+    }
+}
+
+// Steps 6 to 8.
+static void move( balloon_oracle* b, double h )
+{
+    const balloon_oracle_options* o = &b->options;
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        b->p[i] = balloon_oracle_predict( b->x[i], b->v + i, b->w[i], b->force[i], h );
+    }
+    forget_lambdas( b );
+    for ( int n = 0; n < o->iterations; ++n )
+    {
+        project_links( b, b->structural, b->structural_count, o->structural_k, o->structural_stiffness );
+        project_links( b, b->bend, b->bend_count, o->bend_k, o->bend_stiffness );
+        project_volume( b );
+    }
+    double keep = exp( -o->velocity_decay * h );
+    for ( int i = 0; i < b->vertex_count; ++i )
+    {
+        b->v[i] = double3_scale( keep, balloon_oracle_velocity( b->x[i], b->p[i], h ) );
+        b->x[i] = b->p[i];
+    }
+}
+
+// Step 9: the orientation follows what the particles do; `printed` follows its own accumulated omega.
+static void diagnose( balloon_oracle* b, double h )
+{
+    if ( b->options.spin == BALLOON_ORACLE_SPIN_KICK )
+    {
+        double3 c = balloon_oracle_centre( b->x, b->mass, b->vertex_count );
+        balloon_oracle_matrix inertia = balloon_oracle_inertia( b->x, b->mass, b->vertex_count, c );
+        double3 momentum = balloon_oracle_angular_momentum( b->x, b->v, b->mass, b->vertex_count, c );
+        b->omega = balloon_oracle_spin_increment( &inertia, momentum, 1.0 );
+    }
+    b->q = balloon_oracle_turn( b->q, b->omega, h );
+    b->time += h;
+}
+
+void balloon_oracle_step( balloon_oracle* b )
+{
+    const balloon_oracle_options* o = &b->options;
+    double h = o->dt / o->substeps;
+    for ( int n = 0; n < o->substeps; ++n )
+    {
+        measure( b );
+        b->gas_volume = fmax( b->gas_volume + o->inflow * h, o->least_volume * b->rest_volume );
+        if ( n == 0 || !o->update_per_frame )
+        {
+            read_pressure( b );
+        }
+        let_gas_out( b, h );
+        b->h = h;
+        gather_forces( b, h );
+        spin( b, h );
+        move( b, h );
+        diagnose( b, h );
+    }
+}

@@ -1,0 +1,392 @@
+#include "constraint_oracle.h"
+
+#include <stddef.h>
+
+static const double pi = 3.14159265358979323846;
+
+static const double3 zero = { 0.0, 0.0, 0.0 };
+
+static double3 add_scaled( double3 a, double s, double3 b )
+{
+    return double3_add( a, double3_scale( s, b ) );
+}
+
+static double squared_length( double3 a )
+{
+    return double3_dot( a, a );
+}
+
+static constraint_oracle_term faulty( int count, constraint_oracle_fault fault )
+{
+    constraint_oracle_term term = { .count = count, .fault = fault };
+    return term;
+}
+
+// Constraints of two vertices.
+
+constraint_oracle_term constraint_oracle_distance( double3 p1, double3 p2, double rest_length )
+{
+    double3 between = double3_sub( p1, p2 );
+    double length = double3_length( between );
+    if ( length == 0.0 )
+    {
+        return faulty( 2, CONSTRAINT_ORACLE_ZERO_LENGTH );
+    }
+    double3 u = double3_scale( 1.0 / length, between );
+    constraint_oracle_term term = { .count = 2, .value = length - rest_length };
+    term.gradient[0] = u;
+    term.gradient[1] = double3_scale( -1.0, u );
+    return term;
+}
+
+void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double w2, double rest_length, double3* dp1,
+                                      double3* dp2 )
+{
+    double3 between = double3_sub( p1, p2 );
+    double length = double3_length( between );
+    *dp1 = *dp2 = zero;
+    if ( length == 0.0 || w1 + w2 == 0.0 )
+    {
+        return;
+    }
+    double3 u = double3_scale( 1.0 / length, between );
+    *dp1 = double3_scale( -w1 / ( w1 + w2 ) * ( length - rest_length ), u );
+    *dp2 = double3_scale( +w2 / ( w1 + w2 ) * ( length - rest_length ), u );
+}
+
+constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double low,
+                                                       double high )
+{
+    double length = double3_distance( p1, p2 );
+    double nearest_allowed = fmin( fmax( length, low * rest_length ), high * rest_length );
+    return constraint_oracle_distance( p1, p2, nearest_allowed );
+}
+
+// Constraints of two triangles that share the edge p0 p1.
+
+double constraint_oracle_dihedral_angle( const double3 p[4] )
+{
+    double3 e = double3_sub( p[1], p[0] );
+    double3 n0 = double3_cross( e, double3_sub( p[2], p[0] ) );
+    double3 n1 = double3_cross( double3_sub( p[3], p[0] ), e );
+    double sine = double3_dot( e, double3_cross( n0, n1 ) );
+    double cosine = double3_length( e ) * double3_dot( n0, n1 );
+    return atan2( sine, cosine );
+}
+
+constraint_oracle_term constraint_oracle_dihedral( const double3 p[4], double rest_angle )
+{
+    double3 e = double3_sub( p[1], p[0] );
+    double3 n0 = double3_cross( e, double3_sub( p[2], p[0] ) );
+    double3 n1 = double3_cross( double3_sub( p[3], p[0] ), e );
+    double ee = squared_length( e ), nn0 = squared_length( n0 ), nn1 = squared_length( n1 );
+    if ( ee == 0.0 )
+    {
+        return faulty( 4, CONSTRAINT_ORACLE_ZERO_LENGTH );
+    }
+    if ( nn0 == 0.0 || nn1 == 0.0 )
+    {
+        return faulty( 4, CONSTRAINT_ORACLE_ZERO_AREA );
+    }
+
+    // where the feet of p2 and p3 stand on the edge: 0 at p0, 1 at p1
+    double t2 = double3_dot( double3_sub( p[2], p[0] ), e ) / ee;
+    double t3 = double3_dot( double3_sub( p[3], p[0] ), e ) / ee;
+
+    constraint_oracle_term term = { .count = 4 };
+    term.value = remainder( constraint_oracle_dihedral_angle( p ) - rest_angle, 2.0 * pi );
+    double3 g2 = double3_scale( -sqrt( ee ) / nn0, n0 );
+    double3 g3 = double3_scale( -sqrt( ee ) / nn1, n1 );
+    term.gradient[0] = add_scaled( double3_scale( t2 - 1.0, g2 ), t3 - 1.0, g3 );
+    term.gradient[1] = add_scaled( double3_scale( -t2, g2 ), -t3, g3 );
+    term.gradient[2] = g2;
+    term.gradient[3] = g3;
+    return term;
+}
+
+static double cotangent( double3 a, double3 b )
+{
+    return double3_dot( a, b ) / double3_length( double3_cross( a, b ) );
+}
+
+bool constraint_oracle_isometric_matrix( const double3 rest[4], double q[4][4] )
+{
+    double3 e0 = double3_sub( rest[1], rest[0] ), back = double3_sub( rest[0], rest[1] );
+    double3 e1 = double3_sub( rest[2], rest[0] ), e2 = double3_sub( rest[3], rest[0] );
+    double3 e3 = double3_sub( rest[2], rest[1] ), e4 = double3_sub( rest[3], rest[1] );
+    double area0 = 0.5 * double3_length( double3_cross( e0, e1 ) );
+    double area1 = 0.5 * double3_length( double3_cross( e0, e2 ) );
+    bool sound = area0 > 0.0 && area1 > 0.0;
+    double k[4] = { 0.0, 0.0, 0.0, 0.0 };
+    if ( sound )
+    {
+        double c01 = cotangent( e0, e1 ), c02 = cotangent( e0, e2 );
+        double c03 = cotangent( back, e3 ), c04 = cotangent( back, e4 );
+        k[0] = c03 + c04;
+        k[1] = c01 + c02;
+        k[2] = -c01 - c03;
+        k[3] = -c02 - c04;
+    }
+    for ( int i = 0; i < 4; ++i )
+    {
+        for ( int j = 0; j < 4; ++j )
+        {
+            q[i][j] = sound ? 3.0 / ( area0 + area1 ) * ( k[i] * k[j] ) : 0.0;
+        }
+    }
+    return sound;
+}
+
+constraint_oracle_term constraint_oracle_isometric_energy( const double3 p[4], double q[4][4] )
+{
+    constraint_oracle_term term = { .count = 4 };
+    for ( int i = 0; i < 4; ++i )
+    {
+        // rows of Q sum to zero, so positions may be taken from p0: no digits are lost far from the origin
+        for ( int j = 1; j < 4; ++j )
+        {
+            term.gradient[i] = add_scaled( term.gradient[i], q[i][j], double3_sub( p[j], p[0] ) );
+        }
+        term.value += 0.5 * double3_dot( double3_sub( p[i], p[0] ), term.gradient[i] );
+    }
+    return term;
+}
+
+constraint_oracle_term constraint_oracle_isometric_root( const double3 p[4], double q[4][4] )
+{
+    constraint_oracle_term term = constraint_oracle_isometric_energy( p, q );
+    // Q is positive semidefinite; rounding may still leave a flat hinge below zero
+    term.value = sqrt( fmax( 0.0, 2.0 * term.value ) );
+    for ( int i = 0; i < 4; ++i )
+    {
+        term.gradient[i] = term.value > 0.0 ? double3_scale( 1.0 / term.value, term.gradient[i] ) : zero;
+    }
+    return term;
+}
+
+// Projection of terms.
+
+static double weighted_gradient_square( const constraint_oracle_term* term, const int* vertices, const double* w )
+{
+    double sum = 0.0;
+    for ( int n = 0; n < term->count; ++n )
+    {
+        sum += w[vertices[n]] * squared_length( term->gradient[n] );
+    }
+    return sum;
+}
+
+static double gradient_square( const constraint_oracle_term* term )
+{
+    double sum = 0.0;
+    for ( int n = 0; n < term->count; ++n )
+    {
+        sum += squared_length( term->gradient[n] );
+    }
+    return sum;
+}
+
+// Can the term be projected with this denominator? Says why not. A satisfied term without a gradient asks for
+// nothing.
+static bool may_project( double value, double denominator, double all_gradients, constraint_oracle_fault fault,
+                         constraint_oracle_skips* skips )
+{
+    if ( fault == CONSTRAINT_ORACLE_SOUND && denominator > 0.0 )
+    {
+        return true;
+    }
+    if ( fault == CONSTRAINT_ORACLE_SOUND )
+    {
+        fault = all_gradients > 0.0 ? CONSTRAINT_ORACLE_PINNED : CONSTRAINT_ORACLE_ZERO_GRADIENT;
+    }
+    bool satisfied = fault == CONSTRAINT_ORACLE_ZERO_GRADIENT && value == 0.0;
+    skips->count[fault] += satisfied ? 0 : 1;
+    return false;
+}
+
+static void move( const constraint_oracle_term* term, const int* vertices, const double* w, double lambda,
+                  double3* p )
+{
+    for ( int n = 0; n < term->count; ++n )
+    {
+        int i = vertices[n];
+        p[i] = add_scaled( p[i], lambda * w[i], term->gradient[n] );
+    }
+}
+
+double constraint_oracle_scale( const constraint_oracle_term* term, const int* vertices, const double* w )
+{
+    double sum = weighted_gradient_square( term, vertices, w );
+    return sum > 0.0 ? term->value / sum : 0.0;
+}
+
+double constraint_oracle_project( const constraint_oracle_term* term, const int* vertices, const double* w,
+                                  double stiffness, double3* p, constraint_oracle_skips* skips )
+{
+    double sum = weighted_gradient_square( term, vertices, w );
+    if ( !may_project( term->value, sum, gradient_square( term ), term->fault, skips ) )
+    {
+        return 0.0;
+    }
+    double lambda = -stiffness * constraint_oracle_scale( term, vertices, w );
+    move( term, vertices, w, lambda, p );
+    return lambda;
+}
+
+void constraint_oracle_project_compliant( const constraint_oracle_term* term, const int* vertices, const double* w,
+                                          double alpha, double* lambda, double3* p, constraint_oracle_skips* skips )
+{
+    double sum = weighted_gradient_square( term, vertices, w );
+    if ( !may_project( term->value, sum, gradient_square( term ), term->fault, skips ) )
+    {
+        return;
+    }
+    double delta = -( term->value + alpha * *lambda ) / ( sum + alpha );
+    *lambda += delta;
+    move( term, vertices, w, delta, p );
+}
+
+double constraint_oracle_project_above( const constraint_oracle_term* term, const int* vertices, const double* w,
+                                        double stiffness, double3* p, constraint_oracle_skips* skips )
+{
+    bool acts = term->value > 0.0 || term->fault != CONSTRAINT_ORACLE_SOUND;
+    return acts ? constraint_oracle_project( term, vertices, w, stiffness, p, skips ) : 0.0;
+}
+
+void constraint_oracle_project_compliant_above( const constraint_oracle_term* term, const int* vertices,
+                                                const double* w, double alpha, double* lambda, double3* p,
+                                                constraint_oracle_skips* skips )
+{
+    // slack that took nothing in this substep has nothing to give back
+    if ( term->fault == CONSTRAINT_ORACLE_SOUND && term->value <= 0.0 && *lambda >= 0.0 )
+    {
+        return;
+    }
+    double sum = weighted_gradient_square( term, vertices, w );
+    if ( !may_project( term->value, sum, gradient_square( term ), term->fault, skips ) )
+    {
+        return;
+    }
+    double wanted = *lambda - ( term->value + alpha * *lambda ) / ( sum + alpha );
+    double next = fmin( 0.0, wanted );
+    move( term, vertices, w, next - *lambda, p );
+    *lambda = next;
+}
+
+double constraint_oracle_stiffness_per_iteration( double stiffness, int iterations )
+{
+    return 1.0 - pow( 1.0 - stiffness, 1.0 / iterations );
+}
+
+// Volume of a closed mesh.
+
+double constraint_oracle_volume_sum( const double3* p, const int* triangles, int triangle_count )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < triangle_count; ++t )
+    {
+        const int* corner = triangles + 3 * t;
+        sum += double3_dot( double3_cross( p[corner[0]], p[corner[1]] ), p[corner[2]] );
+    }
+    return sum;
+}
+
+double constraint_oracle_volume( const double3* p, const int* triangles, int triangle_count )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < triangle_count; ++t )
+    {
+        const int* corner = triangles + 3 * t;
+        double3 origin = p[triangles[0]];
+        double3 a = double3_sub( p[corner[0]], origin );
+        double3 b = double3_sub( p[corner[1]], origin );
+        double3 c = double3_sub( p[corner[2]], origin );
+        sum += double3_dot( double3_cross( a, b ), c );
+    }
+    return sum / 6.0;
+}
+
+void constraint_oracle_volume_gradient_printed( const double3* p, int vertex_count, const int* triangles,
+                                                int triangle_count, double3* gradient )
+{
+    for ( int i = 0; i < vertex_count; ++i )
+    {
+        gradient[i] = zero;
+    }
+    for ( int t = 0; t < triangle_count; ++t )
+    {
+        const int* corner = triangles + 3 * t;
+        for ( int k = 0; k < 3; ++k )
+        {
+            double3 next = p[corner[( k + 1 ) % 3]], last = p[corner[( k + 2 ) % 3]];
+            gradient[corner[k]] = double3_add( gradient[corner[k]], double3_cross( next, last ) );
+        }
+    }
+}
+
+void constraint_oracle_volume_gradient( const double3* p, int vertex_count, const int* triangles, int triangle_count,
+                                        double3* gradient )
+{
+    for ( int i = 0; i < vertex_count; ++i )
+    {
+        gradient[i] = zero;
+    }
+    for ( int t = 0; t < triangle_count; ++t )
+    {
+        const int* corner = triangles + 3 * t;
+        for ( int k = 0; k < 3; ++k )
+        {
+            double3 a = p[corner[k]], b = p[corner[( k + 1 ) % 3]], c = p[corner[( k + 2 ) % 3]];
+            double3 share = double3_cross( double3_sub( b, a ), double3_sub( c, a ) );
+            gradient[corner[k]] = add_scaled( gradient[corner[k]], 1.0 / 6.0, share );
+        }
+    }
+}
+
+// Dlambda of the volume. For pbd alpha and lambda are 0 and the caller applies the stiffness.
+static double volume_delta( const double3* p, const double* w, int vertex_count, const int* triangles,
+                            int triangle_count, double target, double alpha, double lambda, double3* gradient,
+                            constraint_oracle_skips* skips )
+{
+    double value = constraint_oracle_volume( p, triangles, triangle_count ) - target;
+    constraint_oracle_volume_gradient( p, vertex_count, triangles, triangle_count, gradient );
+    double sum = 0.0, all = 0.0;
+    for ( int i = 0; i < vertex_count; ++i )
+    {
+        sum += w[i] * squared_length( gradient[i] );
+        all += squared_length( gradient[i] );
+    }
+    if ( !may_project( value, sum, all, CONSTRAINT_ORACLE_SOUND, skips ) )
+    {
+        return 0.0;
+    }
+    return -( value + alpha * lambda ) / ( sum + alpha );
+}
+
+static void move_all( double3* p, const double* w, int vertex_count, double lambda, const double3* gradient )
+{
+    for ( int i = 0; i < vertex_count; ++i )
+    {
+        p[i] = add_scaled( p[i], lambda * w[i], gradient[i] );
+    }
+}
+
+double constraint_oracle_project_volume( double3* p, const double* w, int vertex_count, const int* triangles,
+                                         int triangle_count, double target, double stiffness, double3* gradient,
+                                         constraint_oracle_skips* skips )
+{
+    double lambda =
+        stiffness * volume_delta( p, w, vertex_count, triangles, triangle_count, target, 0.0, 0.0, gradient, skips );
+    move_all( p, w, vertex_count, lambda, gradient );
+    return lambda;
+}
+
+void constraint_oracle_project_volume_compliant( double3* p, const double* w, int vertex_count, const int* triangles,
+                                                 int triangle_count, double target, double alpha, double* lambda,
+                                                 double3* gradient, constraint_oracle_skips* skips )
+{
+    double delta =
+        volume_delta( p, w, vertex_count, triangles, triangle_count, target, alpha, *lambda, gradient, skips );
+    *lambda += delta;
+    move_all( p, w, vertex_count, delta, gradient );
+}
