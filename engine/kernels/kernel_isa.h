@@ -4,7 +4,10 @@
 
 #include "lane_vec.h"
 
+#include "wisp/fabric.h"
 #include "wisp/kernels.h"
+
+#include <float.h>
 
 #define KERNEL( name ) LANE_JOIN( name##_, WISP_KERNEL_ISA )
 
@@ -17,3 +20,18 @@ int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* 
                                  int slice_first, int slice_last );
 float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
 float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
+
+void KERNEL( link_pbd )( const wisp_link_job* job, int begin, int end );
+void KERNEL( link_xpbd )( const wisp_link_job* job, int begin, int end );
+void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end );
+void KERNEL( link_limit )( const wisp_link_job* job, int begin, int end );
+void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end );
+void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end );
+void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
+void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end );
+void KERNEL( push )( const wisp_push_job* job, int begin, int end );
+void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );
+void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end );
+void KERNEL( predict )( const wisp_particle_job* job, int begin, int end );
+void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end );
+void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end );

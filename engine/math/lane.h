@@ -35,7 +35,14 @@
 ///
 ///   lane8_load_xyz( quads, index, &x, &y, &z )          lane l gets quads[index[l] + 0..2], index a multiple of 4
 ///   lane8_load_xyzw( quads, index, &x, &y, &z, &w )     likewise with w
+///   lane8_store_xyzw( quads, index, x, y, z, w )        quads[index[l] ..] gets lane l of x, y, z, w
+///   lane8_load_xyzw_contiguous( quads, &x, &y, &z, &w ) lane l gets quad l
 ///   lane8_store_xyzw_contiguous( quads, x, y, z, w )    quad l gets lane l of x, y, z, w
+///   lane8_load_quads( quads, index, q )                 four rows: q[r] holds the quads of lanes r and r + 4
+///   lane8_store_quads( quads, index, q )
+///   lane8_transpose_quads( q )                          rows to x, y, z, w in lanes, and back
+///   lane8_spread( a, q )                                rows: lane r of a four times, lane r + 4 four times
+///   lane8_spread_last( row )                            the fourth number of each quad, four times
 ///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;
 ///                                                       out has room for eight, the rest may be overwritten
 ///
@@ -108,6 +115,42 @@ LANE_INLINE void lane8i_transpose( lane8i rows[8] )
     }
 }
 #endif
+
+LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+{
+    lane8 q[4];
+    lane8_load_quads( quads, index, q );
+    lane8_transpose_quads( q );
+    *x = q[0];
+    *y = q[1];
+    *z = q[2];
+    *w = q[3];
+}
+
+LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+{
+    lane8 w;
+    lane8_load_xyzw( quads, index, x, y, z, &w );
+}
+
+LANE_INLINE void lane8_store_xyzw( float* quads, const int32_t* index, lane8 x, lane8 y, lane8 z, lane8 w )
+{
+    lane8 q[4] = { x, y, z, w };
+    lane8_transpose_quads( q );
+    lane8_store_quads( quads, index, q );
+}
+
+static const int32_t lane_quad_iota[8] = { 0, 4, 8, 12, 16, 20, 24, 28 };
+
+LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+{
+    lane8_store_xyzw( quads, lane_quad_iota, x, y, z, w );
+}
+
+LANE_INLINE void lane8_load_xyzw_contiguous( const float* quads, lane8* x, lane8* y, lane8* z, lane8* w )
+{
+    lane8_load_xyzw( quads, lane_quad_iota, x, y, z, w );
+}
 
 #define LANE_P lane8
 #define LANE_COUNT 8

@@ -145,33 +145,57 @@ LANE_INLINE float lane8_sum_ordered( lane8 a )
     return a.v[0];
 }
 
-LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
 {
-    for ( int l = 0; l < 8; ++l )
+    lane8 from[4] = { q[0], q[1], q[2], q[3] };
+    for ( int r = 0; r < 4; ++r )
     {
-        const float* quad = quads + (ptrdiff_t)index[l];
-        x->v[l] = quad[0];
-        y->v[l] = quad[1];
-        z->v[l] = quad[2];
-        w->v[l] = quad[3];
+        for ( int k = 0; k < 4; ++k )
+        {
+            q[r].v[k] = from[k].v[r];
+            q[r].v[k + 4] = from[k].v[r + 4];
+        }
     }
 }
 
-LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
 {
-    lane8 w;
-    lane8_load_xyzw( quads, index, x, y, z, &w );
+    for ( int r = 0; r < 4; ++r )
+    {
+        memcpy( q[r].v, quads + (ptrdiff_t)index[r], 4 * sizeof( float ) );
+        memcpy( q[r].v + 4, quads + (ptrdiff_t)index[r + 4], 4 * sizeof( float ) );
+    }
 }
 
-LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
 {
-    for ( int l = 0; l < 8; ++l )
+    for ( int r = 0; r < 4; ++r )
     {
-        quads[4 * l + 0] = x.v[l];
-        quads[4 * l + 1] = y.v[l];
-        quads[4 * l + 2] = z.v[l];
-        quads[4 * l + 3] = w.v[l];
+        memcpy( quads + (ptrdiff_t)index[r], q[r].v, 4 * sizeof( float ) );
+        memcpy( quads + (ptrdiff_t)index[r + 4], q[r].v + 4, 4 * sizeof( float ) );
     }
+}
+
+LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
+{
+    for ( int r = 0; r < 4; ++r )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            q[r].v[k] = a.v[r];
+            q[r].v[k + 4] = a.v[r + 4];
+        }
+    }
+}
+
+LANE_INLINE lane8 lane8_spread_last( lane8 row )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        row.v[k] = row.v[3];
+        row.v[k + 4] = row.v[7];
+    }
+    return row;
 }
 
 LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )

@@ -271,39 +271,47 @@ LANE_INLINE void lane4_transpose( lane4 q[4] )
     q[3] = _mm_movehl_ps( zw23, zw01 );
 }
 
-LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
 {
-    lane4 low[4], high[4];
-    for ( int l = 0; l < 4; ++l )
-    {
-        low[l] = _mm_load_ps( quads + (ptrdiff_t)index[l] );
-        high[l] = _mm_load_ps( quads + (ptrdiff_t)index[l + 4] );
-    }
+    lane4 low[4] = { q[0].low, q[1].low, q[2].low, q[3].low };
+    lane4 high[4] = { q[0].high, q[1].high, q[2].high, q[3].high };
     lane4_transpose( low );
     lane4_transpose( high );
-    *x = ( lane8 ){ low[0], high[0] };
-    *y = ( lane8 ){ low[1], high[1] };
-    *z = ( lane8 ){ low[2], high[2] };
-    *w = ( lane8 ){ low[3], high[3] };
-}
-
-LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
-{
-    lane8 w;
-    lane8_load_xyzw( quads, index, x, y, z, &w );
-}
-
-LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
-{
-    lane4 low[4] = { x.low, y.low, z.low, w.low };
-    lane4 high[4] = { x.high, y.high, z.high, w.high };
-    lane4_transpose( low );
-    lane4_transpose( high );
-    for ( int l = 0; l < 4; ++l )
+    for ( int r = 0; r < 4; ++r )
     {
-        _mm_store_ps( quads + 4 * l, low[l] );
-        _mm_store_ps( quads + 4 * ( l + 4 ), high[l] );
+        q[r] = ( lane8 ){ low[r], high[r] };
     }
+}
+
+LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
+{
+    for ( int r = 0; r < 4; ++r )
+    {
+        q[r].low = _mm_load_ps( quads + (ptrdiff_t)index[r] );
+        q[r].high = _mm_load_ps( quads + (ptrdiff_t)index[r + 4] );
+    }
+}
+
+LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
+{
+    for ( int r = 0; r < 4; ++r )
+    {
+        _mm_store_ps( quads + (ptrdiff_t)index[r], q[r].low );
+        _mm_store_ps( quads + (ptrdiff_t)index[r + 4], q[r].high );
+    }
+}
+
+LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
+{
+    q[0] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x00 ), _mm_shuffle_ps( a.high, a.high, 0x00 ) };
+    q[1] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x55 ), _mm_shuffle_ps( a.high, a.high, 0x55 ) };
+    q[2] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xaa ), _mm_shuffle_ps( a.high, a.high, 0xaa ) };
+    q[3] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xff ), _mm_shuffle_ps( a.high, a.high, 0xff ) };
+}
+
+LANE_INLINE lane8 lane8_spread_last( lane8 row )
+{
+    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xff ), _mm_shuffle_ps( row.high, row.high, 0xff ) };
 }
 
 LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )

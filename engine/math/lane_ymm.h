@@ -167,7 +167,7 @@ LANE_INLINE lane8i lane8i_iota( void )
 }
 
 // Within each 128-bit half: four quads in, their x, y, z and w out; applied twice it is the identity.
-LANE_INLINE void lane8_transpose_halves( lane8 q[4] )
+LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
 {
     lane8 xy01 = _mm256_unpacklo_ps( q[0], q[1] );
     lane8 xy23 = _mm256_unpacklo_ps( q[2], q[3] );
@@ -179,37 +179,36 @@ LANE_INLINE void lane8_transpose_halves( lane8 q[4] )
     q[3] = _mm256_shuffle_ps( zw01, zw23, _MM_SHUFFLE( 3, 2, 3, 2 ) );
 }
 
-LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
 {
-    lane8 q[4];
-    for ( int l = 0; l < 4; ++l )
+    for ( int r = 0; r < 4; ++r )
     {
-        __m128 low = _mm_load_ps( quads + (ptrdiff_t)index[l] );
-        __m128 high = _mm_load_ps( quads + (ptrdiff_t)index[l + 4] );
-        q[l] = _mm256_insertf128_ps( _mm256_castps128_ps256( low ), high, 1 );
+        __m128 low = _mm_load_ps( quads + (ptrdiff_t)index[r] );
+        __m128 high = _mm_load_ps( quads + (ptrdiff_t)index[r + 4] );
+        q[r] = _mm256_insertf128_ps( _mm256_castps128_ps256( low ), high, 1 );
     }
-    lane8_transpose_halves( q );
-    *x = q[0];
-    *y = q[1];
-    *z = q[2];
-    *w = q[3];
 }
 
-LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
 {
-    lane8 w;
-    lane8_load_xyzw( quads, index, x, y, z, &w );
+    for ( int r = 0; r < 4; ++r )
+    {
+        _mm_store_ps( quads + (ptrdiff_t)index[r], _mm256_castps256_ps128( q[r] ) );
+        _mm_store_ps( quads + (ptrdiff_t)index[r + 4], _mm256_extractf128_ps( q[r], 1 ) );
+    }
 }
 
-LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
 {
-    lane8 q[4] = { x, y, z, w };
-    lane8_transpose_halves( q );
-    for ( int l = 0; l < 4; ++l )
-    {
-        _mm_store_ps( quads + 4 * l, _mm256_castps256_ps128( q[l] ) );
-        _mm_store_ps( quads + 4 * ( l + 4 ), _mm256_extractf128_ps( q[l], 1 ) );
-    }
+    q[0] = _mm256_permute_ps( a, 0x00 );
+    q[1] = _mm256_permute_ps( a, 0x55 );
+    q[2] = _mm256_permute_ps( a, 0xaa );
+    q[3] = _mm256_permute_ps( a, 0xff );
+}
+
+LANE_INLINE lane8 lane8_spread_last( lane8 row )
+{
+    return _mm256_permute_ps( row, 0xff );
 }
 
 // Row l and lane k change places.

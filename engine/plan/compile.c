@@ -222,9 +222,17 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
 
 // ---- targets and room for blocks ----
 
-static int item_count( const store_entity* e, wisp_domain domain )
+int plan_item_count( const store_entity* e, wisp_domain domain )
 {
-    return domain == WISP_DOMAIN_ENTITY ? 1 : e->rows[WISP_TABLE_STRAND_GROUP].count;
+    switch ( domain )
+    {
+        case WISP_DOMAIN_STRAND_GROUP:
+            return e->rows[WISP_TABLE_STRAND_GROUP].count;
+        case WISP_DOMAIN_PARTICLE_BLOCK:
+            return ( e->rows[WISP_TABLE_PARTICLE].count + WISP_PARTICLE_BLOCK - 1 ) / WISP_PARTICLE_BLOCK;
+        default:
+            return 1;
+    }
 }
 
 static void fill_targets( plan* p, const wisp_registry* r )
@@ -266,7 +274,8 @@ static int widest_wave( const plan* p, const store* s )
                 const plan_node* node = p->nodes + n;
                 for ( int i = 0; i < node->target_count && (int)node->section == section && node->wave == wave; ++i )
                 {
-                    int items = item_count( s->entities + p->targets[node->first_target + i].slot, node->domain );
+                    int items =
+                        plan_item_count( s->entities + p->targets[node->first_target + i].slot, node->domain );
                     blocks += ( items + node->grain - 1 ) / node->grain;
                 }
             }

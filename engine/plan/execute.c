@@ -26,9 +26,61 @@ void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component c
     return store_column( frame->registry->store, entity_of( frame, entity ), component, column );
 }
 
+bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component )
+{
+    return ( entity_of( frame, entity )->components & store_bit( component ) ) != 0;
+}
+
 const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity )
 {
     return entity_of( frame, entity )->strands;
+}
+
+const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->fabric;
+}
+
+wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
+{
+    int count = entity_of( frame, span->entity )->rows[WISP_TABLE_PARTICLE].count;
+    int end = span->end * WISP_PARTICLE_BLOCK;
+    return ( wisp_span ){ span->entity, span->begin * WISP_PARTICLE_BLOCK, end < count ? end : count, span->worker };
+}
+
+float wisp_frame_seconds( const wisp_frame* frame )
+{
+    return frame->seconds;
+}
+
+int wisp_frame_substep( const wisp_frame* frame )
+{
+    return frame->substep;
+}
+
+int wisp_frame_substeps( const wisp_frame* frame )
+{
+    return frame->substeps;
+}
+
+int wisp_frame_iteration( const wisp_frame* frame )
+{
+    return frame->iteration;
+}
+
+int wisp_frame_iterations( const wisp_frame* frame )
+{
+    return frame->iterations;
+}
+
+void wisp_frame_freeze( wisp_frame* frame, wisp_entity entity, const char* sentence )
+{
+    entity_of( frame, entity )->frozen = 1; // only passes that run on the entity freeze it, one at a time
+    wisp_frame_count( frame, WISP_COUNT_FROZEN, 1 );
+    if ( atomic_flag_test_and_set( &frame->freezing ) == false )
+    {
+        snprintf( frame->frozen_sentence, sizeof( frame->frozen_sentence ), "%s", sentence );
+    }
 }
 
 const wisp_kernels* wisp_frame_kernels( wisp_frame* frame )
@@ -98,7 +150,8 @@ static bool is_due( wisp_frame* frame, int number, int slot )
 static uint16_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
 {
     unsigned due = 0;
-    for ( int i = 0; i < node->pass_count; ++i )
+    const bool frozen = frame->registry->store->entities[target->slot].frozen != 0;
+    for ( int i = 0; i < node->pass_count && frozen == false; ++i )
     {
         bool live = ( target->passes >> i & 1 ) != 0;
         due |= live && is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;
@@ -112,12 +165,18 @@ typedef struct wave_size
     int rows;  // of sixteen lanes
 } wave_size;
 
+// The size of an entity in rows of sixteen lanes.
+static int row_count( const store_entity* e )
+{
+    return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
+}
+
 static void add_blocks( wisp_frame* frame, int n, const plan_target* target, unsigned due, wave_size* size )
 {
     plan* p = frame->plan;
     const plan_node* node = p->nodes + n;
     const store_entity* e = frame->registry->store->entities + target->slot;
-    int items = node->domain == WISP_DOMAIN_ENTITY ? 1 : e->rows[WISP_TABLE_STRAND_GROUP].count;
+    int items = plan_item_count( e, node->domain );
     for ( int begin = 0; begin < items; begin += node->grain )
     {
         int end = items - begin > node->grain ? begin + node->grain : items;
@@ -127,7 +186,7 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     {
         frame->pass_items[node->passes[i]] += ( due >> i & 1 ) != 0 ? items : 0;
     }
-    size->rows += e->rows[WISP_TABLE_STRAND_ROW].count;
+    size->rows += row_count( e );
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -165,7 +224,7 @@ static int part_wide_blocks( const wisp_frame* frame, int count )
         const plan_block block = p->blocks[i];
         const store_entity* e = frame->registry->store->entities + block.slot;
         bool wide = p->nodes[block.node].domain == WISP_DOMAIN_ENTITY &&
-                    ( entity_blocks == 1 || e->rows[WISP_TABLE_STRAND_ROW].count >= PLAN_WIDE_ENTITY_ROWS );
+                    ( entity_blocks == 1 || row_count( e ) >= PLAN_WIDE_ENTITY_ROWS );
         if ( wide )
         {
             p->blocks[i] = p->blocks[--narrow];
@@ -346,10 +405,10 @@ void plan_execute( wisp_frame* frame )
     run_section( frame, PLAN_BEFORE );
     bool iterates = p->wave_count[PLAN_ITERATION] > 0;
     bool substeps = iterates || p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_AFTER_ITERATION] > 0;
-    for ( int substep = 0; substep < frame->substeps && substeps; ++substep )
+    for ( frame->substep = 0; frame->substep < frame->substeps && substeps; ++frame->substep )
     {
         run_section( frame, PLAN_SUBSTEP );
-        for ( int iteration = 0; iteration < frame->iterations && iterates; ++iteration )
+        for ( frame->iteration = 0; frame->iteration < frame->iterations && iterates; ++frame->iteration )
         {
             run_section( frame, PLAN_ITERATION );
         }

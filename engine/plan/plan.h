@@ -32,6 +32,7 @@ typedef struct plan_state
     const char* module;
     void* memory;
     size_t size;
+    wisp_state_hooks hooks;
 } plan_state;
 
 struct wisp_registry
@@ -54,6 +55,8 @@ void plan_registry_release( wisp_registry* r );
 /// @return the status of the first wrong declaration, its sentence in r->error
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
+/// Tell the modules that an entity is about to be removed.
+void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 
 /// Where a node runs: loops are sections, and a section without nodes does not exist.
 typedef enum plan_section
@@ -116,6 +119,9 @@ void plan_release( plan* p, const wisp_allocator* allocator );
 /// One line at a time: kept passes with their reasons, absent ones with what they lack.
 void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* user, const char* line ), void* user );
 
+/// Items that a domain has in an entity.
+int plan_item_count( const store_entity* e, wisp_domain domain );
+
 /// Is the component in a zero-terminated list?
 bool plan_lists( const wisp_component* uses, wisp_component component );
 
@@ -130,6 +136,8 @@ struct wisp_frame
     const wisp_kernels* kernels;
     uint64_t step;
     int substeps, iterations;
+    int substep, iteration; // that run now
+    float seconds;          // of a substep
     const plan_block* wave; // of the wave that runs
     bool wide;              // one entity at a time, with all workers
     bool sampled;           // passes of a wave are told apart by samples
@@ -140,6 +148,8 @@ struct wisp_frame
     atomic_flag failing;
     _Atomic bool failed;
     wisp_error error;
+    atomic_flag freezing;
+    char frozen_sentence[300]; // of the first entity that was frozen in this step
 };
 
 /// Samples of a worker: seconds that passes of fused nodes took on the first item of its blocks.

@@ -71,8 +71,19 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
         return NULL;
     }
     memset( memory, 0, size );
-    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size };
+    registry->states[registry->state_count++] = ( plan_state ){ registry->module, memory, size, { 0 } };
     return memory;
+}
+
+void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks )
+{
+    plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
+    if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
+    {
+        fail_declaration( registry, "hooks without a state of", registry->module );
+        return;
+    }
+    state->hooks = *hooks;
 }
 
 int wisp_declare_workspace( wisp_registry* registry, size_t size,
@@ -115,7 +126,22 @@ void plan_registry_release( wisp_registry* r )
     }
     for ( int i = 0; i < r->state_count; ++i )
     {
+        if ( r->states[i].hooks.release != NULL )
+        {
+            r->states[i].hooks.release( r->states[i].memory, allocator );
+        }
         base_release( allocator, r->states[i].memory, r->states[i].size );
+    }
+}
+
+void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity )
+{
+    for ( int i = 0; i < r->state_count; ++i )
+    {
+        if ( r->states[i].hooks.removed != NULL )
+        {
+            r->states[i].hooks.removed( r->states[i].memory, world, entity );
+        }
     }
 }
 

@@ -33,7 +33,7 @@ uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return hash;
 }
 
-// Calls visit for every living entity in slot order: what waits to be done on it, then every column range in component
+// Calls visit for every living entity in slot order: what waits to be done on it, whether it is frozen, then every column range in component
 // and column order.
 typedef void visit_fn( void* context, void* rows, size_t bytes );
 
@@ -45,6 +45,7 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
         if ( e->alive )
         {
             visit( context, &e->dirty, sizeof( e->dirty ) );
+            visit( context, &e->frozen, sizeof( e->frozen ) );
         }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
@@ -71,6 +72,10 @@ static uint64_t structure_hash( const store* s )
             hash = store_hash_bytes( hash, &e->strands->dimension, sizeof( int ) );
             hash = store_hash_bytes( hash, e->strands->offsets,
                                      ( (size_t)e->strands->strand_count + 1 ) * sizeof( int32_t ) );
+        }
+        if ( e->alive && e->fabric != NULL )
+        {
+            hash = store_hash_bytes( hash, &e->fabric->hash, sizeof( uint64_t ) );
         }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {

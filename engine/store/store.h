@@ -30,7 +30,9 @@ typedef struct store_entity
     uint64_t wants;      // bit c: somebody asked for component c
     uint64_t derived;    // bit c: rows are there only because somebody asked; a pass must fill them
     store_rows rows[WISP_TABLE_COUNT];
-    const wisp_strand_topology* strands;
+    const wisp_strand_topology* strands; // null without strands
+    const wisp_fabric* fabric;           // null without particles
+    uint64_t frozen;                     // 1: left out of every pass
     uint64_t dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 

@@ -64,6 +64,7 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
 static wisp_status register_modules( wisp_world* world, const wisp_world_def* def )
 {
     wisp_status status = world_declare_strands( &world->registry );
+    status = status == WISP_OK ? passes_declare( &world->registry ) : status;
     for ( int i = 0; i < def->module_count && status == WISP_OK; ++i )
     {
         status = plan_registry_add( &world->registry, def->modules[i] );
@@ -141,6 +142,7 @@ void wisp_world_destroy( wisp_world* world )
     for ( int i = 0; i < world->store.entity_count; ++i )
     {
         cook_strands_release( (cook_strands*)(void*)world->store.entities[i].strands );
+        wisp_fabric_release( (wisp_fabric*)(void*)world->store.entities[i].fabric );
     }
     plan_release( &world->plan, &world->allocator );
     base_release( &world->allocator, world->frame.clocks, (size_t)world->registry.workers * sizeof( plan_clock ) );
@@ -223,6 +225,9 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     wisp_frame* frame = &world->frame;
     atomic_flag_clear( &frame->failing );
     atomic_store( &frame->failed, false );
+    atomic_flag_clear( &frame->freezing );
+    frame->frozen_sentence[0] = '\0';
+    frame->seconds = seconds / (float)frame->substeps;
     if ( world->plan.node_count > 0 )
     {
         jobs_enter( world->pool, drive, frame );
@@ -231,6 +236,10 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     frame->step += 1;
     wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );
     world->seconds = wisp_clock_seconds() - begin;
+    if ( frame->frozen_sentence[0] != '\0' )
+    {
+        base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->frozen_sentence );
+    }
     if ( atomic_load( &frame->failed ) )
     {
         return wisp_world_fail( world, frame->error.status, "%s", frame->error.sentence );
@@ -253,7 +262,8 @@ uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter )
 const char* wisp_counter_name( wisp_counter counter )
 {
     static const char* const NAMES[WISP_COUNTER_COUNT] = {
-        "steps", "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
+        "steps",           "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
+        "frozen entities",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

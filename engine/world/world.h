@@ -5,6 +5,7 @@
 #include "jobs.h"
 #include "kernel_tables.h"
 #include "log.h"
+#include "passes.h"
 #include "plan.h"
 #include "store.h"
 
@@ -35,6 +36,9 @@ struct wisp_world
 
 /// Tests run tables that no processor here could select.
 void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
+
+/// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
+wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
 
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

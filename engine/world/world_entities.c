@@ -180,6 +180,15 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entit
     {
         return stale( world, source );
     }
+    if ( from->fabric != NULL )
+    {
+        return world_add_surface_instance( world, from, out );
+    }
+    if ( from->strands == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u has neither strands nor a surface to share",
+                                source.index );
+    }
     cook_strands* strands = (cook_strands*)(void*)from->strands;
     wisp_status status = add_entity( world, strands, out );
     if ( status != WISP_OK )
@@ -195,6 +204,20 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entit
     return WISP_OK;
 }
 
+wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out )
+{
+    const int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_ENTITY] = 1 };
+    *out = ( wisp_entity ){ 0, 0 };
+    return store_add( &world->store, rows, out )
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_NO_MEMORY, "no memory for another entity" );
+}
+
+const wisp_allocator* wisp_world_allocator( wisp_world* world )
+{
+    return &world->allocator;
+}
+
 wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
 {
     const store_entity* e = store_find( &world->store, entity );
@@ -202,9 +225,12 @@ wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
     {
         return stale( world, entity );
     }
+    plan_registry_removed( &world->registry, world, entity );
     cook_strands* strands = (cook_strands*)(void*)e->strands;
+    wisp_fabric* fabric = (wisp_fabric*)(void*)e->fabric;
     store_remove( &world->store, entity );
     cook_strands_release( strands );
+    wisp_fabric_release( fabric );
     return WISP_OK;
 }
 

@@ -1,14 +1,19 @@
 // Every public header compiles as C++, in one program, and links as C. The build fails if a header is missing here.
 #include "wisp/base.h"
 #include "wisp/components.h"
+#include "wisp/fabric.h"
 #include "wisp/jobs.h"
 #include "wisp/kernels.h"
+#include "wisp/mesh_tree.h"
 #include "wisp/module.h"
 #include "wisp/random.h"
+#include "wisp/shapes.h"
 #include "wisp/space.h"
 #include "wisp/wisp.h"
 
+#include "balloon.h"
 #include "climate.h"
+#include "cloth.h"
 #include "frozen_hair.h"
 #include "strand_look.h"
 

@@ -245,6 +245,120 @@ static void quads_are_stored_in_lane_order( void** state )
     }
 }
 
+static void contiguous_quads_are_loaded_in_lane_order( void** state )
+{
+    (void)state;
+    _Alignas( 16 ) float quads[4 * 8];
+    memcpy( quads, ordinary, sizeof quads );
+    lane8 q[4];
+    lane8_load_xyzw_contiguous( quads, q + 0, q + 1, q + 2, q + 3 );
+    for ( int row = 0; row < 4; ++row )
+    {
+        float got[8];
+        lane8_storeu( got, q[row] );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], quads[4 * l + row], 8 * row + l );
+        }
+    }
+}
+
+// Where quads of lane l are in rows: row l % 4, from number 4 (l / 4).
+static void rows_of_quads_are_loaded_and_stored_by_index( void** state )
+{
+    (void)state;
+    _Alignas( 16 ) float from[4 * 40], to[4 * 40];
+    memcpy( from, ordinary, sizeof from );
+    for ( int round = 0; round < 40; ++round )
+    {
+        int32_t index[8], target[8];
+        for ( int l = 0; l < 8; ++l )
+        {
+            index[l] = 4 * ( ( round * 17 + l * l * 11 ) % 40 );
+            target[l] = 4 * ( ( round * 7 + l * 3 ) % 40 );
+        }
+        for ( int k = 0; k < 160; ++k )
+        {
+            to[k] = -7.0f;
+        }
+        lane8 q[4];
+        lane8_load_quads( from, index, q );
+        lane8_store_quads( to, target, q );
+        float got[4][8], expected[4 * 40];
+        for ( int k = 0; k < 160; ++k )
+        {
+            expected[k] = -7.0f;
+        }
+        for ( int row = 0; row < 4; ++row )
+        {
+            lane8_storeu( got[row], q[row] );
+        }
+        for ( int l = 0; l < 8; ++l )
+        {
+            for ( int k = 0; k < 4; ++k )
+            {
+                assert_same_bits( got[l % 4][4 * ( l / 4 ) + k], from[index[l] + k], l );
+                expected[target[l] + k] = from[index[l] + k];
+            }
+        }
+        for ( int k = 0; k < 160; ++k )
+        {
+            assert_same_bits( to[k], expected[k], k );
+        }
+
+        lane8_load_xyzw( from, index, q + 0, q + 1, q + 2, q + 3 );
+        lane8_store_xyzw( to, target, q[0], q[1], q[2], q[3] );
+        for ( int k = 0; k < 160; ++k )
+        {
+            assert_same_bits( to[k], expected[k], k );
+        }
+    }
+}
+
+static void rows_of_quads_become_lanes_and_back( void** state )
+{
+    (void)state;
+    lane8 q[4], spread[4];
+    float rows[4][8], got[8];
+    memcpy( rows, ordinary, sizeof rows );
+    for ( int row = 0; row < 4; ++row )
+    {
+        q[row] = lane8_loadu( rows[row] );
+    }
+    lane8_spread( q[1], spread );
+    for ( int row = 0; row < 4; ++row )
+    {
+        lane8_storeu( got, spread[row] );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], rows[1][row + l / 4 * 4], 8 * row + l );
+        }
+        lane8_storeu( got, lane8_spread_last( q[row] ) );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], rows[row][l / 4 * 4 + 3], 8 * row + l );
+        }
+    }
+    lane8_transpose_quads( q );
+    for ( int row = 0; row < 4; ++row )
+    {
+        lane8_storeu( got, q[row] );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], rows[l % 4][l / 4 * 4 + row], 8 * row + l );
+        }
+    }
+    lane8_transpose_quads( q );
+    for ( int row = 0; row < 4; ++row )
+    {
+        lane8_storeu( got, q[row] );
+        for ( int l = 0; l < 8; ++l )
+        {
+            assert_same_bits( got[l], rows[row][l], 8 * row + l );
+        }
+    }
+}
+
 static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
 {
     (void)state;
@@ -559,6 +673,9 @@ int main( void )
         cmocka_unit_test( quads_are_loaded_by_index_and_transposed ),
         cmocka_unit_test( rows_and_lanes_change_places ),
         cmocka_unit_test( quads_are_stored_in_lane_order ),
+        cmocka_unit_test( contiguous_quads_are_loaded_in_lane_order ),
+        cmocka_unit_test( rows_of_quads_are_loaded_and_stored_by_index ),
+        cmocka_unit_test( rows_of_quads_become_lanes_and_back ),
         cmocka_unit_test( compressing_keeps_the_order_of_the_chosen_lanes ),
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),
         cmocka_unit_test( sine_and_cosine_stay_bounded_beyond_their_range ),

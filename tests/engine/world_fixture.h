@@ -6,6 +6,7 @@
 #include "world.h"
 
 #include "climate.h"
+#include "cloth.h"
 #include "frozen_hair.h"
 #include "strand_look.h"
 
@@ -19,7 +20,7 @@ typedef struct hosted
 
 static inline wisp_world_def hosted_def( hosted* h )
 {
-    static const wisp_module* const MODULES[] = { &wisp_climate_module, &wisp_frozen_hair_module,
+    static const wisp_module* const MODULES[] = { &wisp_climate_module, &wisp_cloth_module, &wisp_frozen_hair_module,
                                                   &wisp_strand_look_module };
     wisp_world_def def = wisp_default_world_def();
     def.modules = MODULES;

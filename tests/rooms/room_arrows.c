@@ -16,12 +16,13 @@ static const engine_room engine_rooms[] = {
     { "base", 0, " base.h " },
     { "math", 1, " base.h random.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
-    { "kernels", 3, " base.h random.h jobs.h kernels.h " },
-    { "space", 3, " base.h random.h jobs.h kernels.h space.h " },
+    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h " },
+    { "space", 3, " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },
     { "plan", 4, NULL },
-    { "world", 5, NULL },
+    { "passes", 5, NULL },
+    { "world", 6, NULL },
 };
 
 static const engine_room* find_room( const char* name )

@@ -10,7 +10,29 @@
     X( STRAND_STIFFNESS, "strand.stiffness", WISP_TABLE_STRAND_GROUP )                                               \
     X( STRAND_POINTS, "strand.points", WISP_TABLE_POINT )                                                            \
     X( POINT_WIDTH, "point.width", WISP_TABLE_POINT )                                                                \
-    X( POINT_COLOUR, "point.colour", WISP_TABLE_POINT )
+    X( POINT_COLOUR, "point.colour", WISP_TABLE_POINT )                                                              \
+    X( PARTICLE_POSITION, "particle.position", WISP_TABLE_PARTICLE )                                                 \
+    X( PARTICLE_VELOCITY, "particle.velocity", WISP_TABLE_PARTICLE )                                                 \
+    X( PARTICLE_PREVIOUS, "particle.previous", WISP_TABLE_PARTICLE )                                                 \
+    X( PARTICLE_TARGET, "particle.target", WISP_TABLE_PARTICLE )                                                     \
+    X( PARTICLE_GOOD, "particle.good", WISP_TABLE_PARTICLE )                                                         \
+    X( PARTICLE_MASS, "particle.mass", WISP_TABLE_ENTITY )                                                           \
+    X( PARTICLE_GRAVITY, "particle.gravity", WISP_TABLE_ENTITY )                                                     \
+    X( PARTICLE_DAMPING, "particle.damping", WISP_TABLE_ENTITY )                                                     \
+    X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
+    X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
+    X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
+    X( HINGE_REST, "hinge.rest", WISP_TABLE_HINGE )                                                                  \
+    X( HINGE_COTANGENT, "hinge.cotangent", WISP_TABLE_HINGE )                                                        \
+    X( HINGE_STIFFNESS, "hinge.stiffness", WISP_TABLE_HINGE )                                                        \
+    X( HINGE_COMPLIANCE, "hinge.compliance", WISP_TABLE_HINGE )                                                      \
+    X( SURFACE_TETHERS, "surface.tethers", WISP_TABLE_ENTITY )                                                       \
+    X( SURFACE_LEVELS, "surface.levels", WISP_TABLE_ENTITY )                                                         \
+    X( SURFACE_POINTS, "surface.points", WISP_TABLE_POINT )                                                          \
+    X( SURFACE_NORMALS, "surface.normals", WISP_TABLE_POINT )                                                        \
+    X( POINT_STRAIN, "point.strain", WISP_TABLE_POINT )                                                              \
+    X( POINT_SPEED, "point.speed", WISP_TABLE_POINT )                                                                \
+    X( SURFACE_QUALITY, "surface.quality", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -20,3 +42,41 @@
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */
 #define WISP_POINT_WIDTH_COLUMNS( X ) X( float, width, 1 )        /* m, diameter */
 #define WISP_POINT_COLOUR_COLUMNS( X ) X( wisp_vec3, colour, 1 )  /* linear red, green, blue in [0, 1] */
+
+// Rows of particles follow the slots of the entity's fabric, rows of links and hinges its schedules.
+#define WISP_PARTICLE_POSITION_COLUMNS( X )                                                                          \
+    X( float, position, 4 ) /* x, y, z in m; inverse mass in 1/kg, 0 is pinned */
+#define WISP_PARTICLE_VELOCITY_COLUMNS( X ) X( float, velocity, 4 ) /* x, y, z in m/s; 0 */
+#define WISP_PARTICLE_PREVIOUS_COLUMNS( X ) X( float, previous, 4 ) /* m, position at the start of the substep; any */
+#define WISP_PARTICLE_TARGET_COLUMNS( X )                                                                            \
+    X( float, target, 4 ) /* m, of a pinned particle; 1 where it counts, else 0 */
+#define WISP_PARTICLE_GOOD_COLUMNS( X )                                                                              \
+    X( float, position, 4 ) /* at the end of the last step that was finite and within bounds */                      \
+    X( float, velocity, 4 )
+#define WISP_PARTICLE_MASS_COLUMNS( X )                                                                              \
+    X( float, area_density, 1 )                                       /* kg/m^2 */                                   \
+    X( float, vertex_mass, 1 )                                        /* kg, above 0 it counts instead */
+#define WISP_PARTICLE_GRAVITY_COLUMNS( X ) X( wisp_vec3, gravity, 1 ) /* m/s^2 */
+#define WISP_PARTICLE_DAMPING_COLUMNS( X ) X( float, rate, 1 )        /* 1/s: v <- v / (1 + rate dt) */
+#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )     /* pbd, share of the error, in [0, 1] */
+#define WISP_LINK_COMPLIANCE_COLUMNS( X )                                                                            \
+    X( float, compliance, 1 ) /* xpbd, m/N */                                                                        \
+    X( float, lambda, 1 )     /* N s^2, of the substep; only kept with several iterations */
+#define WISP_LINK_LIMIT_COLUMNS( X )                                                                                 \
+    X( float, minimum, 1 ) /* times the rest length */                                                               \
+    X( float, maximum, 1 )
+#define WISP_HINGE_REST_COLUMNS( X ) X( float, angle, 1 ) /* rad, between the normals */
+#define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
+    X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \
+    X( float, scale, 1 )  /* s, 1/m^2 */
+#define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, in [0, 1] */
+#define WISP_HINGE_COMPLIANCE_COLUMNS( X )                                                                           \
+    X( float, compliance, 1 ) /* xpbd, rad^2/J of an angle, 1/J of the energy of curvature */                        \
+    X( float, lambda, 1 )
+#define WISP_SURFACE_TETHERS_COLUMNS( X ) X( float, slack, 1 )       /* times the rest distance, >= 1 */
+#define WISP_SURFACE_LEVELS_COLUMNS( X ) X( int32_t, passes, 1 )     /* over each coarse level a substep */
+#define WISP_SURFACE_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 )   /* m, the user's order */
+#define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
+#define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */
+#define WISP_POINT_SPEED_COLUMNS( X ) X( float, speed, 1 )   /* m/s */
+#define WISP_SURFACE_QUALITY_COLUMNS( X ) X( wisp_quality, quality, 1 )

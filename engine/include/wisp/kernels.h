@@ -127,6 +127,91 @@ typedef enum wisp_gap
     WISP_GAP_WET,     ///< no brake
 } wisp_gap;
 
+/// Distances between two particles (pbd: BAL eq. 5-6 times stiffness; xpbd: Macklin, Mueller and Chentanez 2016, eq.
+/// 17-18). Groups of eight slots share no particle. Links of length 0 and links between two pinned ends do nothing.
+typedef struct wisp_link_job
+{
+    float* position;         ///< [slot][4] x, y, z in m, inverse mass in 1/kg
+    const int32_t *a4, *b4;  ///< [link] slots times 4
+    const float* rest;       ///< [link] m
+    const float* stiffness;  ///< [link] pbd: share of the error taken away, in [0, 1]
+    const float* compliance; ///< [link] xpbd: m/N
+    float* lambda;           ///< [link] xpbd: N s^2, of this substep; null: one iteration, so it starts at 0
+    float inverse_dt2;       ///< xpbd: 1/s^2
+    float minimum, maximum;  ///< strain limit: shortest and longest length allowed, times the rest length
+} wisp_link_job;
+
+/// Bending over an interior edge: ends i, j and opposite vertices k, l.
+typedef struct wisp_hinge_job
+{
+    float* position;      ///< [slot][4]
+    const int32_t* slot4; ///< [group][4][8] i, j, k, l, slots times 4
+    const float* rest; ///< dihedral: [hinge] rad, rest angle between the normals, 0 is flat. Isometric: [group][4][8]
+                       ///< the vector c of Q = c c^T / A, so that Q x = c (c . x) / A (Bergou et al. 2006)
+    const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles times 1/3
+    const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd
+    const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
+    float* lambda;           ///< [hinge], null: one iteration
+    float inverse_dt2;
+} wisp_hinge_job;
+
+/// Area vectors and volume around vertices (BAL eq. 7-8 with true volume), vertex by vertex over ordered one-rings.
+typedef struct wisp_ring_job
+{
+    const float* position;          ///< [slot][4]; slice s holds the slots from 8 s
+    const int32_t* ring_begin;      ///< [slice + 1]
+    const int32_t ( *ring4 )[2][8]; ///< [entry]
+    wisp_vec3 origin;               ///< m, volumes are summed about it; near the body keeps digits
+    float* gradient; ///< [slice - first_slice][3][8] m^2, dV/dp = a sixth of the sum of (a - p) x (b - p);
+                     ///< ring_normal: unit normals
+    float* area;     ///< [slice - first_slice][8] m^2, a third of the triangles' areas; may be null
+    int first_slice; ///< where gradient and area begin
+} wisp_ring_job;
+
+/// Sums over a range of slices, each in double from eight ordered lanes of floats.
+typedef struct wisp_ring_sums
+{
+    double volume;   ///< m^3, sum of (p - origin) . gradient / 3
+    double weighted; ///< m^4/kg, sum of w |gradient|^2
+} wisp_ring_sums;
+
+/// Move particles along a gradient: p += w factor gradient.
+typedef struct wisp_push_job
+{
+    float* position;       ///< [slot][4]
+    const float* gradient; ///< [slice][3][8]
+    float factor;
+} wisp_push_job;
+
+/// Keep particles within a distance of their attachments. Only the particle moves, and only if the attachment is pinned.
+typedef struct wisp_tether_job
+{
+    float* position;        ///< [slot][4]
+    const int32_t* anchor4; ///< [slot] one layer of the fabric's tethers
+    const float* rest;      ///< [slot] m
+    float slack;            ///< times the rest length, >= 1
+} wisp_tether_job;
+
+/// Carry the displacement of a coarse level to its children: p += sum of weights times (p - before) of the parents.
+typedef struct wisp_prolong_job
+{
+    float* position;        ///< [slot][4]
+    const float* before;    ///< [slot][4] where the level's vertices were before any level moved them
+    const int32_t* child4;  ///< [slice][8]
+    const int32_t* parent4; ///< [slice][4][8]
+    const float* weight;    ///< [slice][4][8]
+} wisp_prolong_job;
+
+/// Time integration of particles (BAL eq. 1-2). Pinned particles have no velocity of their own and keep their place.
+typedef struct wisp_particle_job
+{
+    float* position;        ///< [slot][4]
+    float* previous;        ///< [slot][4] position at the start of the substep
+    float* velocity;        ///< [slot][4] m/s, the fourth is 0
+    wisp_vec3 acceleration; ///< m/s^2, of every particle that is not pinned
+    float dt;               ///< s
+} wisp_particle_job;
+
 typedef struct wisp_kernels
 {
     const char* isa; ///< "baseline", "avx2", "avx512"; tests know two more
@@ -143,6 +228,28 @@ typedef struct wisp_kernels
     /// Both sweeps return how far a vertex is at most from where it was searched, m: at its tentative, at its next place.
     float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
     float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
+
+    // links [begin, end), multiples of 8
+    void ( *link_pbd )( const wisp_link_job* job, int begin, int end );
+    void ( *link_xpbd )( const wisp_link_job* job, int begin, int end );
+    void ( *link_unilateral )( const wisp_link_job* job, int begin,
+                               int end );                                 ///< resists stretching only, stiffness 1
+    void ( *link_limit )( const wisp_link_job* job, int begin, int end ); ///< into [minimum, maximum] times rest
+    // hinges [begin, end), multiples of 8
+    void ( *hinge_dihedral )( const wisp_hinge_job* job, int begin, int end );
+    void ( *hinge_isometric )( const wisp_hinge_job* job, int begin, int end );
+    // slices of eight slots
+    void ( *ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
+    void ( *ring_normal )( const wisp_ring_job* job, int begin,
+                           int end ); ///< area-weighted unit normals, 0 if they cancel
+    void ( *push )( const wisp_push_job* job, int begin, int end );
+    // slots, multiples of 8
+    void ( *tether )( const wisp_tether_job* job, int begin, int end );
+    void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
+    void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
+    void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v = (p - previous) / dt
+    // slices of eight children
+    void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;
 
 WISP_END_C

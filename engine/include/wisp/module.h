@@ -1,6 +1,7 @@
 /// What a module may know: it declares what it stores, reads and writes, and never asks who else is there.
 #pragma once
 
+#include "wisp/fabric.h"
 #include "wisp/jobs.h"
 #include "wisp/kernels.h"
 #include "wisp/wisp.h"
@@ -17,6 +18,9 @@ typedef enum wisp_table
     WISP_TABLE_STRAND_GROUP, ///< sixteen strands, lane = strand
     WISP_TABLE_STRAND_ROW,   ///< one vertex of each of a group's sixteen strands
     WISP_TABLE_POINT,        ///< one vertex in the user's order
+    WISP_TABLE_PARTICLE,     ///< one slot of a fabric: vertices in its order, then what pads; a multiple of 8
+    WISP_TABLE_LINK,         ///< one slot of a fabric's schedule of links; a multiple of 8
+    WISP_TABLE_HINGE,        ///< one slot of a fabric's schedule of hinges; a multiple of 8
     WISP_TABLE_COUNT,
 } wisp_table;
 
@@ -61,9 +65,13 @@ typedef enum wisp_stage
 /// What a pass runs over.
 typedef enum wisp_domain
 {
-    WISP_DOMAIN_ENTITY,       ///< called once an entity; may use wisp_frame_parallel()
-    WISP_DOMAIN_STRAND_GROUP, ///< called for ranges of groups; touches only its own groups, so neighbours fuse
+    WISP_DOMAIN_ENTITY,         ///< called once an entity; may use wisp_frame_parallel()
+    WISP_DOMAIN_STRAND_GROUP,   ///< called for ranges of groups; touches only its own groups, so neighbours fuse
+    WISP_DOMAIN_PARTICLE_BLOCK, ///< called for ranges of blocks of WISP_PARTICLE_BLOCK particles; touches only its own
 } wisp_domain;
+
+/// Particles of a block; the last block of an entity may have fewer.
+#define WISP_PARTICLE_BLOCK 256
 
 /// A range of items of one entity on one worker. Item numbers start at 0 in each entity.
 typedef struct wisp_span
@@ -101,6 +109,19 @@ WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass
 /// @return null without memory
 WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );
 
+/// What a state must hear of. Zero-initialised members are never called.
+typedef struct wisp_state_hooks
+{
+    /// The world ends: free what the state points to. Entities are gone or about to go.
+    void ( *release )( void* state, const wisp_allocator* allocator );
+    /// An entity is about to be removed; it and its components are still there. Other entities may lose components here,
+    /// nothing else of the world may change.
+    void ( *removed )( void* state, wisp_world* world, wisp_entity entity );
+} wisp_state_hooks;
+
+/// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
+WISP_API void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks );
+
 /// Warm memory that is no state: one zeroed block a worker, kept from step to step, outside snapshots and hashes.
 /// @param release frees what the block points to; may be null
 /// @return a number for wisp_frame_workspace(), -1 without memory
@@ -130,7 +151,20 @@ typedef struct wisp_strand_topology
 
 /// First row of the entity's range in a column; null if the component has no rows.
 WISP_API void* wisp_frame_column( wisp_frame* frame, wisp_entity entity, wisp_component component, int column );
+WISP_API bool wisp_frame_has( wisp_frame* frame, wisp_entity entity, wisp_component component );
 WISP_API const wisp_strand_topology* wisp_frame_strands( wisp_frame* frame, wisp_entity entity );
+WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity entity );
+/// The particles [begin, end) of a span of particle blocks.
+WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span );
+/// Length of a substep, s.
+WISP_API float wisp_frame_seconds( const wisp_frame* frame );
+/// Which substep of the step, and which iteration of the substep, from 0; and how many.
+WISP_API int wisp_frame_substep( const wisp_frame* frame );
+WISP_API int wisp_frame_substeps( const wisp_frame* frame );
+WISP_API int wisp_frame_iteration( const wisp_frame* frame );
+WISP_API int wisp_frame_iterations( const wisp_frame* frame );
+/// Leave the entity out of every pass from the next step on; the world counts it and logs the sentence. Thread-safe.
+WISP_API void wisp_frame_freeze( wisp_frame* frame, wisp_entity entity, const char* sentence );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
 /// All workers in an entity pass that runs alone; only the calling worker where many small entities share a wave.
 WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span );
@@ -145,6 +179,11 @@ WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_
 
 // ---- between steps, for a module's public functions ----
 
+/// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
+/// attaches. @param out receives the entity, null on failure
+WISP_API wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out );
+/// The host's memory, as the world counts it. Valid as long as the world.
+WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
 /// State of a module in this world. @return null when the module is not registered
 WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
@@ -154,6 +193,7 @@ WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_
 /// As wisp_frame_column, to read or write; counts as a change. @return null also for a stale entity
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
+WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity );
 /// Keep a sentence for wisp_world_message(), log it, and hand the status back.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );

@@ -23,6 +23,28 @@ enum
     WISP_STRAND_POINTS, ///< vertices in the user's order: what a renderer wants
     WISP_POINT_WIDTH,
     WISP_POINT_COLOUR,
+    WISP_PARTICLE_POSITION,
+    WISP_PARTICLE_VELOCITY,
+    WISP_PARTICLE_PREVIOUS,
+    WISP_PARTICLE_TARGET,
+    WISP_PARTICLE_GOOD,
+    WISP_PARTICLE_MASS,
+    WISP_PARTICLE_GRAVITY,
+    WISP_PARTICLE_DAMPING,
+    WISP_LINK_STIFFNESS,
+    WISP_LINK_COMPLIANCE,
+    WISP_LINK_LIMIT,
+    WISP_HINGE_REST,
+    WISP_HINGE_COTANGENT,
+    WISP_HINGE_STIFFNESS,
+    WISP_HINGE_COMPLIANCE,
+    WISP_SURFACE_TETHERS,
+    WISP_SURFACE_LEVELS,
+    WISP_SURFACE_POINTS,  ///< vertices in the user's order: what a renderer wants
+    WISP_SURFACE_NORMALS, ///< unit normals in the user's order
+    WISP_POINT_STRAIN,    ///< largest strain of the edges at a vertex, for colouring
+    WISP_POINT_SPEED,     ///< m/s, for colouring
+    WISP_SURFACE_QUALITY, ///< read with wisp_world_quality()
     WISP_SHARED_COMPONENT_COUNT,
 };
 
@@ -73,6 +95,80 @@ WISP_API wisp_strands_def wisp_default_strands_def( void );
 ///         WISP_NO_MEMORY
 WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out );
 
+/// How constraints answer, chosen per entity so that one scene can compare them.
+typedef enum wisp_solver
+{
+    WISP_SOLVER_XPBD, ///< a compliance in SI units: the answer does not depend on iterations or the step (once converged)
+    WISP_SOLVER_PBD,  ///< a stiffness in [0, 1]: the share of an error taken away at once, as the sources have it
+    WISP_SOLVER_COUNT,
+} wisp_solver;
+
+/// Particles of a triangle mesh. Fill from wisp_default_surface_def(). Copied; may die after the call.
+typedef struct wisp_surface_def
+{
+    struct wisp_fabric* fabric; ///< cooked (fabric.h); the world takes a reference of its own
+    const wisp_vec3* points; ///< [vertex_count] m, where the vertices start, the user's order; null: the rest shape
+    float area_density;      ///< kg/m^2, > 0, default 0.15
+    float vertex_mass;       ///< kg; above 0 every vertex weighs so much, whatever its area; default 0
+    const int32_t* pins;     ///< [pin_count] vertices that move only as they are told, the user's order
+    int pin_count;
+    uint32_t made_by_default;
+} wisp_surface_def;
+
+WISP_API wisp_surface_def wisp_default_surface_def( void );
+
+/// Add the particles of a mesh. Effects give them a material; without one they only fly.
+/// @param out receives the entity, null on failure
+/// @return WISP_BAD_INPUT a coordinate is not finite or beyond 1e6 m, a mass is not above 0, a pin is out of range (the
+///         sentence names the vertex); WISP_NO_MEMORY
+/// @note A vertex without triangles has no area: unless vertex_mass is given it is pinned, and a log line says so
+WISP_API wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out );
+
+/// Hold vertices where they are from now on.
+/// @param vertices [count] the user's numbers
+WISP_API wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
+/// Let vertices go: they get the mass back that their area gives them.
+WISP_API wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count );
+/// Carry pinned vertices so that they are at the targets at the end of the next step, in a straight line.
+/// @param targets [count] m
+/// @return WISP_BAD_INPUT a vertex is not pinned, or a target is not finite
+WISP_API wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices,
+                                     const wisp_vec3* targets, int count );
+/// @param gravity m/s^2; a zero vector takes it away, and its pass with it. Surfaces start without gravity
+WISP_API wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity );
+/// @param rate 1/s, >= 0: how fast all velocity dies away; 0 takes the pass away
+WISP_API wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate );
+/// Keep every edge between two lengths, given as shares of its rest length. @param minimum in [0, 1] @param maximum >= 1;
+/// 0 and infinity take the pass away
+WISP_API wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum );
+/// Set the velocity of all vertices to that of a rigid motion about the centre of mass.
+/// @param linear m/s @param angular rad/s
+WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular );
+
+/// Figures of a surface at the end of a step. Sums are in double and in a fixed order.
+typedef struct wisp_quality
+{
+    double mass;                ///< kg, of the vertices that are not pinned
+    double centre[3];           ///< m, of that mass
+    double momentum[3];         ///< kg m/s
+    double angular_momentum[3]; ///< kg m^2/s about the centre
+    double kinetic_energy;      ///< J
+    double potential_energy;    ///< J, of the gravity that acts on the surface; 0 at the origin
+    double volume;              ///< m^3, signed; of a mesh with a border: of the cone to the first vertex
+    double strain_max;          ///< largest |l/l0 - 1| of the edges
+    double strain_mean;         ///< mean |l/l0 - 1| of the edges
+    double speed_max;           ///< m/s
+} wisp_quality;
+
+/// @return WISP_CONFLICT unless WISP_SURFACE_QUALITY is wanted and a step was made since
+WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_quality* out );
+
+/// An entity whose state stopped being finite, or left its bounds, was put back to its last good state and takes no part
+/// in steps any more.
+WISP_API bool wisp_is_frozen( const wisp_world* world, wisp_entity entity );
+/// Let a frozen entity take part again.
+WISP_API wisp_status wisp_thaw( wisp_world* world, wisp_entity entity );
+
 /// Add an entity that shares the topology of another and starts at its rest shape.
 WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
 
@@ -96,7 +192,7 @@ typedef struct wisp_view
     size_t stride; ///< bytes from row to row
 } wisp_view;
 
-/// @return WISP_CONFLICT if nobody wants it or it is not in the user's order (only point.* and strand.points are)
+/// @return WISP_CONFLICT if nobody wants it or it is not in the user's order (only point.*, strand.points, surface.points and surface.normals are)
 WISP_API wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_component component,
                                       wisp_view* out );
 
@@ -127,6 +223,7 @@ typedef enum wisp_counter
     WISP_COUNT_CAPPED,       ///< queries that ran into the neighbour limit
     WISP_COUNT_COARSE_GRIDS, ///< grids whose cells were widened because the scene is too sparse for its radius
     WISP_COUNT_SEARCHES,     ///< neighbour searches
+    WISP_COUNT_FROZEN,       ///< entities put back to their last good state and frozen
     WISP_COUNTER_COUNT,
 } wisp_counter;
 

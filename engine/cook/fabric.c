@@ -1,0 +1,428 @@
+#include "fabric.h"
+
+#include "alloc.h"
+
+#include <math.h>
+#include <string.h>
+
+#define FABRIC_DEF_MADE 0x66616272u
+
+// ---- memory ----
+
+struct fabric_block
+{
+    fabric_block* previous;
+    size_t size; // with this head
+};
+
+// The head takes a whole cache line, so that the array behind it starts on one.
+#define BLOCK_HEAD BASE_BUFFER_ALIGNMENT
+
+void* fabric_pool_push( fabric_pool* pool, size_t count, size_t element_size )
+{
+    size_t size = 0;
+    if ( base_size_multiply( count, element_size, &size ) == false || size > SIZE_MAX - BLOCK_HEAD )
+    {
+        return NULL;
+    }
+    size += BLOCK_HEAD;
+    fabric_block* block = base_allocate( pool->allocator, size, BASE_BUFFER_ALIGNMENT );
+    if ( block == NULL )
+    {
+        return NULL;
+    }
+    *block = ( fabric_block ){ .previous = pool->last, .size = size };
+    pool->last = block;
+    pool->bytes += size;
+    return (char*)block + BLOCK_HEAD;
+}
+
+void* fabric_pool_push_zeroed( fabric_pool* pool, size_t count, size_t element_size )
+{
+    void* array = fabric_pool_push( pool, count, element_size );
+    if ( array != NULL )
+    {
+        memset( array, 0, count * element_size );
+    }
+    return array;
+}
+
+void fabric_pool_release( fabric_pool* pool )
+{
+    while ( pool->last != NULL )
+    {
+        fabric_block* block = pool->last;
+        pool->last = block->previous;
+        base_release( pool->allocator, block, block->size );
+    }
+    pool->bytes = 0;
+}
+
+// ---- owners ----
+
+cook_fabric* fabric_create( const wisp_allocator* allocator )
+{
+    cook_fabric* cooked = base_allocate( allocator, sizeof( cook_fabric ), BASE_BUFFER_ALIGNMENT );
+    if ( cooked != NULL )
+    {
+        memset( cooked, 0, sizeof( *cooked ) );
+        cooked->keep.allocator = allocator;
+        atomic_init( &cooked->owners, 1 );
+    }
+    return cooked;
+}
+
+void wisp_fabric_retain( wisp_fabric* fabric )
+{
+    cook_fabric* cooked = (cook_fabric*)fabric;
+    atomic_fetch_add_explicit( &cooked->owners, 1, memory_order_relaxed );
+}
+
+void wisp_fabric_release( wisp_fabric* fabric )
+{
+    cook_fabric* cooked = (cook_fabric*)fabric;
+
+    // The last owner must see what the others did before they let go.
+    if ( cooked != NULL && atomic_fetch_sub_explicit( &cooked->owners, 1, memory_order_acq_rel ) == 1 )
+    {
+        fabric_pool keep = cooked->keep;
+        fabric_pool_release( &keep );
+        base_release( keep.allocator, cooked, sizeof( *cooked ) );
+    }
+}
+
+size_t wisp_fabric_bytes( const wisp_fabric* fabric )
+{
+    return sizeof( cook_fabric ) + ( (const cook_fabric*)fabric )->keep.bytes;
+}
+
+// ---- what the user hands over ----
+
+wisp_fabric_def wisp_default_fabric_def( void )
+{
+    return ( wisp_fabric_def ){
+        .cross_links = true,
+        .sweep = WISP_SWEEP_COLOUR,
+        .made_by_default = FABRIC_DEF_MADE,
+    };
+}
+
+static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error )
+{
+    if ( def->vertex_count < 0 || def->vertex_count > FABRIC_MAX_VERTICES )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d vertices: 0 to %d are possible", def->vertex_count,
+                          FABRIC_MAX_VERTICES );
+    }
+    if ( def->triangle_count < 0 || def->triangle_count > FABRIC_MAX_TRIANGLES )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d triangles: 0 to %d are possible",
+                          def->triangle_count, FABRIC_MAX_TRIANGLES );
+    }
+    if ( def->attachment_count < 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "a fabric cannot have %d attachments", def->attachment_count );
+    }
+    if ( ( def->points == NULL && def->vertex_count > 0 ) || ( def->triangles == NULL && def->triangle_count > 0 ) ||
+         ( def->attachments == NULL && def->attachment_count > 0 ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "a fabric of %d vertices, %d triangles and %d attachments lacks one of these lists",
+                          def->vertex_count, def->triangle_count, def->attachment_count );
+    }
+    if ( def->levels < 0 || def->levels > WISP_FABRIC_MAX_LEVELS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d levels: 0 to %d are possible", def->levels,
+                          WISP_FABRIC_MAX_LEVELS );
+    }
+    if ( (int)def->sweep < 0 || def->sweep >= WISP_SWEEP_COUNT )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "there is no sweep of number %d", (int)def->sweep );
+    }
+    if ( def->tile_size != 0 && ( def->tile_size < FABRIC_MIN_TILE || def->tile_size > FABRIC_MAX_TILE ||
+                                  def->tile_size % WISP_FABRIC_LANES != 0 ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "tiles of %d vertices: 0 or a multiple of %d in %d to %d is possible", def->tile_size,
+                          WISP_FABRIC_LANES, FABRIC_MIN_TILE, FABRIC_MAX_TILE );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_triangles( const wisp_fabric_def* def, wisp_error* error )
+{
+    for ( int t = 0; t < def->triangle_count; ++t )
+    {
+        const int32_t* v = def->triangles + 3 * (size_t)t;
+        for ( int k = 0; k < 3; ++k )
+        {
+            if ( v[k] < 0 || v[k] >= def->vertex_count )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "triangle %d names vertex %d, but the mesh has %d vertices",
+                                  t, v[k], def->vertex_count );
+            }
+        }
+        if ( v[0] == v[1] || v[1] == v[2] || v[2] == v[0] )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "triangle %d names vertex %d twice", t,
+                              v[0] == v[1] ? v[0] : v[2] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
+{
+    wisp_status status = check_numbers( def, error );
+    for ( int v = 0; v < def->vertex_count && status == WISP_OK; ++v )
+    {
+        wisp_vec3 p = def->points[v];
+
+        // A comparison with what is not a number is false.
+        bool inside = fabsf( p.x ) <= FABRIC_MAX_COORDINATE && fabsf( p.y ) <= FABRIC_MAX_COORDINATE &&
+                      fabsf( p.z ) <= FABRIC_MAX_COORDINATE;
+        if ( inside == false )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT,
+                                "vertex %d at (%g, %g, %g) is not finite or farther than %g m from the origin", v,
+                                (double)p.x, (double)p.y, (double)p.z, (double)FABRIC_MAX_COORDINATE );
+        }
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_triangles( def, error );
+    }
+    for ( int i = 0; i < def->attachment_count && status == WISP_OK; ++i )
+    {
+        if ( def->attachments[i] < 0 || def->attachments[i] >= def->vertex_count )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT, "attachment %d names vertex %d, but the mesh has %d vertices",
+                                i, def->attachments[i], def->vertex_count );
+        }
+    }
+    return status;
+}
+
+// ---- cooking ----
+
+// Order the vertices, and leave the neighbours in slots behind.
+static bool order( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch, fabric_graph* graph )
+{
+    wisp_fabric* f = &cooked->fabric;
+    fabric_pool user = { .allocator = scratch->allocator };
+    fabric_graph by_vertex;
+    int32_t* vertex_slot = fabric_pool_push( &cooked->keep, (size_t)f->vertex_count, sizeof( int32_t ) );
+    int32_t* slot_vertex = fabric_pool_push( &cooked->keep, (size_t)f->slot_count, sizeof( int32_t ) );
+    f->vertex_slot = vertex_slot;
+    f->slot_vertex = slot_vertex;
+    bool done = vertex_slot != NULL && slot_vertex != NULL &&
+                fabric_graph_make( &user, def->triangles, def->triangle_count, def->vertex_count, &by_vertex ) &&
+                fabric_order_vertices( user.allocator, &by_vertex, def->attachments, def->attachment_count,
+                                       vertex_slot, slot_vertex ) &&
+                fabric_graph_relist( scratch, &by_vertex, slot_vertex, vertex_slot, graph );
+    for ( int s = f->vertex_count; s < f->slot_count && done; ++s )
+    {
+        slot_vertex[s] = -1;
+    }
+    fabric_pool_release( &user );
+    return done;
+}
+
+// Attachments in slots, each once, in the user's order.
+static bool rename_attachments( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+{
+    wisp_fabric* f = &cooked->fabric;
+    bool* named = fabric_pool_push_zeroed( scratch, (size_t)f->vertex_count, sizeof( bool ) );
+    int32_t* attachments = fabric_pool_push( &cooked->keep, (size_t)def->attachment_count, sizeof( int32_t ) );
+    if ( named == NULL || attachments == NULL )
+    {
+        return false;
+    }
+    for ( int i = 0; i < def->attachment_count; ++i )
+    {
+        int32_t slot = f->vertex_slot[def->attachments[i]];
+        if ( named[slot] == false )
+        {
+            named[slot] = true;
+            attachments[f->attachment_count++] = slot;
+        }
+    }
+    f->attachments = attachments;
+    return true;
+}
+
+// Points, triangles and attachments in the fabric's order.
+static bool rename( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+{
+    wisp_fabric* f = &cooked->fabric;
+    wisp_vec3* rest = fabric_pool_push( &cooked->keep, (size_t)f->slot_count, sizeof( wisp_vec3 ) );
+    int32_t* triangles = fabric_pool_push( &cooked->keep, 3 * (size_t)f->triangle_count, sizeof( int32_t ) );
+    if ( rest == NULL || triangles == NULL )
+    {
+        return false;
+    }
+    for ( int s = 0; s < f->slot_count; ++s )
+    {
+        rest[s] = def->points[f->slot_vertex[s] >= 0 ? f->slot_vertex[s] : 0];
+    }
+    for ( size_t i = 0; i < 3 * (size_t)f->triangle_count; ++i )
+    {
+        triangles[i] = f->vertex_slot[def->triangles[i]];
+    }
+    f->rest = rest;
+    f->triangles = triangles;
+    return rename_attachments( def, cooked, scratch );
+}
+
+// Edges first, then the opposite vertices of hinges; two triangles back to back have only one opposite vertex.
+static bool list_links( bool cross, wisp_fabric* f, fabric_pool* scratch, int32_t** out )
+{
+    size_t most = (size_t)f->edge_count + ( cross ? (size_t)f->hinge_count : 0 );
+    int32_t* links = fabric_pool_push( scratch, 2 * most, sizeof( int32_t ) );
+    if ( links == NULL )
+    {
+        return false;
+    }
+    memcpy( links, f->edges, 2 * (size_t)f->edge_count * sizeof( int32_t ) );
+    f->link_count = f->edge_count;
+    for ( int h = 0; h < f->hinge_count && cross; ++h )
+    {
+        const int32_t* hinge = f->hinges + 4 * (size_t)h;
+        if ( hinge[2] != hinge[3] )
+        {
+            links[2 * (size_t)f->link_count] = hinge[2];
+            links[2 * (size_t)f->link_count + 1] = hinge[3];
+            f->link_count += 1;
+        }
+    }
+    *out = links;
+    return true;
+}
+
+static float rest_length( const wisp_fabric* f, int32_t a, int32_t b )
+{
+    // In double, so that a short edge far from the origin loses nothing but what its points have lost already.
+    double x = (double)f->rest[a].x - (double)f->rest[b].x;
+    double y = (double)f->rest[a].y - (double)f->rest[b].y;
+    double z = (double)f->rest[a].z - (double)f->rest[b].z;
+    return (float)sqrt( x * x + y * y + z * z );
+}
+
+static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+{
+    wisp_fabric* f = &cooked->fabric;
+    int32_t* links = NULL;
+    if ( list_links( def->cross_links, f, scratch, &links ) == false )
+    {
+        return false;
+    }
+    float* rest = fabric_pool_push( scratch, (size_t)f->link_count, sizeof( float ) );
+    if ( rest == NULL )
+    {
+        return false;
+    }
+    for ( size_t c = 0; c < (size_t)f->link_count; ++c )
+    {
+        rest[c] = rest_length( f, links[2 * c], links[2 * c + 1] );
+    }
+    fabric_constraints constraints = {
+        .slots = links,
+        .count = f->link_count,
+        .arity = 2,
+        .vertex_count = f->vertex_count,
+        .tile_size = f->tile_size,
+        .sweep = def->sweep,
+    };
+    fabric_links lanes;
+    if ( fabric_schedule_build( &constraints, &cooked->keep, &f->link_order ) == false ||
+         fabric_schedule_links( &f->link_order, &constraints, rest, &cooked->keep, &lanes ) == false )
+    {
+        return false;
+    }
+    f->link_a4 = lanes.a4;
+    f->link_b4 = lanes.b4;
+    f->link_rest = lanes.rest;
+    return true;
+}
+
+static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
+{
+    wisp_fabric* f = &cooked->fabric;
+    fabric_constraints constraints = {
+        .slots = f->hinges,
+        .count = def->hinges ? f->hinge_count : 0,
+        .arity = 4,
+        .vertex_count = f->vertex_count,
+        .tile_size = f->tile_size,
+        .sweep = def->sweep,
+    };
+    return fabric_schedule_build( &constraints, &cooked->keep, &f->hinge_order ) &&
+           fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot4 );
+}
+
+// Scratch memory of a stage goes back before the next one starts, so that the peak stays low.
+static bool cook_lists( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+{
+    fabric_pool links = { .allocator = scratch->allocator };
+    bool done = schedule_links( def, cooked, &links );
+    fabric_pool_release( &links );
+    return done && schedule_hinges( def, cooked );
+}
+
+static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, cook_fabric* cooked )
+{
+    wisp_fabric* f = &cooked->fabric;
+    fabric_parts parts = { .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator };
+    return ( def->tethers == false || fabric_cook_tethers( &parts, f ) ) &&
+           ( def->levels == 0 || fabric_cook_levels( &parts, def->levels, f ) );
+}
+
+static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
+{
+    wisp_fabric* f = &cooked->fabric;
+    f->vertex_count = def->vertex_count;
+    f->triangle_count = def->triangle_count;
+    f->tile_size = def->tile_size != 0 ? def->tile_size : fabric_choose_tile_size( def->vertex_count );
+    f->tile_count = fabric_tiles( f->vertex_count, f->tile_size );
+    f->slot_count = fabric_padded( f->vertex_count + f->tile_count );
+    f->ring_slice_count = f->slot_count / WISP_FABRIC_LANES;
+    f->sweep = def->sweep;
+
+    fabric_graph graph;
+    fabric_mesh mesh;
+    bool across = def->tethers || def->levels > 0;
+    bool done = order( def, cooked, scratch, &graph ) && rename( def, cooked, scratch ) &&
+                fabric_mesh_connect( &graph, across, scratch, cooked, &mesh ) &&
+                fabric_mesh_surround( &mesh, scratch, cooked ) && cook_lists( def, cooked, scratch ) &&
+                cook_parts( def, &mesh, cooked );
+    if ( done )
+    {
+        f->hash = fabric_hash( f );
+    }
+    return done;
+}
+
+wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
+                              wisp_error* error )
+{
+    WISP_ASSERT( def->made_by_default == FABRIC_DEF_MADE );
+
+    *out = NULL;
+    wisp_status status = check_def( def, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fabric_pool scratch = { .allocator = allocator };
+    cook_fabric* cooked = fabric_create( allocator );
+    bool done = cooked != NULL && cook( def, cooked, &scratch );
+    fabric_pool_release( &scratch );
+    if ( done == false )
+    {
+        wisp_fabric_release( (wisp_fabric*)cooked );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to cook a fabric of %d vertices and %d triangles",
+                          def->vertex_count, def->triangle_count );
+    }
+    *out = &cooked->fabric;
+    return WISP_OK;
+}

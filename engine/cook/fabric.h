@@ -1,0 +1,158 @@
+/// The parts of a fabric's cooking, in the order in which they run, and the list of what a fabric holds.
+#pragma once
+
+#include "fabric_parts.h"
+
+#include <stdatomic.h>
+
+/// Slots times 4, three corners a triangle, and groups of eight that hold a single constraint all stay below 2^31.
+#define FABRIC_MAX_VERTICES ( 1 << 26 )
+#define FABRIC_MAX_TRIANGLES ( 1 << 25 )
+/// m, of each coordinate
+#define FABRIC_MAX_COORDINATE 1e6f
+
+#define FABRIC_MIN_TILE 64
+#define FABRIC_MAX_TILE 65536
+
+/// A fabric with its owner count and its memory.
+typedef struct cook_fabric
+{
+    wisp_fabric fabric; // first, so that a fabric's address is its owner's
+    fabric_pool keep;
+    atomic_int owners;
+} cook_fabric;
+
+/// An empty fabric with one owner, or null without memory.
+cook_fabric* fabric_create( const wisp_allocator* allocator );
+
+/// count rounded up to whole groups of lanes
+static inline int fabric_padded( int count )
+{
+    return ( count + WISP_FABRIC_LANES - 1 ) / WISP_FABRIC_LANES * WISP_FABRIC_LANES;
+}
+
+/// How many tiles of that size hold so many vertices.
+static inline int fabric_tiles( int vertex_count, int tile_size )
+{
+    return vertex_count / tile_size + ( vertex_count % tile_size != 0 ? 1 : 0 );
+}
+
+// ---- fabric_mesh.c ----
+
+/// Neighbours of vertices, each once.
+typedef struct fabric_graph
+{
+    int count;
+    const int32_t* begin;     ///< [count + 1]
+    const int32_t* neighbour; ///< [begin[count]]
+} fabric_graph;
+
+/// Vertices are neighbours when a triangle has both. Lists are in no promised order.
+/// @param triangles [triangle_count][3], checked
+bool fabric_graph_make( fabric_pool* pool, const int32_t* triangles, int triangle_count, int vertex_count,
+                        fabric_graph* out );
+
+/// The same graph with other names and sorted lists: each list names neighbours in the order of `sequence`. Costs no
+/// comparison, so a vertex with a million neighbours is as cheap as a million vertices.
+/// @param sequence [count] every vertex once
+/// @param name [count] new name of every vertex
+bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const int32_t* sequence, const int32_t* name,
+                          fabric_graph* out );
+
+/// Edges, hinges, and the counts of borders and wild edges of the fabric's triangles.
+/// @param graph in slots, lists rising
+/// @param across with lengths of neighbours and triangles across edges
+bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* scratch, cook_fabric* cooked,
+                          fabric_mesh* out );
+
+/// Areas and rings.
+bool fabric_mesh_surround( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
+
+// ---- fabric_order.c ----
+
+/// Cuthill and McKee's order: breadth first from the attachments, neighbours by degree, then number. Components one
+/// after another, those with attachments first; loose vertices at the end.
+/// @param attachments vertices, may repeat
+/// @param vertex_slot, slot_vertex [graph->count] out
+bool fabric_order_vertices( const wisp_allocator* allocator, const fabric_graph* graph, const int32_t* attachments,
+                            int attachment_count, int32_t* vertex_slot, int32_t* slot_vertex );
+
+/// The size that suits so many vertices.
+int fabric_choose_tile_size( int vertex_count );
+
+// ---- fabric_schedule.c ----
+
+/// Slots of hinges in the order of their schedule: [schedule->slot_count / 8][4][8]; pads are the tile's dummy.
+bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
+                             const int32_t** out );
+
+// ---- fabric_save.c and fabric_check.c ----
+
+/// The hash of everything in a fabric but the hash.
+uint64_t fabric_hash( const wisp_fabric* fabric );
+
+/// Every index in range, every list whole, no two constraints in each other's way: what kernels rely on without
+/// looking. The arrays have the lengths that the counts say.
+/// @param scratch released by the caller
+wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_error* error );
+
+// What a fabric holds, listed once: hash, save and load walk these lists in this order, all counts in front of the
+// arrays. Everything is words of 32 bits; w( n ) is a length as a number that cannot overflow.
+
+#define FABRIC_COUNTS( X )                                                                                           \
+    X( vertex_count )                                                                                                \
+    X( triangle_count )                                                                                              \
+    X( tile_size )                                                                                                   \
+    X( tile_count )                                                                                                  \
+    X( slot_count )                                                                                                  \
+    X( edge_count )                                                                                                  \
+    X( hinge_count )                                                                                                 \
+    X( border_edge_count )                                                                                           \
+    X( wild_edge_count )                                                                                             \
+    X( link_count )                                                                                                  \
+    X( ring_slice_count )                                                                                            \
+    X( tether_count )                                                                                                \
+    X( attachment_count )                                                                                            \
+    X( level_count )
+
+#define FABRIC_SCHEDULE_COUNTS( X )                                                                                  \
+    X( slot_count )                                                                                                  \
+    X( tile_count )                                                                                                  \
+    X( colour_count )
+
+#define FABRIC_LEVEL_COUNTS( X )                                                                                     \
+    X( vertex_count )                                                                                                \
+    X( link_count )                                                                                                  \
+    X( child_count )
+
+#define FABRIC_SCHEDULE_ARRAYS( X, o )                                                                               \
+    X( colour_tile, w( o->colour_count ) + 1 )                                                                       \
+    X( tile_begin, w( o->tile_count ) + 1 )                                                                          \
+    X( constraint, w( o->slot_count ) )
+
+#define FABRIC_ARRAYS( X, o )                                                                                        \
+    X( vertex_slot, w( o->vertex_count ) )                                                                           \
+    X( slot_vertex, w( o->slot_count ) )                                                                             \
+    X( rest, 3 * w( o->slot_count ) )                                                                                \
+    X( area, w( o->slot_count ) )                                                                                    \
+    X( triangles, 3 * w( o->triangle_count ) )                                                                       \
+    X( edges, 2 * w( o->edge_count ) )                                                                               \
+    X( hinges, 4 * w( o->hinge_count ) )                                                                             \
+    X( link_a4, w( o->link_order.slot_count ) )                                                                      \
+    X( link_b4, w( o->link_order.slot_count ) )                                                                      \
+    X( link_rest, w( o->link_order.slot_count ) )                                                                    \
+    X( hinge_slot4, 4 * w( o->hinge_order.slot_count ) )                                                             \
+    X( ring_begin, w( o->ring_slice_count ) + 1 )                                                                    \
+    X( ring4, 2 * WISP_FABRIC_LANES * w( o->ring_begin[o->ring_slice_count] ) )                                      \
+    X( tether4, w( o->tether_count ) * w( o->slot_count ) )                                                          \
+    X( tether_rest, w( o->tether_count ) * w( o->slot_count ) )                                                      \
+    X( attachments, w( o->attachment_count ) )
+
+#define FABRIC_LEVEL_ARRAYS( X, o )                                                                                  \
+    X( vertex4, padded_w( o->vertex_count ) )                                                                        \
+    X( a4, w( o->schedule.slot_count ) )                                                                             \
+    X( b4, w( o->schedule.slot_count ) )                                                                             \
+    X( rest, w( o->schedule.slot_count ) )                                                                           \
+    X( child4, padded_w( o->child_count ) )                                                                          \
+    X( parent4, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )                                                    \
+    X( weight, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )

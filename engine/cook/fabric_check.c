@@ -1,0 +1,602 @@
+// What a loaded fabric must be before a kernel may trust it. The sentences name the element of the fabric, since the
+// bytes have no lines.
+#include "fabric.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct check_state
+{
+    const wisp_fabric* f;
+    fabric_pool* scratch;
+    wisp_error* error;
+} check_state;
+
+#define BAD( ... ) wisp_fail( c->error, WISP_BAD_INPUT, "the saved fabric has " __VA_ARGS__ )
+#define SHORT_OF_MEMORY wisp_fail( c->error, WISP_NO_MEMORY, "no memory to check a saved fabric" )
+
+static bool is_vertex( const wisp_fabric* f, int32_t slot )
+{
+    return slot >= 0 && slot < f->vertex_count;
+}
+
+static bool is_vertex4( const wisp_fabric* f, int32_t slot4 )
+{
+    return slot4 >= 0 && slot4 % 4 == 0 && slot4 / 4 < f->vertex_count;
+}
+
+static bool is_length( float value )
+{
+    return value >= 0.0f && isfinite( value );
+}
+
+// ---- counts and vertices ----
+
+static wisp_status check_counts( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    if ( f->vertex_count > FABRIC_MAX_VERTICES || f->triangle_count > FABRIC_MAX_TRIANGLES )
+    {
+        return BAD( "%d vertices and %d triangles: too many", f->vertex_count, f->triangle_count );
+    }
+    if ( f->tile_size < FABRIC_MIN_TILE || f->tile_size > FABRIC_MAX_TILE || f->tile_size % WISP_FABRIC_LANES != 0 ||
+         f->tile_count != fabric_tiles( f->vertex_count, f->tile_size ) )
+    {
+        return BAD( "%d tiles of %d vertices, which do not fit %d vertices", f->tile_count, f->tile_size,
+                    f->vertex_count );
+    }
+    if ( f->slot_count != fabric_padded( f->vertex_count + f->tile_count ) ||
+         f->ring_slice_count != f->slot_count / WISP_FABRIC_LANES )
+    {
+        return BAD( "%d slots and %d slices of rings, which do not fit its %d vertices and %d tiles", f->slot_count,
+                    f->ring_slice_count, f->vertex_count, f->tile_count );
+    }
+    if ( (int64_t)f->hinge_count + f->border_edge_count + f->wild_edge_count != f->edge_count ||
+         f->edge_count > (int64_t)3 * f->triangle_count )
+    {
+        return BAD( "%d edges, %d hinges, %d border edges and %d wild edges: that does not add up", f->edge_count,
+                    f->hinge_count, f->border_edge_count, f->wild_edge_count );
+    }
+    if ( f->link_count < f->edge_count || f->link_count > (int64_t)f->edge_count + f->hinge_count )
+    {
+        return BAD( "%d links for %d edges and %d hinges", f->link_count, f->edge_count, f->hinge_count );
+    }
+    if ( f->tether_count > WISP_FABRIC_MAX_TETHERS || f->attachment_count > f->vertex_count ||
+         (int)f->sweep >= WISP_SWEEP_COUNT )
+    {
+        return BAD( "%d tethers a vertex, %d attachments and sweep %d: one of them is impossible", f->tether_count,
+                    f->attachment_count, (int)f->sweep );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_vertices( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        int32_t slot = f->vertex_slot[v];
+        if ( is_vertex( f, slot ) == false || f->slot_vertex[slot] != v )
+        {
+            return BAD( "vertex %d in slot %d, which does not lead back", v, slot );
+        }
+    }
+    for ( int s = 0; s < f->slot_count; ++s )
+    {
+        wisp_vec3 p = f->rest[s];
+        if ( s >= f->vertex_count && f->slot_vertex[s] != -1 )
+        {
+            return BAD( "vertex %d in slot %d, which is a dummy", f->slot_vertex[s], s );
+        }
+        bool inside = fabsf( p.x ) <= FABRIC_MAX_COORDINATE && fabsf( p.y ) <= FABRIC_MAX_COORDINATE &&
+                      fabsf( p.z ) <= FABRIC_MAX_COORDINATE;
+        if ( inside == false || is_length( f->area[s] ) == false )
+        {
+            return BAD( "a point or an area in slot %d that is not finite or too large", s );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_attachments( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    bool* attached = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( bool ) );
+    if ( attached == NULL )
+    {
+        return SHORT_OF_MEMORY;
+    }
+    for ( int i = 0; i < f->attachment_count; ++i )
+    {
+        int32_t slot = f->attachments[i];
+        if ( is_vertex( f, slot ) == false || attached[slot] )
+        {
+            return BAD( "attachment %d at slot %d, which is no vertex or stands there already", i, slot );
+        }
+        attached[slot] = true;
+    }
+    size_t count = (size_t)f->tether_count * (size_t)f->slot_count;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        int32_t to = f->tether4[i], own = (int32_t)( i % (size_t)f->slot_count );
+        bool known = to == 4 * own || ( is_vertex4( f, to ) && attached[to / 4] );
+        if ( known == false || is_length( f->tether_rest[i] ) == false )
+        {
+            return BAD( "a tether of slot %d that leads to no attachment or has no length", own );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- triangles, edges, hinges ----
+
+static wisp_status check_mesh( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        const int32_t* v = f->triangles + 3 * (size_t)t;
+        if ( is_vertex( f, v[0] ) == false || is_vertex( f, v[1] ) == false || is_vertex( f, v[2] ) == false ||
+             v[0] == v[1] || v[1] == v[2] || v[2] == v[0] )
+        {
+            return BAD( "triangle %d of the slots %d, %d and %d", t, v[0], v[1], v[2] );
+        }
+    }
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        const int32_t* v = f->edges + 2 * (size_t)e;
+        bool rising = e == 0 || v[-2] < v[0] || ( v[-2] == v[0] && v[-1] < v[1] );
+        if ( v[0] < 0 || v[0] >= v[1] || v[1] >= f->vertex_count || rising == false )
+        {
+            return BAD( "edge %d of the slots %d and %d, out of range or out of order", e, v[0], v[1] );
+        }
+    }
+    for ( int h = 0; h < f->hinge_count; ++h )
+    {
+        const int32_t* v = f->hinges + 4 * (size_t)h;
+        bool apart = v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3];
+        if ( is_vertex( f, v[0] ) == false || is_vertex( f, v[1] ) == false || is_vertex( f, v[2] ) == false ||
+             is_vertex( f, v[3] ) == false || apart == false )
+        {
+            return BAD( "hinge %d of the slots %d, %d, %d and %d", h, v[0], v[1], v[2], v[3] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_ring_begin( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    for ( int s = 0; s < f->ring_slice_count; ++s )
+    {
+        if ( f->ring_begin[s] > f->ring_begin[s + 1] )
+        {
+            return BAD( "rings that begin at %d in slice %d and at %d in the next", f->ring_begin[s], s,
+                        f->ring_begin[s + 1] );
+        }
+    }
+    if ( f->ring_begin[0] != 0 )
+    {
+        return BAD( "rings that begin at %d", f->ring_begin[0] );
+    }
+    return WISP_OK;
+}
+
+static bool ring_entry_is( const wisp_fabric* f, int32_t slot, int32_t entry, int32_t a, int32_t b )
+{
+    int slice = slot / WISP_FABRIC_LANES, lane = slot % WISP_FABRIC_LANES;
+    int32_t at = f->ring_begin[slice] + entry;
+    return at < f->ring_begin[slice + 1] && f->ring4[at][0][lane] == 4 * a && f->ring4[at][1][lane] == 4 * b;
+}
+
+// The rings say nothing that the triangles do not say: walk the triangles and see every entry once.
+static wisp_status check_rings( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    wisp_status status = check_ring_begin( c );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    int32_t* seen = fabric_pool_push_zeroed( c->scratch, (size_t)f->slot_count, sizeof( int32_t ) );
+    if ( seen == NULL )
+    {
+        return SHORT_OF_MEMORY;
+    }
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        const int32_t* v = f->triangles + 3 * (size_t)t;
+        for ( int k = 0; k < 3; ++k )
+        {
+            if ( ring_entry_is( f, v[k], seen[v[k]]++, v[( k + 1 ) % 3], v[( k + 2 ) % 3] ) == false )
+            {
+                return BAD( "a ring around slot %d without triangle %d at its place", v[k], t );
+            }
+        }
+    }
+    for ( int slot = 0; slot < f->slot_count; ++slot )
+    {
+        int slice = slot / WISP_FABRIC_LANES;
+        for ( ; seen[slot] < f->ring_begin[slice + 1] - f->ring_begin[slice]; ++seen[slot] )
+        {
+            if ( ring_entry_is( f, slot, seen[slot], slot, slot ) == false )
+            {
+                return BAD( "a ring around slot %d that is padded by another slot", slot );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- schedules ----
+
+// Constraints as kernels see them: slots times 4 of one lane.
+typedef struct lane_reader
+{
+    int arity;
+    const int32_t *a4, *b4; // arity 2
+    const int32_t* slot4;   // arity 4, [group][4][8]
+    bool whole_tiles;       // a tile shares no vertex, and the first dummy pads
+} lane_reader;
+
+static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot4 )
+{
+    if ( lanes->arity == 2 )
+    {
+        slot4[0] = lanes->a4[at];
+        slot4[1] = lanes->b4[at];
+        return;
+    }
+    for ( int k = 0; k < 4; ++k )
+    {
+        size_t group = (size_t)( at / WISP_FABRIC_LANES ) * 4 + (size_t)k;
+        slot4[k] = lanes->slot4[group * WISP_FABRIC_LANES + (size_t)( at % WISP_FABRIC_LANES )];
+    }
+}
+
+// @param rising the step by which offsets must rise at least
+static bool offsets_rise( const int32_t* begin, int count, int end, int step )
+{
+    bool fine = begin[0] == 0 && begin[count] == end;
+    for ( int i = 0; i < count && fine; ++i )
+    {
+        fine = begin[i + 1] > begin[i] && begin[i + 1] <= end && begin[i + 1] % step == 0;
+    }
+    return fine;
+}
+
+// Every constraint once.
+static wisp_status check_schedule( const check_state* c, const char* what, const wisp_schedule* s, int count )
+{
+    if ( offsets_rise( s->colour_tile, s->colour_count, s->tile_count, 1 ) == false ||
+         offsets_rise( s->tile_begin, s->tile_count, s->slot_count, WISP_FABRIC_LANES ) == false )
+    {
+        return BAD( "an order of %s whose colours or tiles do not rise to its %d slots", what, s->slot_count );
+    }
+    bool* seen = fabric_pool_push_zeroed( c->scratch, (size_t)count, sizeof( bool ) );
+    if ( seen == NULL )
+    {
+        return SHORT_OF_MEMORY;
+    }
+    int found = 0;
+    for ( int32_t i = 0; i < s->slot_count; ++i )
+    {
+        int32_t number = s->constraint[i];
+        if ( number < -1 || number >= count || ( number >= 0 && seen[number] ) )
+        {
+            return BAD( "an order of %s with number %d at %d, out of range or for the second time", what, number, i );
+        }
+        if ( number >= 0 )
+        {
+            seen[number] = true;
+            found += 1;
+        }
+    }
+    return found == count ? WISP_OK : BAD( "an order of %s that names %d of %d", what, found, count );
+}
+
+// Who has touched a vertex last, and who has used up a dummy.
+typedef struct touch_state
+{
+    int32_t* lane; // [vertex_count] lane + 1
+    int32_t* tile; // [vertex_count] tile of the schedule + 1
+    bool* dummy;   // [tile_count]
+} touch_state;
+
+// The dummy of the tile that the constraints of a schedule's tile belong to, or -1 if they belong to several.
+static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const lane_reader* lanes, int tile )
+{
+    int32_t own = -1;
+    for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
+    {
+        int32_t slot4[4], smallest = INT32_MAX;
+        read_lane( lanes, i, slot4 );
+        for ( int k = 0; k < lanes->arity; ++k )
+        {
+            smallest = slot4[k] < smallest ? slot4[k] : smallest;
+        }
+        int32_t dummy4 =
+            lanes->whole_tiles ? 4 * f->vertex_count : 4 * ( f->vertex_count + smallest / 4 / f->tile_size );
+        if ( s->constraint[i] >= 0 && own != -1 && own != dummy4 )
+        {
+            return -1;
+        }
+        own = s->constraint[i] >= 0 ? dummy4 : own;
+    }
+    return own;
+}
+
+// One vertex of one lane: does anybody else have it at the same time?
+// @param colour_begin first tile of the tile's colour
+static bool touch( touch_state* touched, const wisp_schedule* s, const lane_reader* lanes, int32_t slot, int32_t lane,
+                   int tile, int colour_begin )
+{
+    // The first lane that runs without a look at what the others write.
+    int32_t together = lanes->whole_tiles ? s->tile_begin[tile] : lane - lane % WISP_FABRIC_LANES;
+    bool lane_free = touched->lane[slot] <= together || touched->lane[slot] == lane + 1;
+    bool tile_free = touched->tile[slot] <= colour_begin || touched->tile[slot] == tile + 1;
+    touched->lane[slot] = lane + 1;
+    touched->tile[slot] = tile + 1;
+    return lane_free && tile_free;
+}
+
+static wisp_status check_tile( const check_state* c, const char* what, const wisp_schedule* s,
+                               const lane_reader* lanes, touch_state* touched, int tile, int colour_begin )
+{
+    const wisp_fabric* f = c->f;
+    int32_t pad4 = own_dummy4( f, s, lanes, tile );
+    int32_t number = pad4 / 4 - f->vertex_count;
+    if ( pad4 < 0 || number < 0 || number >= f->tile_count ||
+         ( lanes->whole_tiles == false && touched->dummy[number] ) )
+    {
+        return BAD( "a tile %d in the order of %s that has no dummy of its own", tile, what );
+    }
+    touched->dummy[number] = true;
+    for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
+    {
+        int32_t slot4[4];
+        read_lane( lanes, i, slot4 );
+        for ( int k = 0; k < lanes->arity; ++k )
+        {
+            if ( s->constraint[i] < 0 && slot4[k] != pad4 )
+            {
+                return BAD( "a lane %d in the order of %s that is padded by another dummy than its tile's", i, what );
+            }
+            if ( s->constraint[i] >= 0 && touch( touched, s, lanes, slot4[k] / 4, i, tile, colour_begin ) == false )
+            {
+                return BAD( "two constraints at slot %d at the same time, one of them in lane %d of the order of %s",
+                            slot4[k] / 4, i, what );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+// No two lanes of a group and no two tiles of a colour share a vertex. Numbers and slots are checked before.
+static wisp_status check_conflicts( const check_state* c, const char* what, const wisp_schedule* s,
+                                    const lane_reader* lanes )
+{
+    const wisp_fabric* f = c->f;
+    touch_state touched = {
+        .lane = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+        .tile = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+        .dummy = fabric_pool_push_zeroed( c->scratch, (size_t)f->tile_count, sizeof( bool ) ),
+    };
+    if ( touched.lane == NULL || touched.tile == NULL || touched.dummy == NULL )
+    {
+        return SHORT_OF_MEMORY;
+    }
+    wisp_status status = WISP_OK;
+    for ( int colour = 0; colour < s->colour_count; ++colour )
+    {
+        for ( int tile = s->colour_tile[colour]; tile < s->colour_tile[colour + 1] && status == WISP_OK; ++tile )
+        {
+            status = check_tile( c, what, s, lanes, &touched, tile, s->colour_tile[colour] );
+        }
+    }
+    return status;
+}
+
+// The lanes hold the slots that the constraints name, cross links two different vertices.
+static wisp_status check_link_lanes( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    for ( int32_t i = 0; i < f->link_order.slot_count; ++i )
+    {
+        int32_t number = f->link_order.constraint[i], a = f->link_a4[i], b = f->link_b4[i];
+        bool fine = is_length( f->link_rest[i] ) && ( number >= 0 || f->link_rest[i] == 0.0f );
+        if ( number >= f->edge_count )
+        {
+            fine = fine && is_vertex4( f, a ) && is_vertex4( f, b ) && a != b;
+        }
+        else if ( number >= 0 )
+        {
+            fine = fine && a == 4 * f->edges[2 * (size_t)number] && b == 4 * f->edges[2 * (size_t)number + 1];
+        }
+        if ( fine == false )
+        {
+            return BAD( "link %d in lane %d with slots or a length that it cannot have", number, i );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* lanes )
+{
+    const wisp_fabric* f = c->f;
+    for ( int32_t i = 0; i < f->hinge_order.slot_count; ++i )
+    {
+        int32_t number = f->hinge_order.constraint[i], slot4[4];
+        read_lane( lanes, i, slot4 );
+        for ( int k = 0; k < 4 && number >= 0; ++k )
+        {
+            if ( slot4[k] != 4 * f->hinges[4 * (size_t)number + (size_t)k] )
+            {
+                return BAD( "hinge %d in lane %d with another vertex than its own", number, i );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_links( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    lane_reader lanes = { .arity = 2, .a4 = f->link_a4, .b4 = f->link_b4 };
+    wisp_status status = check_schedule( c, "links", &f->link_order, f->link_count );
+    status = status == WISP_OK ? check_link_lanes( c ) : status;
+    return status == WISP_OK ? check_conflicts( c, "links", &f->link_order, &lanes ) : status;
+}
+
+static wisp_status check_hinges( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    lane_reader lanes = { .arity = 4, .slot4 = f->hinge_slot4 };
+    int count = f->hinge_order.slot_count > 0 ? f->hinge_count : 0;
+    wisp_status status = check_schedule( c, "hinges", &f->hinge_order, count );
+    status = status == WISP_OK ? check_hinge_lanes( c, &lanes ) : status;
+    return status == WISP_OK ? check_conflicts( c, "hinges", &f->hinge_order, &lanes ) : status;
+}
+
+// ---- levels ----
+
+// Which level a slot lives in: the coarsest that has it, 0 for none but the mesh itself.
+typedef struct level_state
+{
+    int32_t* level; // [vertex_count]
+    bool* child;    // [vertex_count] of the level that is being checked
+} level_state;
+
+// The vertices of level `number`, from 1, are some of those of the next finer one.
+static wisp_status check_level_vertices( const check_state* c, const wisp_fabric_level* level, int number,
+                                         level_state* s )
+{
+    const wisp_fabric* f = c->f;
+    if ( level->vertex_count > f->vertex_count || level->child_count > f->vertex_count )
+    {
+        return BAD( "a level %d of %d vertices and %d children, more than there are", number, level->vertex_count,
+                    level->child_count );
+    }
+    for ( int i = 0; i < fabric_padded( level->vertex_count ); ++i )
+    {
+        int32_t slot4 = level->vertex4[i];
+        bool fine = i < level->vertex_count ? is_vertex4( f, slot4 ) && s->level[slot4 / 4] == number - 1
+                                            : slot4 == 4 * f->vertex_count;
+        if ( fine == false )
+        {
+            return BAD( "a level %d whose vertex %d is not one of the finer level, or stands there twice", number,
+                        i );
+        }
+        if ( i < level->vertex_count )
+        {
+            s->level[slot4 / 4] = number;
+        }
+    }
+    return WISP_OK;
+}
+
+static bool parent_is_fine( const wisp_fabric* f, const level_state* s, int number, int32_t parent4, float weight,
+                            int32_t child4 )
+{
+    // What pads must not be moved by another worker while it is read: it is a vertex of this level, the child, or the
+    // dummy that no kernel moves.
+    bool pads = weight == 0.0f && ( parent4 == child4 || parent4 == 4 * f->vertex_count );
+    bool of_level = is_vertex4( f, parent4 ) && s->level[parent4 / 4] == number;
+    return is_length( weight ) && weight <= 1.0f && ( of_level || pads );
+}
+
+static wisp_status check_children( const check_state* c, const wisp_fabric_level* level, int number, level_state* s )
+{
+    const wisp_fabric* f = c->f;
+    memset( s->child, 0, (size_t)f->vertex_count * sizeof( bool ) );
+    for ( int i = 0; i < fabric_padded( level->child_count ); ++i )
+    {
+        int32_t child4 = level->child4[i];
+        bool real = i < level->child_count;
+        bool fine =
+            real ? is_vertex4( f, child4 ) && s->level[child4 / 4] == number - 1 && s->child[child4 / 4] == false
+                 : child4 == 4 * f->vertex_count;
+        for ( int p = 0; p < WISP_FABRIC_PARENTS && fine; ++p )
+        {
+            size_t at = (size_t)( i / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS + p ) * WISP_FABRIC_LANES +
+                        (size_t)( i % WISP_FABRIC_LANES );
+            fine = parent_is_fine( f, s, number, level->parent4[at], level->weight[at], child4 );
+        }
+        if ( fine == false )
+        {
+            return BAD( "a level %d whose child %d is not one of the finer level, or has a wrong parent", number, i );
+        }
+        if ( real )
+        {
+            s->child[child4 / 4] = true;
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_level_links( const check_state* c, const wisp_fabric_level* level, int number,
+                                      const level_state* s )
+{
+    const wisp_fabric* f = c->f;
+    wisp_status status = check_schedule( c, "links of a level", &level->schedule, level->link_count );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( level->schedule.colour_count != level->schedule.tile_count )
+    {
+        return BAD( "a level %d with %d tiles in %d colours, not one a colour", number, level->schedule.tile_count,
+                    level->schedule.colour_count );
+    }
+    for ( int32_t i = 0; i < level->schedule.slot_count; ++i )
+    {
+        int32_t a = level->a4[i], b = level->b4[i];
+        bool real = level->schedule.constraint[i] >= 0;
+        bool fine = is_length( level->rest[i] ) && ( real || level->rest[i] == 0.0f );
+        if ( real )
+        {
+            fine = fine && is_vertex4( f, a ) && is_vertex4( f, b ) && a != b && s->level[a / 4] == number &&
+                   s->level[b / 4] == number;
+        }
+        if ( fine == false )
+        {
+            return BAD( "a level %d whose lane %d links what is not of that level, or has no length", number, i );
+        }
+    }
+    lane_reader lanes = { .arity = 2, .a4 = level->a4, .b4 = level->b4, .whole_tiles = true };
+    return check_conflicts( c, "links of a level", &level->schedule, &lanes );
+}
+
+static wisp_status check_levels( const check_state* c )
+{
+    const wisp_fabric* f = c->f;
+    level_state s = {
+        .level = fabric_pool_push_zeroed( c->scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+        .child = fabric_pool_push( c->scratch, (size_t)f->vertex_count, sizeof( bool ) ),
+    };
+    wisp_status status = s.level != NULL && s.child != NULL ? WISP_OK : SHORT_OF_MEMORY;
+    for ( int i = 0; i < f->level_count && status == WISP_OK; ++i )
+    {
+        status = check_level_vertices( c, &f->levels[i], i + 1, &s );
+        status = status == WISP_OK ? check_children( c, &f->levels[i], i + 1, &s ) : status;
+        status = status == WISP_OK ? check_level_links( c, &f->levels[i], i + 1, &s ) : status;
+    }
+    return status;
+}
+
+wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_error* error )
+{
+    // Each step may rely on what the steps before it have seen.
+    static wisp_status ( *const steps[] )( const check_state* ) = {
+        check_counts, check_vertices, check_attachments, check_mesh,
+        check_rings,  check_links,    check_hinges,      check_levels,
+    };
+    check_state c = { .f = fabric, .scratch = scratch, .error = error };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( steps ) && status == WISP_OK; ++i )
+    {
+        status = steps[i]( &c );
+        fabric_pool_release( scratch );
+    }
+    return status;
+}

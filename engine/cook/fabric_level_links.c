@@ -1,0 +1,183 @@
+// Links between neighbours of a coarse level, and the net of triangles over them.
+#include "fabric_levels.h"
+
+#include <math.h>
+
+static double distance_in( const level_maker* m, int32_t at, int32_t to )
+{
+    const level_near* near = m->near + (size_t)at * LEVEL_NEAR;
+    for ( int i = 0; i < m->near_count[at]; ++i )
+    {
+        if ( near[i].rank == to )
+        {
+            return near[i].distance;
+        }
+    }
+    return INFINITY;
+}
+
+// Both must remember each other, so that nobody has more neighbours than it remembers; the shorter way counts.
+double level_distance( const level_maker* m, int32_t rank_a, int32_t rank_b )
+{
+    double there = distance_in( m, rank_a, rank_b ), back = distance_in( m, rank_b, rank_a );
+    if ( there == (double)INFINITY || back == (double)INFINITY )
+    {
+        return INFINITY;
+    }
+    return there < back ? there : back;
+}
+
+// ---- links ----
+
+// Two attachments need no link: neither gives way.
+static double link_length( const level_maker* m, int32_t a, int32_t b )
+{
+    if ( m->turn[m->fine[a]] == LEVEL_ATTACHED && m->turn[m->fine[b]] == LEVEL_ATTACHED )
+    {
+        return INFINITY;
+    }
+    return level_distance( m, a, b );
+}
+
+int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* linked )
+{
+    int count = 0;
+    *linked = 0;
+    for ( int32_t a = 0; a < m->fine_count; ++a )
+    {
+        const level_near* near = m->near + (size_t)a * LEVEL_NEAR;
+        bool any = false;
+        for ( int i = 0; i < m->near_count[a] && m->chosen[a]; ++i )
+        {
+            int32_t b = near[i].rank;
+            double length = link_length( m, a, b );
+            any = any || length < (double)INFINITY;
+            if ( b < a || length == (double)INFINITY )
+            {
+                continue;
+            }
+            if ( slots != NULL )
+            {
+                slots[2 * count] = m->fine[a];
+                slots[2 * count + 1] = m->fine[b];
+                rest[count] = (float)length;
+            }
+            count += 1;
+        }
+        *linked += any ? 1 : 0;
+    }
+    return count;
+}
+
+bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_fabric_level* out )
+{
+    fabric_pool scratch = { .allocator = keep->allocator };
+    int32_t* slots = fabric_pool_push( &scratch, 2 * (size_t)count, sizeof( int32_t ) );
+    float* rest = fabric_pool_push( &scratch, (size_t)count, sizeof( float ) );
+    bool done = slots != NULL && rest != NULL;
+    if ( done )
+    {
+        int linked;
+        level_list_links( m, slots, rest, &linked );
+        fabric_constraints constraints = {
+            .slots = slots,
+            .count = count,
+            .arity = 2,
+            .vertex_count = m->fabric->vertex_count,
+        };
+        fabric_links links;
+        done = fabric_schedule_build( &constraints, keep, &out->schedule ) &&
+               fabric_schedule_links( &out->schedule, &constraints, rest, keep, &links );
+        if ( done )
+        {
+            out->link_count = count;
+            out->a4 = links.a4;
+            out->b4 = links.b4;
+            out->rest = links.rest;
+        }
+    }
+    fabric_pool_release( &scratch );
+    return done;
+}
+
+// ---- the net of a level ----
+
+// Corners of a chosen vertex: every triangle of neighbours that know each other, and the edges without one. Triangles
+// may overlap; a way over any of them is a way on the mesh.
+// @param node_of [fine_count]
+// @param corner may be null to count only
+static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of, geodesic_corner* corner )
+{
+    const level_near* near = m->near + (size_t)a * LEVEL_NEAR;
+    bool has_triangle[LEVEL_NEAR] = { false };
+    double length[LEVEL_NEAR];
+    int count = 0, near_count = m->near_count[a];
+    for ( int i = 0; i < near_count; ++i )
+    {
+        length[i] = level_distance( m, a, near[i].rank );
+    }
+    for ( int i = 0; i < near_count; ++i )
+    {
+        for ( int j = i + 1; j < near_count && length[i] < (double)INFINITY; ++j )
+        {
+            double across = level_distance( m, near[i].rank, near[j].rank );
+            if ( length[j] < (double)INFINITY && across < (double)INFINITY )
+            {
+                has_triangle[i] = has_triangle[j] = true;
+                if ( corner != NULL )
+                {
+                    corner[count] = geodesic_corner_of_sides( node_of[near[i].rank], node_of[near[j].rank], length[i],
+                                                              length[j], across );
+                }
+                count += 1;
+            }
+        }
+        if ( has_triangle[i] == false && length[i] < (double)INFINITY )
+        {
+            if ( corner != NULL )
+            {
+                int32_t node = node_of[near[i].rank];
+                corner[count] = geodesic_corner_of_sides( node, node, length[i], length[i], 0.0 );
+            }
+            count += 1;
+        }
+    }
+    return count;
+}
+
+bool level_make_net( const level_maker* m, const int32_t* slots, int count, fabric_pool* pool, geodesic_net* out )
+{
+    fabric_pool scratch = { .allocator = pool->allocator };
+    int32_t* node_of = fabric_pool_push( &scratch, (size_t)m->fine_count, sizeof( int32_t ) );
+    int32_t* slot = fabric_pool_push( pool, (size_t)count, sizeof( int32_t ) );
+    int32_t* begin = fabric_pool_push( pool, (size_t)count + 1, sizeof( int32_t ) );
+    wisp_vec3* point = fabric_pool_push( pool, (size_t)count, sizeof( wisp_vec3 ) );
+    geodesic_corner* corner = NULL;
+    if ( node_of != NULL && slot != NULL && begin != NULL && point != NULL )
+    {
+        int node = 0;
+        begin[0] = 0;
+        for ( int32_t r = 0; r < m->fine_count; ++r )
+        {
+            if ( m->chosen[r] )
+            {
+                node_of[r] = node;
+                slot[node] = slots[node];
+                point[node] = m->fabric->rest[slots[node]];
+                begin[node + 1] = begin[node] + list_corners( m, r, node_of, NULL );
+                node += 1;
+            }
+        }
+        corner = fabric_pool_push( pool, (size_t)begin[count], sizeof( geodesic_corner ) );
+        for ( int32_t r = 0; r < m->fine_count && corner != NULL; ++r )
+        {
+            if ( m->chosen[r] )
+            {
+                list_corners( m, r, node_of, corner + begin[node_of[r]] );
+            }
+        }
+    }
+    fabric_pool_release( &scratch );
+    *out = ( geodesic_net ){ .count = count, .point = point, .slot = slot, .begin = begin, .corner = corner };
+    return corner != NULL;
+}

@@ -1,0 +1,351 @@
+// Coarse levels. Each is a subset of the next finer one in which vertices keep a distance, chosen greedily, equals in
+// the order of the fabric; one march from every chosen vertex finds what it covers, its neighbours and its children at once.
+#include "fabric.h"
+#include "fabric_levels.h"
+#include "vec.h"
+
+#include <math.h>
+#include <string.h>
+
+// Numbers found by measuring the hanging cloth of 64 and 128 rows, regular and irregular, one substep with tethers and
+// levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every other
+// vertex, an irregular mesh about as many.
+#define SPACING_FACTOR 0.72
+// A level of fewer linked vertices does harm: its vertices drag more than they reach.
+#define FEWEST_VERTICES 9
+// In mean edges: a triangle passes a distance on only where two corners have it, so that marches go beyond the reach.
+#define MARGIN 0.75
+// Marches run over the finest net of at most so many nodes, or, while the levels have more, over the next finer level.
+// Distances over a coarse net are less exact where the mesh is curved.
+#define NET_NODES 32768
+#define COVERED ( 1.0 - 1e-6 )
+
+// Coarse vertices as the next level's fine ones.
+typedef struct level_state
+{
+    fabric_pool pools[2];   // of the net, and of the one that replaces it
+    int pool;               // that holds the net
+    geodesic_net net;       // over which distances are measured
+    fabric_pool members[2]; // of the list of fine vertices, and of the next one
+    wisp_fabric_level made[WISP_FABRIC_MAX_LEVELS];
+    int made_count;
+    double mean_edge; // m
+} level_state;
+
+static double straight_distance( wisp_vec3 a, wisp_vec3 b )
+{
+    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
+// ---- choosing ----
+
+static void remember( level_maker* m, int32_t at, int32_t chosen, double distance )
+{
+    level_near* near = m->near + (size_t)at * LEVEL_NEAR;
+    float rounded = geodesic_round_up( distance );
+    int i = m->near_count[at];
+    if ( i == LEVEL_NEAR )
+    {
+        if ( near[i - 1].distance <= rounded )
+        {
+            return;
+        }
+        i -= 1;
+    }
+    m->near_count[at] = (uint8_t)( i + 1 );
+    for ( ; i > 0 && near[i - 1].distance > rounded; --i )
+    {
+        near[i] = near[i - 1];
+    }
+    near[i] = ( level_near ){ chosen, rounded };
+}
+
+// @param rank_of [march->net->count] -1 for nodes that are not in the finer level
+static void choose( level_maker* m, int32_t rank, geodesic_march* march, const int32_t* rank_of, int32_t node )
+{
+    m->chosen[rank] = true;
+    geodesic_march_run( march, node, m->reach + m->margin, NULL );
+    for ( int i = 0; i < march->reached_count; ++i )
+    {
+        int32_t other = rank_of[march->reached[i]];
+        double distance = march->node[march->reached[i]].distance;
+        if ( other >= 0 && other != rank && distance <= m->reach )
+        {
+            remember( m, other, rank, distance );
+            m->covered[other] = m->covered[other] || distance < COVERED * m->spacing;
+        }
+    }
+}
+
+// An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
+// be as dense in the coarsest level as in the mesh.
+static void choose_all( level_maker* m, geodesic_march* march, const int32_t* rank_of, const int32_t* node_of )
+{
+    for ( int turn = 0; turn < LEVEL_TURNS; ++turn )
+    {
+        for ( int32_t r = 0; r < m->fine_count; ++r )
+        {
+            int32_t slot = m->fine[r];
+            if ( m->turn[slot] == turn && m->covered[r] == false )
+            {
+                choose( m, r, march, rank_of, node_of[r] );
+            }
+            else if ( m->turn[slot] == turn && turn == LEVEL_ATTACHED )
+            {
+                m->idle[slot] = true;
+            }
+        }
+    }
+}
+
+static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* scratch )
+{
+    fabric_pool own = { .allocator = scratch->allocator };
+    size_t count = (size_t)m->fine_count;
+    m->chosen = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
+    m->covered = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
+    m->near = fabric_pool_push( scratch, count * LEVEL_NEAR, sizeof( level_near ) );
+    m->near_count = fabric_pool_push_zeroed( scratch, count, sizeof( uint8_t ) );
+    int32_t* rank_of = fabric_pool_push( &own, (size_t)net->count, sizeof( int32_t ) );
+    int32_t* node_of = fabric_pool_push( &own, count, sizeof( int32_t ) );
+    geodesic_march march;
+    bool done = m->chosen != NULL && m->covered != NULL && m->near != NULL && m->near_count != NULL &&
+                rank_of != NULL && node_of != NULL && geodesic_march_init( &march, net, &own );
+    if ( done )
+    {
+        int32_t rank = 0;
+        for ( int32_t node = 0; node < net->count; ++node )
+        {
+            int32_t slot = net->slot == NULL ? node : net->slot[node];
+            bool fine = rank < m->fine_count && m->fine[rank] == slot;
+            rank_of[node] = fine ? rank : -1;
+            if ( fine )
+            {
+                node_of[rank++] = node;
+            }
+        }
+        choose_all( m, &march, rank_of, node_of );
+    }
+    fabric_pool_release( &own );
+    return done;
+}
+
+// ---- levels ----
+
+// Slots of the chosen vertices, and all slots of the level with those that are idle in it.
+static bool list_members( const level_maker* m, fabric_pool* members, fabric_pool* keep, int32_t** chosen, int* count,
+                          wisp_fabric_level* out )
+{
+    const wisp_fabric* f = m->fabric;
+    int all = 0, taking_part = 0;
+    for ( int32_t r = 0; r < m->fine_count; ++r )
+    {
+        taking_part += m->chosen[r] ? 1 : 0;
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        all += m->idle[v] ? 1 : 0;
+    }
+    all += taking_part;
+    *chosen = fabric_pool_push( members, (size_t)taking_part, sizeof( int32_t ) );
+    int32_t* vertex4 = fabric_pool_push( keep, (size_t)fabric_padded( all ), sizeof( int32_t ) );
+    if ( *chosen == NULL || vertex4 == NULL )
+    {
+        return false;
+    }
+    *count = 0;
+    for ( int32_t r = 0; r < m->fine_count; ++r )
+    {
+        if ( m->chosen[r] )
+        {
+            ( *chosen )[( *count )++] = m->fine[r];
+        }
+    }
+    int next = 0, written = 0;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        bool takes_part = next < *count && ( *chosen )[next] == v;
+        next += takes_part ? 1 : 0;
+        if ( takes_part || m->idle[v] )
+        {
+            vertex4[written++] = v * 4;
+        }
+    }
+    out->vertex_count = all;
+    out->vertex4 = vertex4;
+    while ( written < fabric_padded( all ) )
+    {
+        vertex4[written++] = f->vertex_count * 4;
+    }
+    return true;
+}
+
+// The level becomes the fine one; its net replaces the old one while that is large.
+static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count )
+{
+    if ( s->net.count > NET_NODES )
+    {
+        geodesic_net net;
+        if ( level_make_net( m, chosen, count, &s->pools[1 - s->pool], &net ) == false )
+        {
+            return false;
+        }
+        fabric_pool_release( &s->pools[s->pool] );
+        s->pool = 1 - s->pool;
+        s->net = net;
+    }
+    m->fine = chosen;
+    m->fine_count = count;
+    return true;
+}
+
+// @param ended set when the level would be too small
+static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
+{
+    if ( choose_level( m, &s->net, scratch ) == false )
+    {
+        return false;
+    }
+    int linked, links = level_list_links( m, NULL, NULL, &linked );
+    if ( linked < FEWEST_VERTICES )
+    {
+        *ended = true;
+        return true;
+    }
+    wisp_fabric_level* level = s->made + s->made_count;
+    fabric_pool* members = s->members + s->made_count % 2;
+    int32_t* chosen;
+    int count;
+    fabric_pool_release( members );
+    s->made_count += 1;
+    return list_members( m, members, keep, &chosen, &count, level ) && level_make_links( m, links, keep, level ) &&
+           level_make_children( m, keep, level ) && step_up( s, m, chosen, count );
+}
+
+static double mean_edge( const wisp_fabric* f )
+{
+    double sum = 0.0;
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        sum += straight_distance( f->rest[f->edges[2 * e]], f->rest[f->edges[2 * e + 1]] );
+    }
+    return f->edge_count > 0 ? sum / f->edge_count : 0.0;
+}
+
+// Is the angle between two borders at a vertex below about 135 degrees?
+static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
+{
+    wisp_vec3 a = v3_sub( before, at ), b = v3_sub( after, at );
+    return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
+}
+
+// Whose turn it is to be chosen. Attachments first, since they are in every level; then the corners and the rest of the
+// borders, so that the coarse vertices surround the others.
+static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t* turn )
+{
+    fabric_pool scratch = { .allocator = parts->allocator };
+    size_t vertices = (size_t)f->vertex_count;
+    int32_t* before = fabric_pool_push( &scratch, vertices, sizeof( int32_t ) );
+    int32_t* after = fabric_pool_push( &scratch, vertices, sizeof( int32_t ) );
+    bool done = before != NULL && after != NULL;
+    if ( done )
+    {
+        memset( before, 0xff, vertices * sizeof( int32_t ) );
+        memset( after, 0xff, vertices * sizeof( int32_t ) );
+        for ( int i = 0; i < 3 * f->triangle_count; ++i )
+        {
+            if ( parts->mesh->across[i] < 0 )
+            {
+                int32_t a = f->triangles[i], b = f->triangles[i % 3 == 2 ? i - 2 : i + 1];
+                after[a] = b;
+                before[b] = a;
+            }
+        }
+        for ( int v = 0; v < f->vertex_count; ++v )
+        {
+            bool border = before[v] >= 0 && after[v] >= 0;
+            bool corner = border && is_corner( f->rest[v], f->rest[before[v]], f->rest[after[v]] );
+            turn[v] = corner ? LEVEL_CORNER : border ? LEVEL_BORDER : LEVEL_INSIDE;
+        }
+        for ( int i = 0; i < f->attachment_count; ++i )
+        {
+            turn[f->attachments[i]] = LEVEL_ATTACHED;
+        }
+    }
+    fabric_pool_release( &scratch );
+    return done;
+}
+
+// All vertices but the loose ones: nothing leads to those, so they are in every level, with nothing to do.
+static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level_state* s, level_maker* m,
+                          fabric_pool* scratch )
+{
+    size_t vertices = (size_t)f->vertex_count;
+    m->turn = fabric_pool_push( scratch, vertices, sizeof( uint8_t ) );
+    m->idle = fabric_pool_push_zeroed( scratch, vertices, sizeof( bool ) );
+    int32_t* fine = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
+    if ( m->turn == NULL || m->idle == NULL || fine == NULL || find_turns( parts, f, m->turn ) == false ||
+         geodesic_net_of_mesh( parts, f, &s->pools[0], &s->net ) == false )
+    {
+        return false;
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        m->idle[v] = parts->mesh->corner_begin[v] == parts->mesh->corner_begin[v + 1];
+        if ( m->idle[v] == false )
+        {
+            fine[m->fine_count++] = v;
+        }
+    }
+    m->fine = fine;
+    return true;
+}
+
+static bool make_levels( const fabric_parts* parts, int limit, level_state* s, level_maker* m, fabric_pool* scratch )
+{
+    if ( begin_levels( parts, m->fabric, s, m, scratch ) == false )
+    {
+        return false;
+    }
+    bool done = true, ended = s->mean_edge <= 0.0;
+    for ( int l = 1; l <= limit && done && ended == false; ++l )
+    {
+        fabric_pool own = { .allocator = parts->allocator };
+        m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l );
+        m->reach = LEVEL_REACH * m->spacing;
+        m->margin = MARGIN * s->mean_edge;
+        done = make_level( s, m, parts->keep, &own, &ended );
+        fabric_pool_release( &own );
+    }
+    return done;
+}
+
+bool fabric_cook_levels( const fabric_parts* parts, int limit, wisp_fabric* fabric )
+{
+    const wisp_allocator* a = parts->allocator;
+    fabric_pool scratch = { .allocator = a };
+    level_state state = { .pools = { { .allocator = a }, { .allocator = a } },
+                          .members = { { .allocator = a }, { .allocator = a } },
+                          .mean_edge = mean_edge( fabric ) };
+    level_maker maker = { .fabric = fabric };
+    bool done = make_levels( parts, limit, &state, &maker, &scratch );
+    for ( int i = 0; i < 2; ++i )
+    {
+        fabric_pool_release( state.pools + i );
+        fabric_pool_release( state.members + i );
+    }
+    fabric_pool_release( &scratch );
+    wisp_fabric_level* levels = NULL;
+    if ( done )
+    {
+        levels = fabric_pool_push( parts->keep, (size_t)state.made_count, sizeof( wisp_fabric_level ) );
+    }
+    if ( levels != NULL )
+    {
+        memcpy( levels, state.made, (size_t)state.made_count * sizeof( wisp_fabric_level ) );
+        fabric->level_count = state.made_count;
+        fabric->levels = levels;
+    }
+    return levels != NULL;
+}

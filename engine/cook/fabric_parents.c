@@ -1,0 +1,188 @@
+// Which coarse vertices a vertex follows, and how much. Where three coarse vertices surround it, the weights are its
+// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of flat cloth is
+// prolonged as it is.
+#include "fabric.h"
+#include "fabric_levels.h"
+
+#include <math.h>
+
+// Parents are looked for among so many of the nearest.
+#define CANDIDATES 8
+// A triangle whose area is smaller than this part of the square over its longest side says nothing about directions.
+#define FLATTEST 0.02
+// Coordinates that are negative by rounding only.
+#define EDGE_TOLERANCE 1e-4
+
+typedef struct parents
+{
+    int count;
+    int32_t rank[3];
+    double weight[3];
+} parents;
+
+static double square( double x )
+{
+    return x * x;
+}
+
+static double least( const double* w )
+{
+    double smaller = w[0] < w[1] ? w[0] : w[1];
+    return smaller < w[2] ? smaller : w[2];
+}
+
+// Coordinates of a point in a triangle, all from distances: p at the origin, q on the x axis, r above it.
+// @param side distances pq, pr, qr
+// @param away distances to p, q, r
+// @param radius receives the square of the circumscribed circle's radius
+// @return false when the triangle is too thin
+static bool locate( const double side[3], const double away[3], double weight[3], double* radius )
+{
+    double c = side[0], longest = fmax( c, fmax( side[1], side[2] ) );
+    if ( c <= 0.0 )
+    {
+        return false;
+    }
+    double rx = ( square( c ) + square( side[1] ) - square( side[2] ) ) / ( 2.0 * c );
+    double ry = sqrt( fmax( 0.0, square( side[1] ) - square( rx ) ) );
+    if ( c * ry <= FLATTEST * square( longest ) )
+    {
+        return false;
+    }
+    double x = ( square( c ) + square( away[0] ) - square( away[1] ) ) / ( 2.0 * c );
+    double y = ( square( away[0] ) - square( away[2] ) + square( side[1] ) - 2.0 * x * rx ) / ( 2.0 * ry );
+    weight[2] = y / ry;
+    weight[1] = ( x - weight[2] * rx ) / c;
+    weight[0] = 1.0 - weight[1] - weight[2];
+    *radius = square( side[0] * side[1] * side[2] / ( 2.0 * c * ry ) );
+    return true;
+}
+
+// Is a triangle with this least coordinate and radius better than the best so far? One that surrounds the vertex is,
+// then the one with the smaller circle, which is Delaunay's where the mesh is flat; else the one that misses by less.
+static bool is_better( double inside, double radius, double best_inside, double best_radius )
+{
+    bool surrounds = inside >= -EDGE_TOLERANCE, did = best_inside >= -EDGE_TOLERANCE;
+    if ( surrounds != did )
+    {
+        return surrounds;
+    }
+    return surrounds ? radius < best_radius * ( 1.0 - EDGE_TOLERANCE ) : inside > best_inside;
+}
+
+static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )
+{
+    double best_inside = -INFINITY, best_radius = INFINITY;
+    bool found = false;
+    for ( int j = 1; j < count; ++j )
+    {
+        double pq = level_distance( m, near[0].rank, near[j].rank );
+        for ( int k = j + 1; k < count && pq < (double)INFINITY; ++k )
+        {
+            double side[3] = { pq, level_distance( m, near[0].rank, near[k].rank ),
+                               level_distance( m, near[j].rank, near[k].rank ) };
+            double away[3] = { near[0].distance, near[j].distance, near[k].distance };
+            double weight[3], radius;
+            if ( side[1] < (double)INFINITY && side[2] < (double)INFINITY && locate( side, away, weight, &radius ) &&
+                 is_better( least( weight ), radius, best_inside, best_radius ) )
+            {
+                *out = ( parents ){ 3,
+                                    { near[0].rank, near[j].rank, near[k].rank },
+                                    { weight[0], weight[1], weight[2] } };
+                best_inside = least( weight );
+                best_radius = radius;
+                found = true;
+            }
+        }
+    }
+    return found;
+}
+
+// Between the two nearest where there is no triangle, as in a ribbon.
+static void find_pair( const level_near* near, int count, parents* out )
+{
+    double both = count > 1 ? (double)near[0].distance + (double)near[1].distance : 0.0;
+    *out = ( parents ){ 1, { near[0].rank }, { 1.0 } };
+    if ( both > 0.0 )
+    {
+        double share = (double)near[0].distance / both;
+        *out = ( parents ){ 2, { near[0].rank, near[1].rank }, { 1.0 - share, share } };
+    }
+}
+
+// Beyond the hull the nearest edge or vertex of the triangle decides.
+static void clamp_weights( parents* p )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < p->count; ++i )
+    {
+        p->weight[i] = p->weight[i] > EDGE_TOLERANCE ? p->weight[i] : 0.0;
+        sum += p->weight[i];
+    }
+    for ( int i = 0; i < p->count; ++i )
+    {
+        p->weight[i] /= sum;
+    }
+}
+
+static void write_child( const level_maker* m, int child, int32_t rank, int32_t* child4, int32_t* parent4,
+                         float* weight )
+{
+    const level_near* near = m->near + (size_t)rank * LEVEL_NEAR;
+    int count = m->near_count[rank] < CANDIDATES ? m->near_count[rank] : CANDIDATES;
+    parents p;
+    if ( find_triangle( m, near, count, &p ) == false )
+    {
+        find_pair( near, count, &p );
+    }
+    clamp_weights( &p );
+    size_t slice = (size_t)( child / WISP_FABRIC_LANES ), lane = (size_t)( child % WISP_FABRIC_LANES );
+    child4[child] = m->fine[rank] * 4;
+    for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
+    {
+        // A parent that gives nothing repeats the first, whose position is at hand.
+        bool gives = k < p.count && p.weight[k] > 0.0;
+        size_t at = ( slice * WISP_FABRIC_PARENTS + (size_t)k ) * WISP_FABRIC_LANES + lane;
+        parent4[at] = m->fine[p.rank[gives ? k : 0]] * 4;
+        weight[at] = gives ? (float)p.weight[k] : 0.0f;
+    }
+}
+
+bool level_make_children( const level_maker* m, fabric_pool* keep, wisp_fabric_level* out )
+{
+    int count = 0;
+    for ( int r = 0; r < m->fine_count; ++r )
+    {
+        count += m->chosen[r] || m->idle[m->fine[r]] ? 0 : 1;
+    }
+    int padded = fabric_padded( count );
+    int32_t* child4 = fabric_pool_push( keep, (size_t)padded, sizeof( int32_t ) );
+    int32_t* parent4 = fabric_pool_push( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( int32_t ) );
+    float* weight = fabric_pool_push_zeroed( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( float ) );
+    if ( child4 == NULL || parent4 == NULL || weight == NULL )
+    {
+        return false;
+    }
+    int32_t dummy4 = m->fabric->vertex_count * 4;
+    for ( int i = 0; i < padded * WISP_FABRIC_PARENTS; ++i )
+    {
+        parent4[i] = dummy4;
+    }
+    int child = 0;
+    for ( int r = 0; r < m->fine_count; ++r )
+    {
+        if ( m->chosen[r] == false && m->idle[m->fine[r]] == false )
+        {
+            write_child( m, child++, r, child4, parent4, weight );
+        }
+    }
+    while ( child < padded )
+    {
+        child4[child++] = dummy4;
+    }
+    out->child_count = count;
+    out->child4 = child4;
+    out->parent4 = parent4;
+    out->weight = weight;
+    return true;
+}

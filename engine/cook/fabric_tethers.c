@@ -1,0 +1,343 @@
+// Distances along the mesh to the attachments. A shell of few attachments has tethers to all of them, or the nearest.
+// Where many hang side by side, as on a pinned border, the four nearest would say four times the same; there a vertex
+// is tethered to the nearest of all, and to the nearest of sixteen that are spread over the attachments of its shell.
+#include "fabric_geodesic.h"
+
+#include <math.h>
+#include <string.h>
+
+#define SPREAD 16
+
+// An attachment with its distance.
+typedef struct tether
+{
+    double distance;
+    int32_t slot; // -1: none
+} tether;
+
+typedef struct tether_maker
+{
+    const fabric_parts* parts;
+    const wisp_fabric* fabric;
+    geodesic_net net;
+    geodesic_march march;
+    int count;          // tethers a vertex
+    tether* spread;     // [vertex][count] rising, to spread attachments
+    tether* nearest;    // [vertex] of all attachments
+    float* margin;      // [vertex] m, how much farther than the last tether a march goes
+    float* bound;       // [vertex] m
+    int32_t* order;     // [attachment] attachments of a shell side by side, spread ones in front
+    int32_t* shell;     // [vertex]
+    int32_t* shell_end; // [shell] in `order`
+    int shell_count;
+} tether_maker;
+
+// ---- shells and their attachments ----
+
+// Number the shells that have attachments; the others stay at -1.
+// @param queue [vertex_count]
+static void label_shells( tether_maker* m, int32_t* queue )
+{
+    const fabric_mesh* mesh = m->parts->mesh;
+    memset( m->shell, 0xff, (size_t)mesh->vertex_count * sizeof( int32_t ) );
+    for ( int i = 0; i < m->fabric->attachment_count; ++i )
+    {
+        int32_t from = m->fabric->attachments[i];
+        if ( m->shell[from] >= 0 )
+        {
+            continue;
+        }
+        int head = 0, end = 0;
+        queue[end++] = from;
+        m->shell[from] = m->shell_count;
+        while ( head < end )
+        {
+            int32_t v = queue[head++];
+            for ( int32_t e = mesh->neighbour_begin[v]; e < mesh->neighbour_begin[v + 1]; ++e )
+            {
+                int32_t u = mesh->neighbour[e];
+                if ( m->shell[u] < 0 )
+                {
+                    m->shell[u] = m->shell_count;
+                    queue[end++] = u;
+                }
+            }
+        }
+        m->shell_count += 1;
+    }
+}
+
+static void gather_shells( tether_maker* m )
+{
+    const wisp_fabric* f = m->fabric;
+    memset( m->shell_end, 0, (size_t)f->attachment_count * sizeof( int32_t ) );
+    for ( int i = 0; i < f->attachment_count; ++i )
+    {
+        m->shell_end[m->shell[f->attachments[i]]] += 1;
+    }
+    for ( int s = 1; s < m->shell_count; ++s )
+    {
+        m->shell_end[s] += m->shell_end[s - 1];
+    }
+    for ( int i = f->attachment_count - 1; i >= 0; --i )
+    {
+        m->order[--m->shell_end[m->shell[f->attachments[i]]]] = f->attachments[i];
+    }
+    for ( int s = 0; s < m->shell_count; ++s )
+    {
+        m->shell_end[s] = s + 1 < m->shell_count ? m->shell_end[s + 1] : f->attachment_count;
+    }
+}
+
+static double squared_distance( wisp_vec3 a, wisp_vec3 b )
+{
+    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return x * x + y * y + z * z;
+}
+
+static void swap( int32_t* a, int32_t* b )
+{
+    int32_t kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+// Bring the farthest from those in front to the front, one after another, beginning with the one farthest from the
+// first.
+// @param away [count] scratch
+static void spread_out( const wisp_vec3* rest, int32_t* list, int count, double* away )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        away[i] = squared_distance( rest[list[i]], rest[list[0]] );
+    }
+    for ( int front = 0; front < SPREAD; ++front )
+    {
+        int farthest = front;
+        for ( int i = front + 1; i < count; ++i )
+        {
+            farthest = away[i] > away[farthest] ? i : farthest;
+        }
+        swap( list + front, list + farthest );
+        away[farthest] = away[front];
+        for ( int i = front + 1; i < count; ++i )
+        {
+            double here = squared_distance( rest[list[i]], rest[list[front]] );
+            away[i] = front == 0 || here < away[i] ? here : away[i];
+        }
+    }
+}
+
+// ---- marching ----
+
+static void find_margins( tether_maker* m )
+{
+    for ( int v = 0; v < m->net.count; ++v )
+    {
+        float longest = 0.0f;
+        for ( int32_t i = m->net.begin[v]; i < m->net.begin[v + 1]; ++i )
+        {
+            const geodesic_corner* c = m->net.corner + i;
+            longest = fmaxf( longest, fmaxf( c->va, c->vb ) );
+        }
+        m->margin[v] = 2.0f * longest;
+    }
+}
+
+// A triangle passes a distance on only where two corners have it, so a march goes a little beyond the vertices that
+// want it.
+static float bound_of( const tether_maker* m, int v, const tether* last )
+{
+    return last->slot < 0 ? INFINITY : (float)last->distance + m->margin[v];
+}
+
+static void insert( tether* list, int count, tether t )
+{
+    int i = count - 1;
+    if ( list[i].slot >= 0 && list[i].distance <= t.distance )
+    {
+        return;
+    }
+    for ( ; i > 0 && ( list[i - 1].slot < 0 || list[i - 1].distance > t.distance ); --i )
+    {
+        list[i] = list[i - 1];
+    }
+    list[i] = t;
+}
+
+static void march_spread( tether_maker* m, int32_t attachment )
+{
+    geodesic_march_run( &m->march, attachment, INFINITY, m->bound );
+    for ( int i = 0; i < m->march.reached_count; ++i )
+    {
+        int32_t v = m->march.reached[i];
+        tether* list = m->spread + (size_t)v * (size_t)m->count;
+        insert( list, m->count, ( tether ){ m->march.node[v].distance, attachment } );
+        m->bound[v] = bound_of( m, v, list + m->count - 1 );
+    }
+}
+
+static void march_nearest( tether_maker* m, int32_t attachment )
+{
+    geodesic_march_run( &m->march, attachment, INFINITY, m->bound );
+    for ( int i = 0; i < m->march.reached_count; ++i )
+    {
+        int32_t v = m->march.reached[i];
+        insert( m->nearest + v, 1, ( tether ){ m->march.node[v].distance, attachment } );
+        m->bound[v] = bound_of( m, v, m->nearest + v );
+    }
+}
+
+// March from the first, the middle one, the quarters, and so on: the regions that win narrow quickly, so that early
+// marches do not run far into what belongs to later ones.
+static void march_halving( tether_maker* m, const int32_t* list, int count )
+{
+    int bits = 0;
+    while ( ( 1 << bits ) < count )
+    {
+        bits += 1;
+    }
+    for ( int i = 0; i < 1 << bits; ++i )
+    {
+        int mirrored = 0;
+        for ( int bit = 0; bit < bits; ++bit )
+        {
+            mirrored |= ( ( i >> bit ) & 1 ) << ( bits - 1 - bit );
+        }
+        if ( mirrored < count )
+        {
+            march_nearest( m, list[mirrored] );
+        }
+    }
+}
+
+static void march_all( tether_maker* m, double* away )
+{
+    for ( int v = 0; v < m->net.count; ++v )
+    {
+        m->bound[v] = INFINITY;
+    }
+    for ( int s = 0, begin = 0; s < m->shell_count; begin = m->shell_end[s++] )
+    {
+        int count = m->shell_end[s] - begin;
+        if ( count > SPREAD )
+        {
+            spread_out( m->fabric->rest, m->order + begin, count, away );
+        }
+        for ( int i = 0; i < count && i < SPREAD; ++i )
+        {
+            march_spread( m, m->order[begin + i] );
+        }
+    }
+    for ( int v = 0; v < m->net.count; ++v )
+    {
+        m->nearest[v] = m->spread[(size_t)v * (size_t)m->count];
+        m->bound[v] = bound_of( m, v, m->nearest + v );
+    }
+    for ( int s = 0, begin = 0; s < m->shell_count; begin = m->shell_end[s++] )
+    {
+        if ( m->shell_end[s] - begin > SPREAD )
+        {
+            march_halving( m, m->order + begin + SPREAD, m->shell_end[s] - begin - SPREAD );
+        }
+    }
+}
+
+// ---- result ----
+
+static bool has( const tether* list, int count, int32_t slot )
+{
+    bool found = false;
+    for ( int i = 0; i < count; ++i )
+    {
+        found = found || list[i].slot == slot;
+    }
+    return found;
+}
+
+static void write_tethers( tether_maker* m, int32_t* tether4, float* rest )
+{
+    size_t slots = (size_t)m->fabric->slot_count;
+    for ( size_t i = 0; i < (size_t)m->count * slots; ++i )
+    {
+        tether4[i] = (int32_t)( i % slots ) * 4;
+        rest[i] = 0.0f;
+    }
+    for ( int v = 0; v < m->net.count; ++v )
+    {
+        tether* list = m->spread + (size_t)v * (size_t)m->count;
+        if ( has( list, m->count, m->nearest[v].slot ) == false )
+        {
+            list[m->count - 1].slot = -1;
+            insert( list, m->count, m->nearest[v] );
+        }
+        for ( int k = 0; k < m->count && list[k].slot >= 0; ++k )
+        {
+            tether4[(size_t)k * slots + (size_t)v] = list[k].slot * 4;
+            rest[(size_t)k * slots + (size_t)v] = geodesic_round_up( list[k].distance );
+        }
+    }
+}
+
+static bool make_room( tether_maker* m, fabric_pool* scratch, double** away )
+{
+    size_t vertices = (size_t)m->fabric->vertex_count, attachments = (size_t)m->fabric->attachment_count;
+    if ( geodesic_net_of_mesh( m->parts, m->fabric, scratch, &m->net ) == false ||
+         geodesic_march_init( &m->march, &m->net, scratch ) == false )
+    {
+        return false;
+    }
+    m->spread = fabric_pool_push( scratch, vertices * (size_t)m->count, sizeof( tether ) );
+    m->nearest = fabric_pool_push( scratch, vertices, sizeof( tether ) );
+    m->margin = fabric_pool_push( scratch, vertices, sizeof( float ) );
+    m->bound = fabric_pool_push( scratch, vertices, sizeof( float ) );
+    m->order = fabric_pool_push( scratch, attachments, sizeof( int32_t ) );
+    m->shell = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
+    m->shell_end = fabric_pool_push( scratch, attachments, sizeof( int32_t ) );
+    *away = fabric_pool_push( scratch, attachments, sizeof( double ) );
+    return m->spread != NULL && m->nearest != NULL && m->margin != NULL && m->bound != NULL && m->order != NULL &&
+           m->shell != NULL && m->shell_end != NULL && *away != NULL;
+}
+
+static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether4, float* rest )
+{
+    double* away;
+    if ( make_room( m, scratch, &away ) == false )
+    {
+        return false;
+    }
+    for ( size_t i = 0; i < (size_t)m->net.count * (size_t)m->count; ++i )
+    {
+        m->spread[i] = ( tether ){ .slot = -1 };
+    }
+    find_margins( m );
+    label_shells( m, m->march.heap );
+    gather_shells( m );
+    march_all( m, away );
+    write_tethers( m, tether4, rest );
+    return true;
+}
+
+bool fabric_cook_tethers( const fabric_parts* parts, wisp_fabric* fabric )
+{
+    int count =
+        fabric->attachment_count < WISP_FABRIC_MAX_TETHERS ? fabric->attachment_count : WISP_FABRIC_MAX_TETHERS;
+    size_t size = (size_t)count * (size_t)fabric->slot_count;
+    int32_t* tether4 = fabric_pool_push( parts->keep, size, sizeof( int32_t ) );
+    float* rest = fabric_pool_push( parts->keep, size, sizeof( float ) );
+    bool done = tether4 != NULL && rest != NULL;
+    if ( done && count > 0 )
+    {
+        fabric_pool scratch = { .allocator = parts->allocator };
+        tether_maker maker = { .parts = parts, .fabric = fabric, .count = count };
+        done = cook( &maker, &scratch, tether4, rest );
+        fabric_pool_release( &scratch );
+    }
+    if ( done )
+    {
+        fabric->tether_count = count;
+        fabric->tether4 = tether4;
+        fabric->tether_rest = rest;
+    }
+    return done;
+}

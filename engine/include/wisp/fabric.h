@@ -1,0 +1,153 @@
+/// Fabrics: the topology of a triangle mesh, cooked once into the order in which constraints are projected. Immutable,
+/// shared by instances, independent of any world.
+///
+/// A vertex has two numbers: the user's, and its *slot*, its place in the order of the fabric (Cuthill-McKee from the
+/// attachments, so that neighbours in the mesh are neighbours in memory). Tiles are ranges of slots. Every tile has
+/// one *dummy* slot behind the vertices; what pads a list of constraints points at it, and it never moves. Arrays of
+/// the fabric that end in 4 hold slots times 4, ready to index columns of four floats.
+#pragma once
+
+#include "wisp/base.h"
+#include "wisp/jobs.h"
+
+WISP_BEGIN_C
+
+/// Constraints come in groups of so many that share no vertex.
+#define WISP_FABRIC_LANES 8
+#define WISP_FABRIC_MAX_LEVELS 12
+/// A vertex has at most so many tethers, and at most so many parents in a level.
+#define WISP_FABRIC_MAX_TETHERS 4
+#define WISP_FABRIC_PARENTS 4
+
+/// In which order constraints of a tile are projected.
+typedef enum wisp_sweep
+{
+    WISP_SWEEP_COLOUR, ///< colour by colour: stable at any stiffness
+    WISP_SWEEP_LIST,   ///< along the mesh from the attachments: carries error further a pass, can pump energy when
+                       ///< constraints are stiff (see the stability table)
+    WISP_SWEEP_COUNT,
+} wisp_sweep;
+
+/// What to cook. Fill from wisp_default_fabric_def(). May die after the call.
+typedef struct wisp_fabric_def
+{
+    const wisp_vec3* points;  ///< [vertex_count] m, the rest shape; finite, within 1e6 m of the origin
+    const int32_t* triangles; ///< [triangle_count][3] counter-clockwise seen from outside
+    int vertex_count, triangle_count;
+    const int32_t* attachments; ///< [attachment_count] vertices where the fabric hangs: the order begins there, and
+                                ///< tethers reach to them; may be empty
+    int attachment_count;
+    bool cross_links; ///< default true: a link between the opposite vertices of every interior edge, behind the edges
+    bool hinges;      ///< default false: the four vertices of every interior edge, for bending by angle
+    bool tethers;     ///< default false: distances along the mesh to the nearest attachments
+    int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
+    wisp_sweep sweep; ///< default WISP_SWEEP_COLOUR
+    int tile_size;    ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, or 256 below 8 such tiles
+    uint32_t made_by_default;
+} wisp_fabric_def;
+
+WISP_API wisp_fabric_def wisp_default_fabric_def( void );
+
+/// Constraints in the order of projection. Tiles of one colour share no vertex, so they run in parallel; within a tile
+/// each group of eight slots shares no vertex, so it runs in lanes.
+typedef struct wisp_schedule
+{
+    int slot_count;             ///< padding included, a multiple of 8
+    int tile_count;             ///< that have constraints
+    int colour_count;           ///< of tiles
+    const int32_t* colour_tile; ///< [colour_count + 1] first tile of a colour
+    const int32_t* tile_begin;  ///< [tile_count + 1] first slot, multiples of 8
+    const int32_t* constraint;  ///< [slot_count] number of the constraint, -1 pads
+} wisp_schedule;
+
+/// A coarse level: a subset of the vertices, linked by distances along the mesh that only resist stretching.
+typedef struct wisp_fabric_level
+{
+    int vertex_count;
+    const int32_t* vertex4; ///< [padded to 8] slots times 4; the first dummy pads
+    wisp_schedule schedule; ///< of links, one tile a colour: it shares no vertex and may be cut at any group
+    const int32_t *a4, *b4; ///< [schedule.slot_count]
+    const float* rest;      ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
+    int link_count;
+
+    /// How the vertices of the next finer level (for level 0 of the list: all vertices) that are not in this one follow:
+    /// slices of eight children.
+    int child_count;
+    const int32_t* child4;  ///< [slice][8] slots times 4; the first dummy pads
+    const int32_t* parent4; ///< [slice][WISP_FABRIC_PARENTS][8] slots times 4 of vertices of this level
+    const float* weight;    ///< [slice][WISP_FABRIC_PARENTS][8] sum to 1 in a lane, 0 pads
+} wisp_fabric_level;
+
+typedef struct wisp_fabric
+{
+    int vertex_count, triangle_count;
+    int tile_size, tile_count; ///< tile of a slot is slot / tile_size; dummies are slots vertex_count + tile
+    int slot_count;            ///< vertices and dummies, padded to a multiple of 8
+
+    const int32_t* vertex_slot; ///< [vertex_count] slot of the user's vertex
+    const int32_t* slot_vertex; ///< [slot_count] the user's vertex, -1 for a dummy
+    const wisp_vec3* rest;      ///< [slot_count] m, rest shape; dummies at the first vertex
+    const float* area;          ///< [slot_count] m^2, a third of the areas of the triangles at the vertex
+    const int32_t* triangles;   ///< [triangle_count][3] slots, triangles in the user's order
+
+    int edge_count;        ///< structural edges, each once
+    const int32_t* edges;  ///< [edge_count][2] slots, a < b
+    int hinge_count;       ///< interior edges with two triangles
+    const int32_t* hinges; ///< [hinge_count][4] slots: the edge's ends i, j, and the opposite vertices k, l of the
+                           ///< triangle (i, j, k) and of the triangle (j, i, l); k is l when they lie back to back
+    int border_edge_count; ///< edges of one triangle; 0 for a closed mesh
+    int wild_edge_count;   ///< edges of more than two triangles, or used twice in one direction; they have no hinge
+
+    int link_count;                   ///< edges, then cross links (k, l) of the hinges if asked for
+    wisp_schedule link_order;         ///< constraint numbers below edge_count are edges
+    const int32_t *link_a4, *link_b4; ///< [link_order.slot_count]
+    const float* link_rest;           ///< [link_order.slot_count] m, 0 pads
+
+    wisp_schedule hinge_order;  ///< empty unless asked for
+    const int32_t* hinge_slot4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
+
+    /// Triangles around each vertex, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e]. A
+    /// triangle (v, a, b) at lane v; a lane's own slot pads. Order of entries: the user's order of triangles.
+    int ring_slice_count;           ///< slot_count / 8
+    const int32_t* ring_begin;      ///< [ring_slice_count + 1]
+    const int32_t ( *ring4 )[2][8]; ///< [entry]: a, b
+
+    int tether_count;         ///< tethers a vertex, 0 .. WISP_FABRIC_MAX_TETHERS
+    const int32_t* tether4;   ///< [tether_count][slot_count] the attachment's slot times 4; the own slot pads
+    const float* tether_rest; ///< [tether_count][slot_count] m along the rest mesh, never below the straight distance
+
+    int attachment_count;
+    const int32_t* attachments; ///< [attachment_count] slots, each once, in the user's order
+
+    int level_count;
+    const wisp_fabric_level* levels; ///< [level_count] from fine to coarse
+    wisp_sweep sweep;
+    uint64_t hash; ///< of everything above: the same fabric has the same hash on every machine
+} wisp_fabric;
+
+/// Cook a mesh. Takes loose vertices and wild edges as they are; triangles without area keep their edges and add no
+/// area.
+/// @param allocator null: the C library. It must outlive the fabric
+/// @param out receives the fabric with one reference, null on failure
+/// @return WISP_BAD_INPUT an index is out of range, a triangle names a vertex twice, a point is not finite (the sentence
+///         names triangle or vertex), more than 2^26 vertices or 2^25 triangles; WISP_NO_MEMORY
+WISP_API wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
+                                       wisp_error* error );
+
+/// One more owner. Thread-safe, as is the release.
+WISP_API void wisp_fabric_retain( wisp_fabric* fabric );
+/// Null is allowed.
+WISP_API void wisp_fabric_release( wisp_fabric* fabric );
+
+/// Bytes that wisp_fabric_save() writes.
+WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
+/// @param out [wisp_fabric_saved_size()]
+WISP_API void wisp_fabric_save( const wisp_fabric* fabric, void* out );
+/// Read a saved fabric back. The bytes are untrusted: every index is checked.
+/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the sentence says what is wrong); WISP_NO_MEMORY
+WISP_API wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator,
+                                       wisp_fabric** out, wisp_error* error );
+/// Bytes in memory.
+WISP_API size_t wisp_fabric_bytes( const wisp_fabric* fabric );
+
+WISP_END_C

@@ -1,0 +1,181 @@
+// Bending over interior edges, eight hinges at a time; no two of a group share a particle.
+#include "kernel_isa.h"
+#include "lane_trig.h"
+
+enum
+{
+    END_I, // of the edge
+    END_J,
+    OPPOSITE_K, // in the triangle (i, j, k)
+    OPPOSITE_L, // in the triangle (j, i, l)
+    CORNERS,
+};
+
+typedef struct corners
+{
+    lane8v point[CORNERS];
+    lane8 weight[CORNERS]; // inverse masses
+} corners;
+
+LANE_INLINE corners load_corners( const wisp_hinge_job* job, int hinge )
+{
+    corners c;
+    for ( int k = 0; k < CORNERS; ++k )
+    {
+        const int32_t* slot4 = job->slot4 + (size_t)hinge * CORNERS + 8 * k;
+        lane8_load_xyzw( job->position, slot4, &c.point[k].x, &c.point[k].y, &c.point[k].z, &c.weight[k] );
+    }
+    return c;
+}
+
+LANE_INLINE void move_corners( const wisp_hinge_job* job, int hinge, const corners* c, const lane8v gradient[CORNERS],
+                               lane8 step )
+{
+    for ( int k = 0; k < CORNERS; ++k )
+    {
+        const int32_t* slot4 = job->slot4 + (size_t)hinge * CORNERS + 8 * k;
+        lane8v there = lane8v_mul_add( c->point[k], lane8_mul( c->weight[k], step ), gradient[k] );
+        lane8_store_xyzw( job->position, slot4, there.x, there.y, there.z, c->weight[k] );
+    }
+}
+
+// Change of lambda for a constraint C with sum of w |gradient|^2: -k C / sum in pbd, -(C + a lambda) / (sum + a) in xpbd.
+// Nothing where the hinge is not usable.
+LANE_INLINE lane8 change_of_lambda( const wisp_hinge_job* job, int hinge, lane8 error, lane8 sum, lane8m usable )
+{
+    usable = lane8m_and( usable, lane8_ge( sum, lane8_set1( FLT_MIN ) ) );
+    if ( job->stiffness != NULL )
+    {
+        error = lane8_mul( error, lane8_loadu( job->stiffness + hinge ) );
+    }
+    else
+    {
+        lane8 alpha = lane8_mul( lane8_loadu( job->compliance + hinge ), lane8_set1( job->inverse_dt2 ) );
+        sum = lane8_add( sum, alpha );
+        error = job->lambda != NULL ? lane8_mul_add( alpha, lane8_loadu( job->lambda + hinge ), error ) : error;
+    }
+    lane8 change = lane8_neg( lane8_div( error, lane8_select( usable, sum, lane8_set1( 1.0f ) ) ) );
+    change = lane8_select( usable, change, lane8_zero() );
+    if ( job->stiffness == NULL && job->lambda != NULL )
+    {
+        lane8_storeu( job->lambda + hinge, lane8_add( lane8_loadu( job->lambda + hinge ), change ) );
+    }
+    return change;
+}
+
+LANE_INLINE lane8 weighted_square( const corners* c, const lane8v gradient[CORNERS] )
+{
+    lane8 sum = lane8_zero();
+    for ( int k = 0; k < CORNERS; ++k )
+    {
+        sum = lane8_mul_add( c->weight[k], lane8v_dot( gradient[k], gradient[k] ), sum );
+    }
+    return sum;
+}
+
+// Into [-pi, pi], from at most a turn outside: both angles of a difference are within it.
+LANE_INLINE lane8 wrap_angle( lane8 angle )
+{
+    const lane8 pi = lane8_set1( 3.14159265f ), turn = lane8_set1( 6.28318531f );
+    angle = lane8_select( lane8_gt( angle, pi ), lane8_sub( angle, turn ), angle );
+    return lane8_select( lane8_lt( angle, lane8_neg( pi ) ), lane8_add( angle, turn ), angle );
+}
+
+// Edges, and heights of triangles over an edge, of less than this squared (m^2) are rounding errors. Their gradients
+// would be noise, and their squares could overflow.
+#define SMALLEST_SQUARE 1e-30f
+
+// Double area vectors of the two triangles, and how the edge lies to them.
+typedef struct fold
+{
+    lane8v n1, n2;        // double area vectors of (i, j, k) and (j, i, l), m^2
+    lane8 n1n1, n2n2;     // their squares, 1 where not usable
+    lane8 length;         // of the edge, m
+    lane8 foot_k, foot_l; // where the opposite vertices stand on the edge: 0 at i, 1 at j
+    lane8 angle;          // rad
+    lane8m usable;
+} fold;
+
+// With n1 = e x ki and n2 = li x e the product n2 x n1 is e (li . n1), so the sine needs no third cross product.
+LANE_INLINE fold measure_fold( const corners* c )
+{
+    const lane8 one = lane8_set1( 1.0f ), smallest = lane8_set1( SMALLEST_SQUARE ), tiny = lane8_set1( FLT_MIN );
+    lane8v edge = lane8v_sub( c->point[END_J], c->point[END_I] );
+    lane8v ki = lane8v_sub( c->point[OPPOSITE_K], c->point[END_I] );
+    lane8v li = lane8v_sub( c->point[OPPOSITE_L], c->point[END_I] );
+    fold f = { .n1 = lane8v_cross( edge, ki ), .n2 = lane8v_cross( li, edge ) };
+    lane8 ee = lane8v_dot( edge, edge ), n1n1 = lane8v_dot( f.n1, f.n1 ), n2n2 = lane8v_dot( f.n2, f.n2 );
+    lane8 least = lane8_mul_add( smallest, ee, tiny );
+    f.usable = lane8m_and( lane8_ge( ee, smallest ), lane8m_and( lane8_ge( n1n1, least ), lane8_ge( n2n2, least ) ) );
+    ee = lane8_select( f.usable, ee, one );
+    f.n1n1 = lane8_select( f.usable, n1n1, one );
+    f.n2n2 = lane8_select( f.usable, n2n2, one );
+    f.length = lane8_sqrt( ee );
+    lane8 per_ee = lane8_div( one, ee );
+    f.foot_k = lane8_mul( lane8v_dot( ki, edge ), per_ee );
+    f.foot_l = lane8_mul( lane8v_dot( li, edge ), per_ee );
+    f.angle = lane8_atan2( lane8_mul( f.length, lane8v_dot( li, f.n1 ) ), lane8v_dot( f.n1, f.n2 ) );
+    return f;
+}
+
+// The angle between the normals, positive where the opposite vertices lie on the side that the normals point to. The
+// gradients are those of Bridson, Marino and Fedkiw 2003: an opposite vertex by 1 / height along its normal, and the ends
+// what balances forces and torques. They stay finite when the hinge is flat.
+void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    for ( int hinge = begin; hinge < end; hinge += 8 )
+    {
+        corners c = load_corners( job, hinge );
+        fold f = measure_fold( &c );
+        if ( lane8m_any( f.usable ) == false )
+        {
+            continue;
+        }
+        lane8v of_k = lane8v_scale( f.n1, lane8_div( f.length, f.n1n1 ) );
+        lane8v of_l = lane8v_scale( f.n2, lane8_div( f.length, f.n2n2 ) );
+        const lane8v gradient[CORNERS] = {
+            lane8v_mul_add( lane8v_scale( of_k, lane8_sub( f.foot_k, one ) ), lane8_sub( f.foot_l, one ), of_l ),
+            lane8v_mul_add( lane8v_scale( of_k, lane8_neg( f.foot_k ) ), lane8_neg( f.foot_l ), of_l ),
+            of_k,
+            of_l,
+        };
+        lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( job->rest + hinge ) ) );
+        lane8 step = change_of_lambda( job, hinge, error, weighted_square( &c, gradient ), f.usable );
+        move_corners( job, hinge, &c, gradient, step );
+    }
+}
+
+// Quadratic bending of isometric surfaces (Bergou et al. 2006): the energy 1/2 k s |y|^2 with y = sum c_i x_i is a
+// constraint C = sqrt(s) |y| whose gradients are sqrt(s) c_i y / |y|. Steps are written so that |y| = 0 divides nothing.
+void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    for ( int hinge = begin; hinge < end; hinge += 8 )
+    {
+        corners c = load_corners( job, hinge );
+        lane8v y = { lane8_zero(), lane8_zero(), lane8_zero() };
+        lane8 cotangent[CORNERS];
+        for ( int k = 0; k < CORNERS; ++k )
+        {
+            cotangent[k] = lane8_loadu( job->rest + (size_t)hinge * CORNERS + 8 * k );
+        }
+        // the weights sum to 0, so differences to one corner keep digits far from the origin
+        for ( int k = 1; k < CORNERS; ++k )
+        {
+            y = lane8v_mul_add( y, cotangent[k], lane8v_sub( c.point[k], c.point[END_I] ) );
+        }
+        lane8 length = lane8v_length( y );
+        lane8m bent = lane8_ge( length, lane8_set1( FLT_MIN ) );
+        lane8 root = lane8_sqrt( lane8_loadu( job->scale + hinge ) );
+        lane8v direction = lane8v_scale( y, lane8_div( root, lane8_select( bent, length, one ) ) );
+        lane8v gradient[CORNERS];
+        for ( int k = 0; k < CORNERS; ++k )
+        {
+            gradient[k] = lane8v_scale( direction, cotangent[k] );
+        }
+        lane8 sum = weighted_square( &c, gradient );
+        lane8 step = change_of_lambda( job, hinge, lane8_mul( root, length ), sum, bent );
+        move_corners( job, hinge, &c, gradient, step );
+    }
+}

@@ -1,0 +1,104 @@
+// Area vectors, volume and normals, vertex by vertex over ordered one-rings: no scatter, and the order of the sum is the
+// order of the ring whatever the lanes.
+//
+// Sums of a range are sums of blocks of 64 slices, in order from its begin. So whoever cuts a fabric at multiples of 64
+// gets the same blocks, but doubles added in another grouping round differently: the same bits for any number of workers
+// need the same cuts, and their sums added in order.
+#include "kernel_isa.h"
+
+enum
+{
+    BLOCK = 64, // slices summed in floats before they go into a double
+};
+
+typedef struct vertex_lanes
+{
+    lane8v point;
+    lane8 weight;  // inverse mass
+    lane8v vector; // sum of (a - p) x (b - p), m^2
+    lane8 area;    // sum of their lengths, m^2
+} vertex_lanes;
+
+LANE_INLINE vertex_lanes walk_ring( const wisp_ring_job* job, int slice, bool with_area )
+{
+    vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() }, .area = lane8_zero() };
+    lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &v.point.x, &v.point.y, &v.point.z, &v.weight );
+    for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+    {
+        lane8v a, b;
+        lane8_load_xyz( job->position, job->ring4[e][0], &a.x, &a.y, &a.z );
+        lane8_load_xyz( job->position, job->ring4[e][1], &b.x, &b.y, &b.z );
+        lane8v cross = lane8v_cross( lane8v_sub( a, v.point ), lane8v_sub( b, v.point ) );
+        v.vector = lane8v_add( v.vector, cross );
+        v.area = with_area ? lane8_add( v.area, lane8v_length( cross ) ) : v.area;
+    }
+    return v;
+}
+
+LANE_INLINE void store_area( const wisp_ring_job* job, int slice, lane8 area )
+{
+    lane8_storeu( job->area + (size_t)( slice - job->first_slice ) * 8,
+                  lane8_mul( area, lane8_set1( 1.0f / 6.0f ) ) );
+}
+
+LANE_INLINE float* gradient_of( const wisp_ring_job* job, int slice )
+{
+    return job->gradient + (size_t)( slice - job->first_slice ) * 24;
+}
+
+void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums )
+{
+    const lane8v origin = lane8v_set1( job->origin );
+    const lane8 sixth = lane8_set1( 1.0f / 6.0f );
+    *sums = ( wisp_ring_sums ){ 0.0, 0.0 };
+    for ( int block = begin; block < end; block += BLOCK )
+    {
+        lane8 volume = lane8_zero(), weighted = lane8_zero();
+        for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
+        {
+            vertex_lanes v = walk_ring( job, slice, job->area != NULL );
+            lane8v gradient = lane8v_scale( v.vector, sixth );
+            lane8v_store( gradient_of( job, slice ), gradient );
+            volume = lane8_add( volume, lane8v_dot( lane8v_sub( v.point, origin ), gradient ) );
+            weighted = lane8_add( weighted, lane8_mul( v.weight, lane8v_dot( gradient, gradient ) ) );
+            if ( job->area != NULL )
+            {
+                store_area( job, slice, v.area );
+            }
+        }
+        sums->volume += (double)lane8_sum_ordered( volume ) / 3.0;
+        sums->weighted += (double)lane8_sum_ordered( weighted );
+    }
+}
+
+void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end )
+{
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        vertex_lanes v = walk_ring( job, slice, job->area != NULL );
+        lane8 squared = lane8v_dot( v.vector, v.vector );
+        lane8m known = lane8_ge( squared, lane8_set1( FLT_MIN ) );
+        lane8 scale =
+            lane8_div( lane8_set1( 1.0f ), lane8_sqrt( lane8_select( known, squared, lane8_set1( 1.0f ) ) ) );
+        lane8v_store( gradient_of( job, slice ),
+                      lane8v_scale( v.vector, lane8_select( known, scale, lane8_zero() ) ) );
+        if ( job->area != NULL )
+        {
+            store_area( job, slice, v.area );
+        }
+    }
+}
+
+void KERNEL( push )( const wisp_push_job* job, int begin, int end )
+{
+    const lane8 factor = lane8_set1( job->factor );
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        float* quads = job->position + (size_t)slice * 32;
+        lane8v p;
+        lane8 w;
+        lane8_load_xyzw_contiguous( quads, &p.x, &p.y, &p.z, &w );
+        lane8v there = lane8v_mul_add( p, lane8_mul( w, factor ), lane8v_load( job->gradient + (size_t)slice * 24 ) );
+        lane8_store_xyzw_contiguous( quads, there.x, there.y, there.z, w );
+    }
+}

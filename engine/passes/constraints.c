@@ -1,0 +1,140 @@
+// Constraints between near particles: links and hinges, in the order that the fabric has cooked.
+#include "passes.h"
+
+#include "wisp/components.h"
+
+#include <string.h>
+
+// A kernel with its job, so that every constraint goes through the same loop over tiles.
+typedef struct link_call
+{
+    wisp_link_job job;
+    void ( *kernel )( const wisp_link_job* job, int begin, int end );
+    bool first; // iteration of the substep: lambda starts at 0
+} link_call;
+
+static void run_links( const void* context, int begin, int end )
+{
+    const link_call* call = context;
+    if ( call->first && call->job.lambda != NULL )
+    {
+        memset( call->job.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
+    }
+    call->kernel( &call->job, begin, end );
+}
+
+static void project_links( wisp_frame* frame, const wisp_span* span, link_call* call )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    call->job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    call->job.a4 = fabric->link_a4;
+    call->job.b4 = fabric->link_b4;
+    call->job.rest = fabric->link_rest;
+    call->first = wisp_frame_iteration( frame ) == 0;
+    passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
+}
+
+static float inverse_dt2( const wisp_frame* frame )
+{
+    float dt = wisp_frame_seconds( frame );
+    return 1.0f / ( dt * dt );
+}
+
+static void links_pbd( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    link_call call = { .kernel = wisp_frame_kernels( frame )->link_pbd };
+    call.job.stiffness = wisp_frame_column( frame, span->entity, WISP_LINK_STIFFNESS, 0 );
+    project_links( frame, span, &call );
+}
+
+// With one iteration a substep lambda is 0 whenever it is read, so it need not be kept.
+static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    link_call call = { .kernel = wisp_frame_kernels( frame )->link_xpbd };
+    call.job.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
+    call.job.lambda =
+        wisp_frame_iterations( frame ) > 1 ? wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 1 ) : NULL;
+    call.job.inverse_dt2 = inverse_dt2( frame );
+    project_links( frame, span, &call );
+}
+
+static void links_limit( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    link_call call = { .kernel = wisp_frame_kernels( frame )->link_limit };
+    call.job.minimum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 0 );
+    call.job.maximum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 1 );
+    project_links( frame, span, &call );
+}
+
+typedef struct hinge_call
+{
+    wisp_hinge_job job;
+    void ( *kernel )( const wisp_hinge_job* job, int begin, int end );
+    bool first;
+} hinge_call;
+
+static void run_hinges( const void* context, int begin, int end )
+{
+    const hinge_call* call = context;
+    if ( call->first && call->job.lambda != NULL )
+    {
+        memset( call->job.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
+    }
+    call->kernel( &call->job, begin, end );
+}
+
+// Bending is soft (pbd) or has a compliance (xpbd), whichever column the entity has.
+static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call* call )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    call->job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    call->job.slot4 = fabric->hinge_slot4;
+    call->job.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
+    call->job.compliance = wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 0 );
+    call->job.lambda = call->job.compliance != NULL && wisp_frame_iterations( frame ) > 1
+                           ? wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 1 )
+                           : NULL;
+    call->job.inverse_dt2 = inverse_dt2( frame );
+    call->first = wisp_frame_iteration( frame ) == 0;
+    passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
+}
+
+static void hinges_dihedral( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_dihedral };
+    call.job.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 );
+    project_hinges( frame, span, &call );
+}
+
+static void hinges_isometric( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_isometric };
+    call.job.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 0 );
+    call.job.scale = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 1 );
+    project_hinges( frame, span, &call );
+}
+
+wisp_status passes_declare_constraints( wisp_registry* registry )
+{
+#define PROJECTION( text, function, ... )                                                                            \
+    {                                                                                                                \
+        .name = text, .stage = WISP_STAGE_PROJECT, .domain = WISP_DOMAIN_ENTITY, .needs = { __VA_ARGS__ },           \
+        .reads = { WISP_PARTICLE_POSITION, __VA_ARGS__ }, .writes = { WISP_PARTICLE_POSITION }, .run = function,     \
+    }
+    const wisp_pass passes[] = {
+        PROJECTION( "links.pbd", links_pbd, WISP_LINK_STIFFNESS ),
+        PROJECTION( "links.xpbd", links_xpbd, WISP_LINK_COMPLIANCE ),
+        PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
+        PROJECTION( "hinges.dihedral_xpbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_COMPLIANCE ),
+        PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
+        PROJECTION( "hinges.isometric_xpbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_COMPLIANCE ),
+        PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
+    };
+#undef PROJECTION
+    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+}

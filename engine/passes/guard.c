@@ -1,0 +1,107 @@
+// The guard: after the substeps, an entity whose particles are not finite or out of bounds is put back to its last good
+// state and frozen, alone. Everything that a step derives is derived after that, so nobody else ever sees a NaN.
+#include "passes.h"
+
+#include "wisp/components.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <string.h>
+
+// Bounds of the state: a float at 1e6 m still resolves 6 cm, and nothing here is as fast as 1e6 m/s.
+static const float BOUND = 1e6f;
+
+typedef struct guard_loop
+{
+    float *position, *velocity;
+    float *good_position, *good_velocity;
+    int slot_count;
+    _Atomic int first_bad; // lowest slot that left the bounds, slot_count if none did
+} guard_loop;
+
+static void look( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    guard_loop* loop = context;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
+        bool good = true;
+        for ( int k = 0; k < 3; ++k )
+        {
+            good = good && fabsf( p[k] ) <= BOUND && fabsf( v[k] ) <= BOUND; // false for a NaN
+        }
+        int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
+        while ( good == false && slot < lowest &&
+                atomic_compare_exchange_weak( &loop->first_bad, &lowest, slot ) == false )
+        {
+        }
+    }
+}
+
+static void keep( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    guard_loop* loop = context;
+    size_t first = (size_t)begin * 4, bytes = (size_t)( end - begin ) * 4 * sizeof( float );
+    memcpy( loop->good_position + first, loop->position + first, bytes );
+    memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
+}
+
+static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
+{
+    int slot = atomic_load( &loop->first_bad );
+    const float* p = loop->position + (size_t)slot * 4;
+    char sentence[300];
+    snprintf( sentence, sizeof( sentence ),
+              "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to the step "
+              "before and frozen",
+              entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
+              (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
+    size_t bytes = (size_t)loop->slot_count * 4 * sizeof( float );
+    memcpy( loop->position, loop->good_position, bytes );
+    memcpy( loop->velocity, loop->good_velocity, bytes );
+    wisp_frame_freeze( frame, entity, sentence );
+}
+
+static void guard( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    enum
+    {
+        GRAIN = 2048,
+    };
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    guard_loop loop = {
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .good_position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GOOD, 0 ),
+        .good_velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GOOD, 1 ),
+        .slot_count = wisp_frame_fabric( frame, span->entity )->slot_count,
+    };
+    atomic_init( &loop.first_bad, loop.slot_count );
+    wisp_parallel_for( parallel, loop.slot_count, GRAIN, look, &loop );
+    if ( atomic_load( &loop.first_bad ) < loop.slot_count )
+    {
+        put_back( frame, span->entity, &loop );
+    }
+    else
+    {
+        wisp_parallel_for( parallel, loop.slot_count, GRAIN, keep, &loop );
+    }
+}
+
+wisp_status passes_declare_guard( wisp_registry* registry )
+{
+    const wisp_pass pass = {
+        .name = "particles.guard",
+        .stage = WISP_STAGE_DERIVE,
+        .domain = WISP_DOMAIN_ENTITY,
+        .needs = { WISP_PARTICLE_GOOD, WISP_PARTICLE_VELOCITY },
+        .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD },
+        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD },
+        .run = guard,
+    };
+    return wisp_declare_pass( registry, &pass );
+}

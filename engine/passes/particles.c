@@ -1,0 +1,130 @@
+// Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (BAL eq. 1-2).
+#include "passes.h"
+
+#include "wisp/components.h"
+
+static float* position_of( wisp_frame* frame, const wisp_span* span )
+{
+    return wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+}
+
+static wisp_particle_job particle_job( wisp_frame* frame, const wisp_span* span )
+{
+    return ( wisp_particle_job ){
+        .position = position_of( frame, span ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .dt = wisp_frame_seconds( frame ),
+    };
+}
+
+// Of what is left of the way, each substep goes its share; the last one lands on the target itself.
+static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    float* position = position_of( frame, span );
+    const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    int left = wisp_frame_substeps( frame ) - wisp_frame_substep( frame );
+    float share = 1.0f / (float)left;
+    for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
+    {
+        for ( int k = 0; k < 3 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
+        {
+            position[i + k] =
+                left == 1 ? target[i + k] : position[i + k] + share * ( target[i + k] - position[i + k] );
+        }
+    }
+}
+
+static void accelerate( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    wisp_particle_job job = particle_job( frame, span );
+    job.acceleration = *gravity;
+    const wisp_span s = wisp_frame_particles( frame, span );
+    wisp_frame_kernels( frame )->accelerate( &job, s.begin, s.end );
+}
+
+static void predict( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    wisp_particle_job job = particle_job( frame, span );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    wisp_frame_kernels( frame )->predict( &job, s.begin, s.end );
+}
+
+static void read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    wisp_particle_job job = particle_job( frame, span );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    wisp_frame_kernels( frame )->velocity( &job, s.begin, s.end );
+}
+
+// The decay of v' = -rate v by one implicit step: it never turns a velocity round, however large the rate.
+static void damp( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float* rate = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    float keep = 1.0f / ( 1.0f + *rate * wisp_frame_seconds( frame ) );
+    for ( int i = 4 * s.begin; i < 4 * s.end; ++i )
+    {
+        velocity[i] *= keep;
+    }
+}
+
+wisp_status passes_declare_particles( wisp_registry* registry )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "particles.gravity",
+            .stage = WISP_STAGE_PREDICT, // after all forces, which are functions of the velocity before it
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = accelerate,
+        },
+        {
+            .name = "particles.targets",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_TARGET },
+            .reads = { WISP_PARTICLE_TARGET, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_POSITION },
+            .run = carry_pins,
+        },
+        {
+            .name = "particles.predict",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .run = predict,
+        },
+        {
+            .name = "particles.velocity",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = read_velocity,
+        },
+        {
+            .name = "particles.damping",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_VELOCITY },
+            .run = damp,
+        },
+    };
+    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+}

@@ -1,0 +1,288 @@
+// What a surface shows: vertices and normals in the user's order, strain and speed for colouring, figures of quality.
+#include "passes.h"
+
+#include "wisp/components.h"
+
+#include <math.h>
+
+static const float* position_of( wisp_frame* frame, const wisp_span* span )
+{
+    return wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+}
+
+static void hand_out_points( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const float* position = position_of( frame, span );
+    wisp_vec3* points = wisp_frame_column( frame, span->entity, WISP_SURFACE_POINTS, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    int end = s.end < fabric->vertex_count ? s.end : fabric->vertex_count;
+    for ( int slot = s.begin; slot < end; ++slot )
+    {
+        const float* p = position + (size_t)slot * 4;
+        points[fabric->slot_vertex[slot]] = ( wisp_vec3 ){ p[0], p[1], p[2] };
+    }
+}
+
+static void hand_out_speed( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    float* speed = wisp_frame_column( frame, span->entity, WISP_POINT_SPEED, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    int end = s.end < fabric->vertex_count ? s.end : fabric->vertex_count;
+    for ( int slot = s.begin; slot < end; ++slot )
+    {
+        const float* v = velocity + (size_t)slot * 4;
+        speed[fabric->slot_vertex[slot]] = sqrtf( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
+    }
+}
+
+// ---- what needs a vertex's neighbours ----
+
+enum
+{
+    SLICE_GRAIN = 64, // slices of eight slots a block
+};
+
+typedef struct ring_loop
+{
+    const wisp_fabric* fabric;
+    const wisp_kernels* kernels;
+    const float* position;
+    wisp_vec3* normals;
+    float* strain;
+} ring_loop;
+
+static void hand_out_slice_normals( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const ring_loop* loop = context;
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        _Alignas( 64 ) float normal[3][8];
+        wisp_ring_job job = {
+            .position = loop->position,
+            .ring_begin = loop->fabric->ring_begin,
+            .ring4 = loop->fabric->ring4,
+            .gradient = normal[0],
+            .first_slice = slice,
+        };
+        loop->kernels->ring_normal( &job, slice, slice + 1 );
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            int vertex = loop->fabric->slot_vertex[slice * 8 + lane];
+            if ( vertex >= 0 )
+            {
+                loop->normals[vertex] = ( wisp_vec3 ){ normal[0][lane], normal[1][lane], normal[2][lane] };
+            }
+        }
+    }
+}
+
+static void hand_out_normals( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    ring_loop loop = {
+        .fabric = wisp_frame_fabric( frame, span->entity ),
+        .kernels = wisp_frame_kernels( frame ),
+        .position = position_of( frame, span ),
+        .normals = wisp_frame_column( frame, span->entity, WISP_SURFACE_NORMALS, 0 ),
+    };
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.fabric->ring_slice_count, SLICE_GRAIN,
+                       hand_out_slice_normals, &loop );
+}
+
+static float edge_strain( const wisp_fabric* f, const float* position, int a, int b )
+{
+    const float *p = position + (size_t)a * 4, *q = position + (size_t)b * 4;
+    const wisp_vec3 r = f->rest[a], s = f->rest[b];
+    float rest =
+        sqrtf( ( r.x - s.x ) * ( r.x - s.x ) + ( r.y - s.y ) * ( r.y - s.y ) + ( r.z - s.z ) * ( r.z - s.z ) );
+    float now = sqrtf( ( p[0] - q[0] ) * ( p[0] - q[0] ) + ( p[1] - q[1] ) * ( p[1] - q[1] ) +
+                       ( p[2] - q[2] ) * ( p[2] - q[2] ) );
+    return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
+}
+
+// The largest strain of the edges around a vertex; each triangle of its ring shows two of them.
+static void hand_out_slice_strain( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const ring_loop* loop = context;
+    const wisp_fabric* f = loop->fabric;
+    for ( int slot = begin * 8; slot < end * 8 && slot < f->vertex_count; ++slot )
+    {
+        float largest = 0.0f;
+        for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
+        {
+            for ( int k = 0; k < 2; ++k )
+            {
+                int other = f->ring4[e][k][slot % 8] / 4;
+                float strain = other != slot ? edge_strain( f, loop->position, slot, other ) : 0.0f;
+                largest = strain > largest ? strain : largest;
+            }
+        }
+        loop->strain[f->slot_vertex[slot]] = largest;
+    }
+}
+
+static void hand_out_strain( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    ring_loop loop = {
+        .fabric = wisp_frame_fabric( frame, span->entity ),
+        .position = position_of( frame, span ),
+        .strain = wisp_frame_column( frame, span->entity, WISP_POINT_STRAIN, 0 ),
+    };
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.fabric->ring_slice_count, SLICE_GRAIN,
+                       hand_out_slice_strain, &loop );
+}
+
+// ---- figures of quality: asked for rarely, so plain loops in double ----
+
+static void sum_particles( const wisp_fabric* f, const float* position, const float* velocity, wisp_quality* q )
+{
+    double speed2 = 0.0;
+    for ( int slot = 0; slot < f->vertex_count; ++slot )
+    {
+        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
+        double v2 = (double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2];
+        speed2 = v2 > speed2 ? v2 : speed2;
+        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+        q->mass += mass;
+        q->kinetic_energy += 0.5 * mass * v2;
+        for ( int k = 0; k < 3; ++k )
+        {
+            q->centre[k] += mass * (double)p[k];
+            q->momentum[k] += mass * (double)v[k];
+        }
+    }
+    q->speed_max = sqrt( speed2 );
+    for ( int k = 0; k < 3 && q->mass > 0.0; ++k )
+    {
+        q->centre[k] /= q->mass;
+    }
+}
+
+static void sum_angular_momentum( const wisp_fabric* f, const float* position, const float* velocity,
+                                  wisp_quality* q )
+{
+    for ( int slot = 0; slot < f->vertex_count; ++slot )
+    {
+        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
+        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+        double r[3] = { (double)p[0] - q->centre[0], (double)p[1] - q->centre[1], (double)p[2] - q->centre[2] };
+        q->angular_momentum[0] += mass * ( r[1] * (double)v[2] - r[2] * (double)v[1] );
+        q->angular_momentum[1] += mass * ( r[2] * (double)v[0] - r[0] * (double)v[2] );
+        q->angular_momentum[2] += mass * ( r[0] * (double)v[1] - r[1] * (double)v[0] );
+    }
+}
+
+// Volume about the first vertex, which keeps digits far from the origin (BAL eq. 7 with the sixth that it lacks).
+static double sum_volume( const wisp_fabric* f, const float* position )
+{
+    double volume = 0.0;
+    const float* o = position;
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        double e[3][3];
+        for ( int corner = 0; corner < 3; ++corner )
+        {
+            const float* p = position + (size_t)f->triangles[3 * t + corner] * 4;
+            for ( int k = 0; k < 3; ++k )
+            {
+                e[corner][k] = (double)p[k] - (double)o[k];
+            }
+        }
+        volume += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
+                  e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
+                  e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+    }
+    return volume / 6.0;
+}
+
+static void sum_strain( const wisp_fabric* f, const float* position, wisp_quality* q )
+{
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        double strain = (double)edge_strain( f, position, f->edges[2 * e], f->edges[2 * e + 1] );
+        q->strain_mean += strain;
+        q->strain_max = strain > q->strain_max ? strain : q->strain_max;
+    }
+    q->strain_mean /= f->edge_count > 0 ? f->edge_count : 1;
+}
+
+static void take_quality( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const float* position = position_of( frame, span );
+    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    wisp_quality* out = wisp_frame_column( frame, span->entity, WISP_SURFACE_QUALITY, 0 );
+    wisp_quality q = { 0 };
+    sum_particles( fabric, position, velocity, &q );
+    sum_angular_momentum( fabric, position, velocity, &q );
+    sum_strain( fabric, position, &q );
+    q.volume = sum_volume( fabric, position );
+    if ( gravity != NULL )
+    {
+        q.potential_energy = -q.mass * ( (double)gravity->x * q.centre[0] + (double)gravity->y * q.centre[1] +
+                                         (double)gravity->z * q.centre[2] );
+    }
+    *out = q;
+}
+
+wisp_status passes_declare_surface( wisp_registry* registry )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "surface.points",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_POSITION },
+            .reads = { WISP_PARTICLE_POSITION },
+            .writes = { WISP_SURFACE_POINTS },
+            .run = hand_out_points,
+        },
+        {
+            .name = "surface.speed",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_POINT_SPEED },
+            .run = hand_out_speed,
+        },
+        {
+            .name = "surface.normals",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { WISP_PARTICLE_POSITION },
+            .reads = { WISP_PARTICLE_POSITION },
+            .writes = { WISP_SURFACE_NORMALS },
+            .run = hand_out_normals,
+        },
+        {
+            .name = "surface.strain",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { WISP_PARTICLE_POSITION },
+            .reads = { WISP_PARTICLE_POSITION },
+            .writes = { WISP_POINT_STRAIN },
+            .run = hand_out_strain,
+        },
+        {
+            .name = "surface.quality",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_SURFACE_QUALITY },
+            .run = take_quality,
+        },
+    };
+    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+}

@@ -1,0 +1,61 @@
+/// Vectors in double precision, for geometry whose inputs are floats: differences of those are exact or nearly so, their
+/// squares neither overflow nor vanish.
+#pragma once
+
+#include <float.h>
+#include <math.h>
+
+#include "wisp/base.h"
+
+typedef struct double3
+{
+    double x, y, z;
+} double3;
+
+static inline double3 double3_from( const float* v )
+{
+    return ( double3 ){ (double)v[0], (double)v[1], (double)v[2] };
+}
+
+static inline double3 double3_widen( wisp_vec3 v )
+{
+    return ( double3 ){ (double)v.x, (double)v.y, (double)v.z };
+}
+
+static inline wisp_vec3 double3_narrow( double3 v )
+{
+    return ( wisp_vec3 ){ (float)v.x, (float)v.y, (float)v.z };
+}
+
+static inline double3 double3_sub( double3 a, double3 b )
+{
+    return ( double3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+static inline double3 double3_scale( double3 a, double s )
+{
+    return ( double3 ){ a.x * s, a.y * s, a.z * s };
+}
+
+/// a + s b
+static inline double3 double3_mul_add( double3 a, double s, double3 b )
+{
+    return ( double3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline double double3_dot( double3 a, double3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline double3 double3_cross( double3 a, double3 b )
+{
+    return ( double3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+/// The direction of v, or zero when it has none.
+static inline double3 double3_unit_or_zero( double3 v )
+{
+    double squared = double3_dot( v, v );
+    return double3_scale( v, squared > 0.0 ? 1.0 / sqrt( squared ) : 0.0 );
+}

@@ -1,0 +1,183 @@
+/// One triangle and a point, one triangle and a path: the functions that decide what a query answers. Inputs are floats,
+/// everything between is double, and whatever two triangles share (an edge, a corner) is computed from it in one order,
+/// that of the points' numbers, so that both triangles get the same bits.
+#pragma once
+
+#include "double3.h"
+
+/// Squared sine of an angle below which a triangle is a line: its normal would be rounding.
+#define TRIANGLE_FLAT 1e-20
+
+/// Corners of a triangle.
+typedef struct triangle_corners
+{
+    const int32_t* number; ///< [3]
+    double3 at[3];
+} triangle_corners;
+
+/// @param quads [point][4] @param triangles [triangle][3]
+static inline triangle_corners triangle_load( const float* quads, const int32_t* triangles, int32_t triangle )
+{
+    const int32_t* number = triangles + 3 * (size_t)triangle;
+    return ( triangle_corners ){ number,
+                                 { double3_from( quads + 4 * (size_t)number[0] ),
+                                   double3_from( quads + 4 * (size_t)number[1] ),
+                                   double3_from( quads + 4 * (size_t)number[2] ) } };
+}
+
+/// Twice the area along the normal, or zero for a triangle that is flat.
+static inline double3 triangle_normal( const triangle_corners* t )
+{
+    double3 ab = double3_sub( t->at[1], t->at[0] ), ac = double3_sub( t->at[2], t->at[0] );
+    double3 n = double3_cross( ab, ac );
+    bool is_flat = double3_dot( n, n ) <= TRIANGLE_FLAT * ( double3_dot( ab, ab ) * double3_dot( ac, ac ) );
+    return is_flat ? ( double3 ){ 0.0, 0.0, 0.0 } : n;
+}
+
+/// The point of a triangle that is closest to another point.
+typedef struct triangle_nearest
+{
+    double squared; ///< m^2, distance
+    double3 point;
+    double weights[3];
+    int32_t first, second; ///< numbers of the points whose edge it lies on, first < second; a corner has second -1, a
+                           ///< face has both -1
+} triangle_nearest;
+
+static inline void triangle_measure( triangle_nearest* n, double3 p )
+{
+    double3 away = double3_sub( p, n->point );
+    n->squared = double3_dot( away, away );
+}
+
+static inline void triangle_at_corner( triangle_nearest* n, const triangle_corners* t, int i, double3 p )
+{
+    *n = ( triangle_nearest ){ .point = t->at[i], .first = t->number[i], .second = -1 };
+    n->weights[i] = 1.0;
+    triangle_measure( n, p );
+}
+
+static inline void triangle_at_edge( triangle_nearest* n, const triangle_corners* t, int i, int j, double3 p )
+{
+    int low = t->number[i] < t->number[j] ? i : j, high = i + j - low;
+    double3 along = double3_sub( t->at[high], t->at[low] );
+    double run = double3_dot( double3_sub( p, t->at[low] ), along ), squared = double3_dot( along, along );
+    if ( !( run > 0.0 ) || run >= squared )
+    {
+        triangle_at_corner( n, t, run > 0.0 ? high : low, p );
+        return;
+    }
+    double s = run / squared;
+    *n = ( triangle_nearest ){ .point = double3_mul_add( t->at[low], s, along ),
+                               .first = t->number[low],
+                               .second = t->number[high] };
+    n->weights[low] = 1.0 - s;
+    n->weights[high] = s;
+    triangle_measure( n, p );
+}
+
+// A line has no inside: the nearest of its edges, the first of equals.
+static inline void triangle_at_line( triangle_nearest* n, const triangle_corners* t, double3 p )
+{
+    triangle_at_edge( n, t, 0, 1, p );
+    for ( int i = 1; i < 3; ++i )
+    {
+        triangle_nearest other;
+        triangle_at_edge( &other, t, i, ( i + 1 ) % 3, p );
+        *n = other.squared < n->squared ? other : *n;
+    }
+}
+
+/// Regions as in Ericson 2005, "Real-Time Collision Detection", 5.1.5.
+static inline void triangle_find_nearest( triangle_nearest* n, const triangle_corners* t, double3 p )
+{
+    double3 ab = double3_sub( t->at[1], t->at[0] ), ac = double3_sub( t->at[2], t->at[0] );
+    double3 normal = double3_cross( ab, ac );
+    double area = double3_dot( normal, normal );
+    if ( area <= TRIANGLE_FLAT * ( double3_dot( ab, ab ) * double3_dot( ac, ac ) ) )
+    {
+        triangle_at_line( n, t, p );
+        return;
+    }
+
+    double3 ap = double3_sub( p, t->at[0] ), bp = double3_sub( p, t->at[1] ), cp = double3_sub( p, t->at[2] );
+    double ab_a = double3_dot( ab, ap ), ac_a = double3_dot( ac, ap );
+    double ab_b = double3_dot( ab, bp ), ac_b = double3_dot( ac, bp );
+    double ab_c = double3_dot( ab, cp ), ac_c = double3_dot( ac, cp );
+    double of_c = ab_a * ac_b - ab_b * ac_a, of_b = ab_c * ac_a - ab_a * ac_c, of_a = ab_b * ac_c - ab_c * ac_b;
+    if ( ab_a <= 0.0 && ac_a <= 0.0 )
+    {
+        triangle_at_corner( n, t, 0, p );
+    }
+    else if ( ab_b >= 0.0 && ac_b <= ab_b )
+    {
+        triangle_at_corner( n, t, 1, p );
+    }
+    else if ( ac_c >= 0.0 && ab_c <= ac_c )
+    {
+        triangle_at_corner( n, t, 2, p );
+    }
+    else if ( of_c <= 0.0 && ab_a >= 0.0 && ab_b <= 0.0 )
+    {
+        triangle_at_edge( n, t, 0, 1, p );
+    }
+    else if ( of_b <= 0.0 && ac_a >= 0.0 && ac_c <= 0.0 )
+    {
+        triangle_at_edge( n, t, 0, 2, p );
+    }
+    else if ( of_a <= 0.0 && ac_b >= ab_b && ab_c >= ac_c )
+    {
+        triangle_at_edge( n, t, 1, 2, p );
+    }
+    else
+    {
+        double scale = 1.0 / ( of_a + of_b + of_c ), v = of_b * scale, w = of_c * scale;
+        double3 point = double3_mul_add( double3_mul_add( t->at[0], v, ab ), w, ac );
+        *n = ( triangle_nearest ){ .point = point, .weights = { 1.0 - v - w, v, w }, .first = -1, .second = -1 };
+        triangle_measure( n, p );
+    }
+}
+
+/// Where a path crosses a triangle.
+typedef struct triangle_crossing
+{
+    double time;
+    double weights[3];
+    bool from_front;
+} triangle_crossing;
+
+// Which way round the path the edge i -> j runs; the edge j -> i of a neighbour gets the opposite to the last bit.
+static inline double triangle_edge_turn( const triangle_corners* t, int i, int j, double3 from, double3 step )
+{
+    bool is_ordered = t->number[i] < t->number[j];
+    double3 low = double3_sub( t->at[is_ordered ? i : j], from ),
+            high = double3_sub( t->at[is_ordered ? j : i], from );
+    double turn = double3_dot( step, double3_cross( low, high ) );
+    return is_ordered ? turn : -turn;
+}
+
+/// Sides are those of the ends, each from its own coordinates alone, so that paths end to end agree about the point they
+/// share. Zero is in front.
+static inline bool triangle_cross( const triangle_corners* t, double3 from, double3 to, triangle_crossing* crossing )
+{
+    double3 normal = triangle_normal( t ), step = double3_sub( to, from );
+    double before = double3_dot( double3_sub( from, t->at[0] ), normal );
+    double after = double3_dot( double3_sub( to, t->at[0] ), normal );
+    if ( ( before >= 0.0 ) == ( after >= 0.0 ) )
+    {
+        return false;
+    }
+    double a = triangle_edge_turn( t, 1, 2, from, step );
+    double b = triangle_edge_turn( t, 2, 0, from, step );
+    double c = triangle_edge_turn( t, 0, 1, from, step );
+    bool is_inside = ( a >= 0.0 && b >= 0.0 && c >= 0.0 ) || ( a <= 0.0 && b <= 0.0 && c <= 0.0 );
+    double sum = a + b + c;
+    if ( !is_inside || sum == 0.0 )
+    {
+        return false;
+    }
+    *crossing = ( triangle_crossing ){ .time = before / ( before - after ),
+                                       .weights = { a / sum, b / sum, c / sum },
+                                       .from_front = before >= 0.0 };
+    return true;
+}

@@ -1,0 +1,267 @@
+#include "wisp/shapes.h"
+
+#include "double3.h"
+
+static double clamp( double x, double low, double high )
+{
+    return x < low ? low : ( x > high ? high : x );
+}
+
+static bool is_finite( wisp_vec3 v )
+{
+    // infinities and NaN are what a difference with itself does not make zero
+    return v.x - v.x == 0.0f && v.y - v.y == 0.0f && v.z - v.z == 0.0f;
+}
+
+static bool is_size( float size )
+{
+    return size >= 0.0f && size <= FLT_MAX;
+}
+
+// The first size that is wrong, null if there is none.
+static const char* size_fault( const wisp_shape* shape )
+{
+    const wisp_vec3 h = shape->half_extent;
+    switch ( shape->kind )
+    {
+        case WISP_SHAPE_PLANE:
+            return NULL;
+        case WISP_SHAPE_SPHERE:
+            return is_size( shape->radius ) ? NULL : "radius";
+        case WISP_SHAPE_CAPSULE:
+            return !is_size( shape->radius ) ? "radius" : ( is_size( shape->half_length ) ? NULL : "half length" );
+        case WISP_SHAPE_BOX:
+            return is_size( h.x ) && is_size( h.y ) && is_size( h.z ) ? NULL : "half extent";
+    }
+    return "kind";
+}
+
+wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
+{
+    static const char* const names[] = { "plane", "sphere", "capsule", "box" };
+    const char* fault = size_fault( shape );
+    if ( fault == NULL )
+    {
+        return WISP_OK;
+    }
+    if ( (unsigned)shape->kind >= (unsigned)WISP_COUNT( names ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "there is no shape of kind %d", (int)shape->kind );
+    }
+    return wisp_fail( error, WISP_BAD_INPUT, "the %s of a %s is negative or not a finite number", fault,
+                      names[shape->kind] );
+}
+
+// ---- closest points ----
+
+// Around a point q of the sphere's centre or the capsule's axis.
+static void closest_round( double3 p, double3 q, double radius, double3 fallback, wisp_surface_point* s )
+{
+    double3 away = double3_sub( p, q );
+    double length = sqrt( double3_dot( away, away ) );
+    double scale = length > 0.0 ? 1.0 / length : 0.0;
+    double3 normal = length > 0.0 ? double3_scale( away, scale ) : fallback;
+    s->point = double3_narrow( double3_mul_add( q, radius, normal ) );
+    s->normal = double3_narrow( normal );
+    s->distance = (float)( length - radius );
+}
+
+static double axis_of( double3 v, int axis )
+{
+    return axis == 0 ? v.x : ( axis == 1 ? v.y : v.z );
+}
+
+static double3 along( int axis, double value )
+{
+    return ( double3 ){ axis == 0 ? value : 0.0, axis == 1 ? value : 0.0, axis == 2 ? value : 0.0 };
+}
+
+// Inside, or on the surface: the face that is nearest, the first of equals.
+static void closest_inside_box( double3 p, double3 h, wisp_surface_point* s )
+{
+    int best = 0;
+    double most = fabs( p.x ) - h.x;
+    for ( int axis = 1; axis < 3; ++axis )
+    {
+        double depth = fabs( axis_of( p, axis ) ) - axis_of( h, axis );
+        best = depth > most ? axis : best;
+        most = depth > most ? depth : most;
+    }
+    double side = axis_of( p, best ) < 0.0 ? -1.0 : 1.0;
+    double3 point = double3_mul_add( p, 1.0, along( best, side * axis_of( h, best ) - axis_of( p, best ) ) );
+    s->point = double3_narrow( point );
+    s->normal = double3_narrow( along( best, side ) );
+    s->distance = (float)most;
+}
+
+static void closest_on_box( double3 p, double3 h, wisp_surface_point* s )
+{
+    double3 q = { clamp( p.x, -h.x, h.x ), clamp( p.y, -h.y, h.y ), clamp( p.z, -h.z, h.z ) };
+    double3 away = double3_sub( p, q );
+    double length = sqrt( double3_dot( away, away ) );
+    if ( length == 0.0 )
+    {
+        closest_inside_box( p, h, s );
+        return;
+    }
+    double scale = 1.0 / length;
+    s->point = double3_narrow( q );
+    s->normal = double3_narrow( double3_scale( away, scale ) );
+    s->distance = (float)length;
+}
+
+static void closest_to( const wisp_shape* shape, double3 p, wisp_surface_point* surface )
+{
+    const double3 x = { 1.0, 0.0, 0.0 }, y = { 0.0, 1.0, 0.0 }, origin = { 0.0, 0.0, 0.0 };
+    const double radius = (double)shape->radius, half = (double)shape->half_length;
+    switch ( shape->kind )
+    {
+        case WISP_SHAPE_PLANE:
+            *surface = ( wisp_surface_point ){ double3_narrow( ( double3 ){ p.x, 0.0, p.z } ), double3_narrow( y ),
+                                               (float)p.y };
+            break;
+        case WISP_SHAPE_SPHERE:
+            closest_round( p, origin, radius, y, surface );
+            break;
+        case WISP_SHAPE_CAPSULE:
+            closest_round( p, ( double3 ){ 0.0, clamp( p.y, -half, half ), 0.0 }, radius, x, surface );
+            break;
+        case WISP_SHAPE_BOX:
+            closest_on_box( p, double3_widen( shape->half_extent ), surface );
+            break;
+    }
+}
+
+bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* surface )
+{
+    if ( !is_finite( p ) || size_fault( shape ) != NULL )
+    {
+        *surface = ( wisp_surface_point ){ .normal = { 0.0f, 1.0f, 0.0f }, .distance = INFINITY };
+        return false;
+    }
+    closest_to( shape, double3_widen( p ), surface );
+    return true;
+}
+
+// ---- paths ----
+
+static const double NEVER = 2.0; // a time no path reaches
+
+// First root of |from + t step|^2 = radius^2 that enters. The point of closest approach comes first, so that the
+// discriminant is a difference of lengths and not of their fourth powers.
+static double enter_round( double3 from, double3 step, double radius )
+{
+    double squared = double3_dot( step, step ), approach = -double3_dot( from, step );
+    double outside = double3_dot( from, from ) - radius * radius;
+    if ( !( squared > 0.0 ) || !( approach > 0.0 ) )
+    {
+        return NEVER;
+    }
+    double3 nearest = double3_mul_add( from, approach / squared, step );
+    double room = radius * radius - double3_dot( nearest, nearest );
+    if ( room < 0.0 )
+    {
+        return NEVER;
+    }
+    // the smaller root as c / (b + sqrt): no cancellation where the path begins close to the surface
+    return ( outside > 0.0 ? outside : 0.0 ) / ( approach + sqrt( squared * room ) );
+}
+
+static double enter_plane( double3 from, double3 step )
+{
+    return step.y < 0.0 ? from.y / -step.y : NEVER;
+}
+
+// Into the side between the two caps, or into one of the caps' spheres, whichever comes first. Whatever the spheres
+// have inside the side is entered later than the side is.
+static double enter_capsule( double3 from, double3 step, double radius, double half )
+{
+    double time = enter_round( ( double3 ){ from.x, 0.0, from.z }, ( double3 ){ step.x, 0.0, step.z }, radius );
+    bool is_beside = fabs( from.y ) <= half || from.x * from.x + from.z * from.z >= radius * radius;
+    bool meets_side = is_beside && fabs( from.y + time * step.y ) <= half;
+    double first = meets_side ? time : NEVER;
+    for ( int cap = -1; cap <= 1; cap += 2 )
+    {
+        double3 seen = { from.x, from.y - cap * half, from.z };
+        time = enter_round( seen, step, radius );
+        first = time < first ? time : first;
+    }
+    return first;
+}
+
+// The last slab that is entered before any is left. @param axis receives the face's axis
+static double enter_box( double3 from, double3 step, double3 h, int* axis )
+{
+    double enter = -1.0, leave = NEVER;
+    *axis = 0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        double a = axis_of( from, k ), d = axis_of( step, k ), size = axis_of( h, k );
+        if ( d == 0.0 )
+        {
+            leave = fabs( a ) > size ? -1.0 : leave;
+            continue;
+        }
+        double near = ( d > 0.0 ? -size - a : size - a ) / d, far = ( d > 0.0 ? size - a : -size - a ) / d;
+        *axis = near > enter ? k : *axis;
+        enter = near > enter ? near : enter;
+        leave = far < leave ? far : leave;
+    }
+    return enter >= 0.0 && enter <= leave ? enter : NEVER;
+}
+
+// What the path meets at a time, snapped onto the surface.
+static void fill_hit( const wisp_shape* shape, double3 from, double3 step, double time, wisp_shape_hit* hit )
+{
+    wisp_surface_point surface;
+    closest_to( shape, double3_mul_add( from, time, step ), &surface );
+    *hit = ( wisp_shape_hit ){ surface.point, surface.normal, (float)time };
+}
+
+static double enter_time( const wisp_shape* shape, double3 from, double3 step, int* axis )
+{
+    switch ( shape->kind )
+    {
+        case WISP_SHAPE_PLANE:
+            return enter_plane( from, step );
+        case WISP_SHAPE_SPHERE:
+            return enter_round( from, step, (double)shape->radius );
+        case WISP_SHAPE_CAPSULE:
+            return enter_capsule( from, step, (double)shape->radius, (double)shape->half_length );
+        case WISP_SHAPE_BOX:
+            return enter_box( from, step, double3_widen( shape->half_extent ), axis );
+    }
+    return NEVER;
+}
+
+bool wisp_shape_sweep( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit )
+{
+    *hit = ( wisp_shape_hit ){ .normal = { 0.0f, 1.0f, 0.0f } };
+    wisp_surface_point first, last;
+    if ( !wisp_shape_closest( shape, from, &first ) || !wisp_shape_closest( shape, to, &last ) ||
+         first.distance < 0.0f )
+    {
+        return false;
+    }
+    double3 a = double3_widen( from ), step = double3_sub( double3_widen( to ), a );
+    int axis = -1;
+    double time = enter_time( shape, a, step, &axis );
+    if ( time <= 1.0 )
+    {
+        fill_hit( shape, a, step, time, hit );
+        if ( shape->kind == WISP_SHAPE_BOX )
+        {
+            // next to an edge the closest point could speak of another face, or of none
+            hit->normal = double3_narrow( along( axis, axis_of( step, axis ) > 0.0 ? -1.0 : 1.0 ) );
+        }
+        return true;
+    }
+
+    // The end is inside as floats see it, and rounding hid the way in: it lies within that rounding of the end.
+    if ( last.distance < 0.0f )
+    {
+        *hit = ( wisp_shape_hit ){ last.point, last.normal, 1.0f };
+        return true;
+    }
+    return false;
+}

@@ -1,0 +1,433 @@
+// Surfaces: the particles of a triangle mesh, their pins, and what every effect on them shares.
+#include "world.h"
+
+#include "vec.h"
+#include "wisp/components.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t SURFACE_DEF_MADE = 0x53555246;
+
+wisp_surface_def wisp_default_surface_def( void )
+{
+    return ( wisp_surface_def ){ .area_density = 0.15f, .made_by_default = SURFACE_DEF_MADE };
+}
+
+// ---- a new surface ----
+
+static wisp_status check_masses( wisp_world* world, const wisp_surface_def* def )
+{
+    bool by_vertex = def->vertex_mass != 0.0f;
+    float mass = by_vertex ? def->vertex_mass : def->area_density;
+    if ( !( mass >= 1e-12f && mass <= 1e12f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s is %g %s, it must be 1e-12 to 1e12",
+                                by_vertex ? "vertex_mass" : "area_density", (double)mass,
+                                by_vertex ? "kg" : "kg/m^2" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric, const int32_t* vertices, int count )
+{
+    if ( count < 0 || ( count > 0 && vertices == NULL ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%d vertices without a list of them", count );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( vertices[i] < 0 || vertices[i] >= fabric->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "pin %d is vertex %d, the surface has %d vertices", i,
+                                    vertices[i], fabric->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_places( wisp_world* world, const wisp_vec3* points, int count, const char* what )
+{
+    for ( int v = 0; points != NULL && v < count; ++v )
+    {
+        const wisp_vec3 p = points[v];
+        if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "%s %d: (%g, %g, %g) is not a place within 1e6 m of the origin", what, v,
+                                    (double)p.x, (double)p.y, (double)p.z );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def )
+{
+    if ( def->fabric == NULL )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "a surface needs a fabric" );
+    }
+    wisp_status status = check_masses( world, def );
+    status = status == WISP_OK ? check_vertices( world, def->fabric, def->pins, def->pin_count ) : status;
+    return status == WISP_OK ? check_places( world, def->points, def->fabric->vertex_count, "vertex" ) : status;
+}
+
+// Inverse mass of a vertex that is not pinned, 1/kg; 0 if it has no mass to be moved by.
+static float inverse_mass( const wisp_fabric* fabric, int slot, float area_density, float vertex_mass )
+{
+    float mass = vertex_mass > 0.0f ? vertex_mass : area_density * fabric->area[slot];
+    return mass > 0.0f ? 1.0f / mass : 0.0f;
+}
+
+static bool attach_all( store* s, wisp_entity entity )
+{
+    static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD,
+                                            WISP_PARTICLE_MASS };
+    for ( int i = 0; i < WISP_COUNT( GIVEN ); ++i )
+    {
+        if ( store_attach( s, entity, GIVEN[i] ) == false )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_entity* out )
+{
+    const int rows[WISP_TABLE_COUNT] = {
+        [WISP_TABLE_ENTITY] = 1,
+        [WISP_TABLE_POINT] = fabric->vertex_count,
+        [WISP_TABLE_PARTICLE] = fabric->slot_count,
+        [WISP_TABLE_LINK] = fabric->link_order.slot_count,
+        [WISP_TABLE_HINGE] = fabric->hinge_order.slot_count,
+    };
+    wisp_entity entity;
+    if ( store_add( &world->store, rows, &entity ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for a surface of %d vertices",
+                                fabric->vertex_count );
+    }
+    if ( attach_all( &world->store, entity ) == false )
+    {
+        store_remove( &world->store, entity );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the particles of %d vertices",
+                                fabric->vertex_count );
+    }
+    wisp_fabric_retain( fabric );
+    store_find( &world->store, entity )->fabric = fabric;
+    *out = entity;
+    return WISP_OK;
+}
+
+static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_surface_def* def )
+{
+    const wisp_fabric* fabric = def->fabric;
+    const store_entity* e = store_find( &world->store, entity );
+    float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    float* density = store_column( &world->store, e, WISP_PARTICLE_MASS, 0 );
+    float* vertex_mass = store_column( &world->store, e, WISP_PARTICLE_MASS, 1 );
+    *density = def->area_density;
+    *vertex_mass = def->vertex_mass;
+    int weightless = 0;
+    for ( int slot = 0; slot < fabric->slot_count; ++slot )
+    {
+        int vertex = fabric->slot_vertex[slot];
+        const wisp_vec3 p = vertex >= 0 && def->points != NULL ? def->points[vertex] : fabric->rest[slot];
+        float w = vertex >= 0 ? inverse_mass( fabric, slot, def->area_density, def->vertex_mass ) : 0.0f;
+        weightless += vertex >= 0 && w == 0.0f ? 1 : 0;
+        float* to = position + (size_t)slot * 4;
+        to[0] = p.x;
+        to[1] = p.y;
+        to[2] = p.z;
+        to[3] = w;
+    }
+    for ( int i = 0; i < def->pin_count; ++i )
+    {
+        position[(size_t)fabric->vertex_slot[def->pins[i]] * 4 + 3] = 0.0f;
+    }
+    memcpy( store_column( &world->store, e, WISP_PARTICLE_GOOD, 0 ), position,
+            (size_t)fabric->slot_count * 4 * sizeof( float ) );
+    return weightless;
+}
+
+wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
+{
+    WISP_ASSERT( def->made_by_default == SURFACE_DEF_MADE );
+    *out = ( wisp_entity ){ 0, 0 };
+    wisp_status status = check_surface( world, def );
+    status = status == WISP_OK ? add_entity( world, def->fabric, out ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    int weightless = fill_particles( world, *out, def );
+    if ( weightless > 0 )
+    {
+        base_log_write( &world->log, WISP_LOG_WARNING,
+                        "entity %u: %d vertices have no triangle, so no mass: they are pinned", out->index,
+                        weightless );
+    }
+    return WISP_OK;
+}
+
+wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out )
+{
+    wisp_surface_def def = wisp_default_surface_def();
+    def.fabric = (wisp_fabric*)(void*)source->fabric;
+    def.area_density = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 0 );
+    def.vertex_mass = *(float*)store_column( &world->store, source, WISP_PARTICLE_MASS, 1 );
+    return wisp_add_surface( world, &def, out );
+}
+
+// ---- pins ----
+
+static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_entity** out )
+{
+    *out = store_find( &world->store, entity );
+    if ( *out == NULL )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                entity.index, entity.generation );
+    }
+    if ( ( *out )->fabric == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface", entity.index );
+    }
+    return WISP_OK;
+}
+
+static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
+                               bool pinned )
+{
+    store_entity* e;
+    wisp_status status = find_surface( world, surface, &e );
+    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = store_column( &world->store, e, WISP_PARTICLE_VELOCITY, 0 );
+    float* target = store_column( &world->store, e, WISP_PARTICLE_TARGET, 0 );
+    float density = *(float*)store_column( &world->store, e, WISP_PARTICLE_MASS, 0 );
+    float vertex_mass = *(float*)store_column( &world->store, e, WISP_PARTICLE_MASS, 1 );
+    for ( int i = 0; i < count; ++i )
+    {
+        int slot = e->fabric->vertex_slot[vertices[i]];
+        position[(size_t)slot * 4 + 3] = pinned ? 0.0f : inverse_mass( e->fabric, slot, density, vertex_mass );
+        if ( pinned )
+        {
+            memset( velocity + (size_t)slot * 4, 0, 4 * sizeof( float ) );
+        }
+        if ( target != NULL )
+        {
+            target[(size_t)slot * 4 + 3] = 0.0f;
+        }
+    }
+    store_touch( &world->store, e, WISP_PARTICLE_POSITION );
+    return WISP_OK;
+}
+
+wisp_status wisp_pin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
+{
+    return set_pinned( world, surface, vertices, count, true );
+}
+
+wisp_status wisp_unpin( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count )
+{
+    return set_pinned( world, surface, vertices, count, false );
+}
+
+static wisp_status check_pinned( wisp_world* world, const store_entity* e, const int32_t* vertices, int count )
+{
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( position[(size_t)e->fabric->vertex_slot[vertices[i]] * 4 + 3] != 0.0f )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "vertex %d is not pinned, so it cannot be carried",
+                                    vertices[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_t* vertices, const wisp_vec3* targets,
+                            int count )
+{
+    store_entity* e;
+    wisp_status status = find_surface( world, surface, &e );
+    status = status == WISP_OK ? check_vertices( world, e->fabric, vertices, count ) : status;
+    status = status == WISP_OK ? check_places( world, targets, count, "target" ) : status;
+    status = status == WISP_OK ? check_pinned( world, e, vertices, count ) : status;
+    status = status == WISP_OK ? wisp_world_attach( world, surface, WISP_PARTICLE_TARGET ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    float* target = wisp_world_column( world, surface, WISP_PARTICLE_TARGET, 0 );
+    for ( int i = 0; i < count; ++i )
+    {
+        float* to = target + (size_t)e->fabric->vertex_slot[vertices[i]] * 4;
+        to[0] = targets[i].x;
+        to[1] = targets[i].y;
+        to[2] = targets[i].z;
+        to[3] = 1.0f;
+    }
+    return WISP_OK;
+}
+
+// ---- what all effects share ----
+
+// Give the component if the value asks for something, take it away otherwise: no value, no pass.
+static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool wanted )
+{
+    store_entity* e;
+    wisp_status status = find_surface( world, surface, &e );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return wanted ? wisp_world_attach( world, surface, component ) : wisp_world_detach( world, surface, component );
+}
+
+wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
+{
+    float length = v3_length( gravity );
+    if ( !( length <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "gravity is %g m/s^2, it must be finite and at most 1e6",
+                                (double)length );
+    }
+    wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, length > 0.0f );
+    wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
+    if ( status == WISP_OK && column != NULL )
+    {
+        *column = gravity;
+    }
+    return status;
+}
+
+wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate )
+{
+    if ( !( rate >= 0.0f && rate <= 1e9f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "damping is %g 1/s, it must be 0 to 1e9", (double)rate );
+    }
+    wisp_status status = set_component( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f );
+    float* column = wisp_world_column( world, surface, WISP_PARTICLE_DAMPING, 0 );
+    if ( status == WISP_OK && column != NULL )
+    {
+        *column = rate;
+    }
+    return status;
+}
+
+wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float minimum, float maximum )
+{
+    if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "strain limits are %g and %g times the rest length, they must be 0 to 1 and at least 1", (double)minimum,
+            (double)maximum );
+    }
+    bool wanted = minimum > 0.0f || maximum < INFINITY;
+    wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, wanted );
+    float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 0 );
+    if ( status == WISP_OK && column != NULL )
+    {
+        *column = minimum;
+        *(float*)wisp_world_column( world, surface, WISP_LINK_LIMIT, 1 ) = maximum;
+    }
+    return status;
+}
+
+static wisp_vec3 centre_of( const wisp_fabric* fabric, const float* position )
+{
+    double mass = 0.0, sum[3] = { 0 };
+    for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+    {
+        const float* p = position + (size_t)slot * 4;
+        double m = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+        mass += m;
+        for ( int k = 0; k < 3; ++k )
+        {
+            sum[k] += m * (double)p[k];
+        }
+    }
+    double inverse = mass > 0.0 ? 1.0 / mass : 0.0;
+    return ( wisp_vec3 ){ (float)( sum[0] * inverse ), (float)( sum[1] * inverse ), (float)( sum[2] * inverse ) };
+}
+
+wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular )
+{
+    store_entity* e;
+    wisp_status status = find_surface( world, surface, &e );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !( v3_length( linear ) <= 1e6f && v3_length( angular ) <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "a velocity must be finite and at most 1e6 m/s and 1e6 rad/s" );
+    }
+    const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
+    const wisp_vec3 centre = centre_of( e->fabric, position );
+    for ( int slot = 0; slot < e->fabric->vertex_count; ++slot )
+    {
+        const float* p = position + (size_t)slot * 4;
+        wisp_vec3 r = v3_sub( ( wisp_vec3 ){ p[0], p[1], p[2] }, centre );
+        wisp_vec3 v = p[3] > 0.0f ? v3_add( linear, v3_cross( angular, r ) ) : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        memcpy( velocity + (size_t)slot * 4, &v, sizeof( v ) );
+    }
+    return WISP_OK;
+}
+
+// ---- what is read ----
+
+wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_quality* out )
+{
+    *out = ( wisp_quality ){ 0 };
+    store_entity* e;
+    wisp_status status = find_surface( world, surface, &e );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_quality* column = store_column( &world->store, e, WISP_SURFACE_QUALITY, 0 );
+    if ( column == NULL || ( e->wants & store_bit( WISP_SURFACE_QUALITY ) ) == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u takes no figures: ask with wisp_want first",
+                                surface.index );
+    }
+    *out = *column;
+    return WISP_OK;
+}
+
+bool wisp_is_frozen( const wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    return e != NULL && e->frozen != 0;
+}
+
+wisp_status wisp_thaw( wisp_world* world, wisp_entity entity )
+{
+    store_entity* e = store_find( &world->store, entity );
+    if ( e == NULL )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                entity.index, entity.generation );
+    }
+    e->frozen = 0;
+    return WISP_OK;
+}
+
+const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    return e != NULL ? e->fabric : NULL;
+}

@@ -1,0 +1,233 @@
+// Volume, gas and pressure (BAL eq. 7-9, section 5).
+#include "balloon_internal.h"
+
+#include <math.h>
+
+enum
+{
+    RING_GRAIN = 64,    // slices of eight vertices a block: the unit of every sum
+    SMALL_SLICES = 320, // about 5 000 triangles: below it a second worker costs more than it gives
+};
+
+typedef struct ring_loop
+{
+    wisp_ring_job job;
+    const wisp_kernels* kernels;
+    wisp_ring_sums* sums; // [block]
+    int slice_count;
+} ring_loop;
+
+static void sum_blocks( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const ring_loop* loop = context;
+    for ( int block = begin; block < end; ++block )
+    {
+        int first = block * RING_GRAIN, last = first + RING_GRAIN;
+        last = last < loop->slice_count ? last : loop->slice_count;
+        loop->kernels->ring_gradient( &loop->job, first, last, loop->sums + block );
+    }
+}
+
+// Sum over all slices, block by block and in their order, so that the bits do not depend on who summed what.
+static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float* gradient, float* area )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    int blocks = ( fabric->ring_slice_count + RING_GRAIN - 1 ) / RING_GRAIN;
+    wisp_ring_sums total = { 0.0, 0.0 };
+    ring_loop loop = {
+        .job = { .position = position,
+                 .ring_begin = fabric->ring_begin,
+                 .ring4 = fabric->ring4,
+                 .origin = { position[0], position[1], position[2] },
+                 .gradient = gradient,
+                 .area = area },
+        .kernels = wisp_frame_kernels( frame ),
+        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( wisp_ring_sums ) ),
+        .slice_count = fabric->ring_slice_count,
+    };
+    if ( loop.sums == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the volume of %d vertices", fabric->vertex_count );
+        return total;
+    }
+    int grain = fabric->ring_slice_count < SMALL_SLICES ? blocks : 2;
+    wisp_parallel_for( parallel, blocks, grain > 0 ? grain : 1, sum_blocks, &loop );
+    for ( int block = 0; block < blocks; ++block )
+    {
+        total.volume += loop.sums[block].volume;
+        total.weighted += loop.sums[block].weighted;
+    }
+    return total;
+}
+
+// Section 9: after a collapse eq. 9 still needs a volume above zero.
+static double usable_volume( double volume, const balloon_gas* gas )
+{
+    return fmax( volume, 1e-3 * gas->rest_volume );
+}
+
+void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
+    float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
+    float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
+    extent->volume = usable_volume( sum_rings( frame, span, vectors, areas ).volume, gas );
+}
+
+void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    float rate = *(float*)wisp_frame_column( frame, span->entity, state->inflation, 0 );
+    double grown = gas->target_volume + (double)rate * (double)wisp_frame_seconds( frame );
+    gas->target_volume = fmax( grown, gas->least_volume );
+}
+
+// ---- pressure ----
+
+typedef struct tension_loop
+{
+    const wisp_fabric* fabric;
+    const float* position;
+    balloon_skin skin;
+    double* sums; // [block]
+} tension_loop;
+
+enum
+{
+    LINK_GRAIN = 4096,
+};
+
+// sum T l with T = k (l - d): links at rest add nothing, slack ones pull inwards like pressure from outside.
+static void sum_tensions( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const tension_loop* loop = context;
+    const wisp_fabric* f = loop->fabric;
+    for ( int block = begin; block < end; ++block )
+    {
+        int last = ( block + 1 ) * LINK_GRAIN < f->link_order.slot_count ? ( block + 1 ) * LINK_GRAIN
+                                                                         : f->link_order.slot_count;
+        double sum = 0.0;
+        for ( int slot = block * LINK_GRAIN; slot < last; ++slot )
+        {
+            int link = f->link_order.constraint[slot];
+            const float *a = loop->position + f->link_a4[slot], *b = loop->position + f->link_b4[slot];
+            double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
+            double length = sqrt( x * x + y * y + z * z );
+            double stiffness =
+                (double)( link < f->edge_count ? loop->skin.edge_stiffness : loop->skin.cross_stiffness );
+            sum += link >= 0 ? stiffness * ( length - (double)f->link_rest[slot] ) * length : 0.0;
+        }
+        loop->sums[block] = sum;
+    }
+}
+
+// 3 (P - P_atm) V = sum T l at equilibrium; a slack skin holds no pressure.
+static double virial_pressure( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double volume )
+{
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    int blocks = ( fabric->link_order.slot_count + LINK_GRAIN - 1 ) / LINK_GRAIN;
+    tension_loop loop = {
+        .fabric = fabric,
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .skin = *(balloon_skin*)wisp_frame_column( frame, span->entity, state->skin, 0 ),
+        .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( double ) ),
+    };
+    if ( loop.sums == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the tensions of %d links", fabric->link_count );
+        return 0.0;
+    }
+    wisp_parallel_for( parallel, blocks, 1, sum_tensions, &loop );
+    double sum = 0.0;
+    for ( int block = 0; block < blocks; ++block )
+    {
+        sum += loop.sums[block];
+    }
+    return fmax( 0.0, sum / ( 3.0 * volume ) );
+}
+
+void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
+    balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
+    switch ( *(int32_t*)wisp_frame_column( frame, span->entity, state->reading, 0 ) )
+    {
+        case WISP_BALLOON_PRESSURE_GAS:
+            gauge->pressure = gas->atmosphere * ( gas->target_volume - extent->volume ) / extent->volume;
+            break;
+        case WISP_BALLOON_PRESSURE_MULTIPLIER:
+            gauge->pressure = gas->multiplier;
+            break;
+        default:
+            gauge->pressure = virial_pressure( frame, span, state, extent->volume );
+            break;
+    }
+}
+
+// ---- the constraint ----
+
+typedef struct push_loop
+{
+    wisp_push_job job;
+    const wisp_kernels* kernels;
+} push_loop;
+
+static void push_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const push_loop* loop = context;
+    loop->kernels->push( &loop->job, begin, end );
+}
+
+// Change of lambda for C = V - V_0: the source's share k of the error, or the gas's compliance V_0 / P_atm.
+static double change_of_lambda( balloon_gas* gas, float share, wisp_ring_sums sums, double dt )
+{
+    double error = sums.volume - gas->target_volume;
+    if ( !( sums.weighted > 0.0 && isfinite( error ) && isfinite( sums.weighted ) ) )
+    {
+        return 0.0; // all pinned, collapsed to a point, or no numbers any more, which the guard mends: no direction
+    }
+    if ( share >= 0.0f )
+    {
+        return -(double)share * error / sums.weighted;
+    }
+    double alpha = gas->target_volume / gas->atmosphere / ( dt * dt );
+    return -( error + alpha * gas->lambda ) / ( sums.weighted + alpha );
+}
+
+void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    float share = *(float*)wisp_frame_column( frame, span->entity, state->volume, 0 );
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    size_t bytes = (size_t)fabric->slot_count * 3 * sizeof( float );
+    float* gradient = wisp_parallel_scratch( parallel, span->worker, bytes );
+    if ( gradient == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the volume of %d vertices", fabric->vertex_count );
+        return;
+    }
+    gas->lambda = wisp_frame_iteration( frame ) == 0 ? 0.0 : gas->lambda;
+    wisp_ring_sums sums = sum_rings( frame, span, gradient, NULL );
+    double dt = (double)wisp_frame_seconds( frame ), change = change_of_lambda( gas, share, sums, dt );
+    gas->lambda += change;
+    gas->multiplier = gas->lambda / ( dt * dt );
+    push_loop loop = {
+        { wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), gradient, (float)change },
+        wisp_frame_kernels( frame ),
+    };
+    int grain = fabric->ring_slice_count < SMALL_SLICES ? SMALL_SLICES : 4 * RING_GRAIN;
+    wisp_parallel_for( parallel, fabric->ring_slice_count, grain, push_slices, &loop );
+}

@@ -1,0 +1,122 @@
+/// What the files of this folder share: the state of a balloon, one component for each thing that may be absent.
+#pragma once
+
+#include "balloon.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+/// R, J/(mol K)
+#define BALLOON_GAS_CONSTANT 8.314462618
+
+/// The gas (BAL section 5). Doubles, because V_0 sums thousands of tiny changes.
+typedef struct balloon_gas
+{
+    double rest_volume;              // V_rest, m^3
+    double target_volume;            // V_0
+    double least_volume;             // V_0 never below
+    double atmosphere;               // Pa
+    double gas_density, air_density; // kg/m^3 at atmospheric pressure
+    double lambda;                   // of the volume constraint, in this substep
+    double multiplier;               // Pa, lambda / dt^2 of the last substep, whose dt may have been another
+} balloon_gas;
+
+/// What the skin encloses at the start of the substep.
+typedef struct balloon_extent
+{
+    double volume; // m^3, at least 1e-3 V_rest
+} balloon_extent;
+
+/// P - P_atm, Pa
+typedef struct balloon_gauge
+{
+    double pressure;
+} balloon_gauge;
+
+/// Mass, centre and inverse inertia of the particles that are not pinned (eq. 16-17), rebuilt every substep.
+typedef struct balloon_body
+{
+    double mass, centre[3];
+    double inverse_inertia[6]; // xx yy zz xy xz yz, 1/(kg m^2)
+    double angular_momentum[3];
+} balloon_body;
+
+typedef struct balloon_outlet
+{
+    double area;      // m^2
+    double speed;     // m/s, of this substep
+    double mass_flow; // kg/s
+    double normal[3]; // outward
+    double place[3];  // m
+    double gas_lost;  // kg
+    int32_t jet_starts;
+    int32_t count;
+    int32_t slots[WISP_BALLOON_MAX_OUTLET];
+    int32_t open;    // the user's valve
+    int32_t running; // the jet
+} balloon_outlet;
+
+/// The rotation that `printed` keeps apart.
+typedef struct balloon_turn
+{
+    double omega[3];
+} balloon_turn;
+
+typedef struct balloon_air
+{
+    float half_density_drag; // 1/2 rho C_d, kg/m^3
+    int32_t mode;            // wisp_balloon_drag
+} balloon_air;
+
+typedef struct balloon_skin
+{
+    float edge_stiffness, cross_stiffness; // N/m, for tensions
+} balloon_skin;
+
+typedef struct balloon_state
+{
+    wisp_component gas;       // is a balloon
+    wisp_component skin;      // balloon_skin
+    wisp_component inflation; // float rate, m^3/s
+    wisp_component volume;    // float share, in (0, 1]; negative: xpbd
+    wisp_component extent;    // balloon_extent
+    wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
+    wisp_component reading;   // int32 wisp_balloon_pressure
+    wisp_component gauge;     // balloon_gauge
+    wisp_component buoyancy;  // there: it acts
+    wisp_component air;       // balloon_air
+    wisp_component body;      // balloon_body
+    wisp_component outlet;    // balloon_outlet
+    wisp_component jet;       // written by the outlet: there is a force
+    wisp_component kick;      // there: spin by kick
+    wisp_component turn;      // balloon_turn: spin as printed
+    wisp_component figures;   // wisp_balloon_figures
+} balloon_state;
+
+// balloon_gas.c
+void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* user );
+
+// balloon_air.c
+void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_float( wisp_frame* frame, const wisp_span* span, void* user );
+/// Drag on one slot, N, and the share of the velocity that stays (BAL eq. 11, section 9).
+wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
+                              float dt_w );
+
+// balloon_outlet.c
+void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user );
+
+// balloon_body.c
+void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user );
+void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user );
+/// w = I^-1 t
+void balloon_spin_of( const balloon_body* body, const double torque[3], double out[3] );
+void balloon_torque_of( const balloon_body* body, const balloon_outlet* outlet, double out[3] );
+
+// balloon_figures.c
+void balloon_take_figures( wisp_frame* frame, const wisp_span* span, void* user );

@@ -1,0 +1,604 @@
+// The balloon's definition: ranges, what the mesh must be, and which components (so which passes) it gets.
+#include "balloon_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t BALLOON_DEF_MADE = 0x42414c4c;
+
+#define ONE_COLUMN( name, type ) static const wisp_column_def name##_COLUMNS[] = { { "value", sizeof( type ) } };
+ONE_COLUMN( GAS, balloon_gas )
+ONE_COLUMN( SKIN, balloon_skin )
+ONE_COLUMN( INFLATION, float )
+ONE_COLUMN( VOLUME, float )
+ONE_COLUMN( READING, int32_t )
+ONE_COLUMN( EXTENT, balloon_extent )
+ONE_COLUMN( GAUGE, balloon_gauge )
+ONE_COLUMN( AIR, balloon_air )
+ONE_COLUMN( BODY, balloon_body )
+ONE_COLUMN( OUTLET, balloon_outlet )
+ONE_COLUMN( TURN, balloon_turn )
+ONE_COLUMN( FIGURES, wisp_balloon_figures )
+#undef ONE_COLUMN
+static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
+
+wisp_balloon_def wisp_default_balloon_def( void )
+{
+    return ( wisp_balloon_def ){
+        .solver = WISP_SOLVER_XPBD,
+        .edge_stiffness = 2000.0f,
+        .cross_stiffness = 20.0f,
+        .stretch_share = 0.9f,
+        .bend_share = 0.1f,
+        .volume = WISP_SOLVER_XPBD,
+        .volume_share = 1.0f,
+        .fill = 1.0f,
+        .least_fill = 1.0f,
+        .atmospheric_pressure = 101325.0f,
+        .temperature = 293.15f,
+        .gas_molar_mass = 4.0026e-3f,
+        .air_molar_mass = 28.9647e-3f,
+        .pressure = WISP_BALLOON_PRESSURE_VIRIAL,
+        .buoyancy = true,
+        .drag_coefficient = 0.5f,
+        .drag = WISP_BALLOON_DRAG_MAX,
+        .outlet_area = 1e-4f,
+        .spin = WISP_BALLOON_SPIN_KICK,
+        .made_by_default = BALLOON_DEF_MADE,
+    };
+}
+
+// ---- what the world is told ----
+
+static void declare_components( wisp_registry* r, balloon_state* s )
+{
+    const struct
+    {
+        wisp_component* out;
+        wisp_component_def def;
+    } all[] = {
+        { &s->gas, { "balloon.gas", WISP_TABLE_ENTITY, GAS_COLUMNS, 1 } },
+        { &s->skin, { "balloon.skin", WISP_TABLE_ENTITY, SKIN_COLUMNS, 1 } },
+        { &s->inflation, { "balloon.inflation", WISP_TABLE_ENTITY, INFLATION_COLUMNS, 1 } },
+        { &s->volume, { "balloon.volume", WISP_TABLE_ENTITY, VOLUME_COLUMNS, 1 } },
+        { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
+        { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
+        { &s->reading, { "balloon.reading", WISP_TABLE_ENTITY, READING_COLUMNS, 1 } },
+        { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
+        { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
+        { &s->air, { "balloon.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 } },
+        { &s->body, { "balloon.body", WISP_TABLE_ENTITY, BODY_COLUMNS, 1 } },
+        { &s->outlet, { "balloon.outlet", WISP_TABLE_ENTITY, OUTLET_COLUMNS, 1 } },
+        { &s->jet, { "balloon.jet", WISP_TABLE_ENTITY, NULL, 0 } },
+        { &s->kick, { "balloon.kick", WISP_TABLE_ENTITY, NULL, 0 } },
+        { &s->turn, { "balloon.turn", WISP_TABLE_ENTITY, TURN_COLUMNS, 1 } },
+        { &s->figures, { "balloon.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
+    };
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        *all[i].out = wisp_declare_component( r, &all[i].def );
+    }
+}
+
+// In the order of section 4: geometry, control, pressure and outlet, then what changes velocities. The printed spin turns
+// positions before they are predicted, so that no velocity is read back from it (A8). Figures and drag come before all
+// that changes velocities, because both are functions of the velocity at the start of the substep.
+static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
+{
+    const wisp_component x = WISP_PARTICLE_POSITION, v = WISP_PARTICLE_VELOCITY, g = WISP_PARTICLE_GRAVITY;
+    const wisp_pass passes[] = {
+        { .name = "balloon.measure",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->gas },
+          .reads = { x, s->gas },
+          .writes = { s->rings, s->extent },
+          .run = balloon_measure },
+        { .name = "balloon.body",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->gas },
+          .reads = { x, v },
+          .writes = { s->body },
+          .run = balloon_measure_body },
+        { .name = "balloon.inflate",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->inflation },
+          .reads = { s->inflation, s->gas },
+          .writes = { s->gas },
+          .run = balloon_inflate },
+        { .name = "balloon.pressure",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->gas },
+          .reads = { x, s->gas, s->extent, s->skin, s->reading },
+          .writes = { s->gauge },
+          .run = balloon_read_pressure },
+        { .name = "balloon.outlet",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->outlet },
+          .reads = { x, s->gas, s->gauge, s->rings, s->outlet },
+          .writes = { s->outlet, s->gas, s->jet },
+          .run = balloon_let_out },
+        { .name = "balloon.turn",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->outlet, s->turn },
+          .reads = { x, s->jet, s->outlet, s->body, s->turn },
+          .writes = { x, s->turn },
+          .run = balloon_turn_printed },
+        { .name = "balloon.figures",
+          .stage = WISP_STAGE_FORCE,
+          .needs = { s->gas },
+          .reads = { x, v, s->gas, s->extent, s->rings, s->gauge, s->body },
+          .writes = { s->figures },
+          .run = balloon_take_figures },
+        { .name = "balloon.drag",
+          .stage = WISP_STAGE_FORCE,
+          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+          .needs = { s->air },
+          .reads = { x, v, s->air, s->rings },
+          .writes = { v },
+          .run = balloon_drag },
+        { .name = "balloon.buoyancy",
+          .stage = WISP_STAGE_FORCE,
+          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+          .needs = { s->buoyancy, g },
+          .reads = { x, v, g, s->gas, s->extent, s->body },
+          .writes = { v },
+          .run = balloon_float },
+        { .name = "balloon.jet",
+          .stage = WISP_STAGE_FORCE,
+          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+          .needs = { s->outlet },
+          .reads = { x, v, s->jet, s->outlet, s->body },
+          .writes = { v },
+          .run = balloon_jet },
+        { .name = "balloon.spin",
+          .stage = WISP_STAGE_FORCE,
+          .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+          .needs = { s->outlet, s->kick },
+          .reads = { x, v, s->jet, s->outlet, s->body },
+          .writes = { v },
+          .run = balloon_kick },
+        { .name = "balloon.volume",
+          .stage = WISP_STAGE_PROJECT,
+          .needs = { s->gas, s->volume },
+          .reads = { x, s->gas, s->volume },
+          .writes = { x, s->gas },
+          .run = balloon_project_volume },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    balloon_state* state = wisp_declare_state( r, sizeof( balloon_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    declare_components( r, state );
+    return declare_passes( r, state );
+}
+
+const wisp_module wisp_balloon_module = { .name = "balloon", .declare = declare };
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "edge_stiffness", d->edge_stiffness, 1e-6f, 1e12f },
+        { "cross_stiffness", d->cross_stiffness, 1e-6f, 1e12f },
+        { "stretch_share", d->stretch_share, 0.0f, 1.0f },
+        { "bend_share", d->bend_share, 0.0f, 1.0f },
+        { "volume", (float)d->volume, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "volume_share", d->volume_share, 1e-6f, 1.0f },
+        { "least_fill", d->least_fill, 1e-3f, 1.0f },
+        { "fill", d->fill, d->least_fill, 1e6f },
+        { "inflation_rate", d->inflation_rate, -1e6f, 1e6f },
+        { "atmospheric_pressure", d->atmospheric_pressure, 1e-3f, 1e12f },
+        { "temperature", d->temperature, 1e-3f, 1e6f },
+        { "gas_molar_mass", d->gas_molar_mass, 1e-6f, 10.0f },
+        { "air_molar_mass", d->air_molar_mass, 1e-6f, 10.0f },
+        { "pressure", (float)d->pressure, 0.0f, (float)( WISP_BALLOON_PRESSURE_COUNT - 1 ) },
+        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
+        { "drag", (float)d->drag, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
+        { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
+        { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
+        { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const wisp_balloon_def* d )
+{
+    for ( int i = 0; i < d->outlet_count; ++i )
+    {
+        if ( d->outlet[i] < 0 || d->outlet[i] >= f->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "balloon: outlet %d is vertex %d, the surface has %d vertices", i, d->outlet[i],
+                                    f->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static double rest_volume( const wisp_fabric* f )
+{
+    double volume = 0.0;
+    const wisp_vec3 o = f->rest[0];
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        double e[3][3];
+        for ( int corner = 0; corner < 3; ++corner )
+        {
+            const wisp_vec3 p = f->rest[f->triangles[3 * t + corner]];
+            e[corner][0] = (double)p.x - (double)o.x;
+            e[corner][1] = (double)p.y - (double)o.y;
+            e[corner][2] = (double)p.z - (double)o.z;
+        }
+        volume += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
+                  e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
+                  e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+    }
+    return volume / 6.0;
+}
+
+// Vertices that edges join, by union-find; loose vertices are no shell.
+static int count_shells( const wisp_fabric* f, int32_t* parent )
+{
+    int shells = 0;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        parent[v] = v;
+    }
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        int32_t root[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            root[k] = f->edges[2 * e + k];
+            while ( parent[root[k]] != root[k] )
+            {
+                parent[root[k]] = parent[parent[root[k]]];
+                root[k] = parent[root[k]];
+            }
+        }
+        parent[root[0]] = root[1];
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        shells += parent[v] == v && f->area[v] > 0.0f ? 1 : 0;
+    }
+    return shells;
+}
+
+static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int shells )
+{
+    if ( f->border_edge_count > 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: the mesh is open at %d edges, it has no volume",
+                                f->border_edge_count );
+    }
+    if ( f->wild_edge_count > 0 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "balloon: %d edges have more than two triangles or run twice in one direction",
+                                f->wild_edge_count );
+    }
+    if ( shells != 1 )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "balloon: the mesh has %d shells, a balloon is one: make each a surface of its own",
+                                shells );
+    }
+    double volume = rest_volume( f );
+    if ( !( volume > 0.0 ) )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "balloon: the mesh encloses %g m^3, its triangles must run counter-clockwise seen from "
+            "outside",
+            volume );
+    }
+    return WISP_OK;
+}
+
+// ---- components ----
+
+typedef struct wanted_component
+{
+    wisp_component component;
+    bool wanted;
+} wanted_component;
+
+static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
+{
+    const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
+    const wanted_component all[] = {
+        { s->gas, true },
+        { s->volume, true },
+        { s->skin, true },
+        { s->reading, true },
+        { s->inflation, d->inflation_rate != 0.0f },
+        { s->buoyancy, d->buoyancy },
+        { s->air, d->drag_coefficient > 0.0f },
+        { s->outlet, jet },
+        { s->kick, jet && d->spin == WISP_BALLOON_SPIN_KICK },
+        { s->turn, jet && d->spin == WISP_BALLOON_SPIN_PRINTED },
+        { WISP_LINK_STIFFNESS, pbd },
+        { WISP_LINK_COMPLIANCE, pbd == false },
+    };
+    // rows are given first, because only that can fail, and then those just given are taken back
+    bool given[WISP_COUNT( all )];
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    {
+        given[i] = all[i].wanted && wisp_world_has( world, surface, all[i].component ) == false;
+        status = given[i] ? wisp_world_attach( world, surface, all[i].component ) : WISP_OK;
+        for ( int k = 0; k < i && status != WISP_OK; ++k )
+        {
+            if ( given[k] )
+            {
+                wisp_world_detach( world, surface, all[k].component );
+            }
+        }
+    }
+    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    {
+        status = all[i].wanted ? WISP_OK : wisp_world_detach( world, surface, all[i].component );
+    }
+    return status;
+}
+
+static void fill_links( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    const bool pbd = d->solver == WISP_SOLVER_PBD;
+    float* column = wisp_world_column( world, surface, pbd ? WISP_LINK_STIFFNESS : WISP_LINK_COMPLIANCE, 0 );
+    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+    {
+        int link = f->link_order.constraint[slot];
+        bool edge = link < f->edge_count;
+        float value = pbd ? ( edge ? d->stretch_share : d->bend_share )
+                          : 1.0f / ( edge ? d->edge_stiffness : d->cross_stiffness );
+        column[slot] = link >= 0 ? value : 0.0f;
+    }
+}
+
+static double density_of( const wisp_balloon_def* d, float molar_mass )
+{
+    return (double)d->atmospheric_pressure * (double)molar_mass / ( BALLOON_GAS_CONSTANT * (double)d->temperature );
+}
+
+static void fill_outlet( const wisp_fabric* f, const wisp_balloon_def* d, balloon_outlet* outlet )
+{
+    memset( outlet, 0, sizeof( *outlet ) );
+    outlet->area = (double)d->outlet_area;
+    outlet->count = d->outlet_count;
+    outlet->open = d->outlet_open ? 1 : 0;
+    for ( int i = 0; i < d->outlet_count; ++i )
+    {
+        outlet->slots[i] = f->vertex_slot[d->outlet[i]];
+    }
+}
+
+static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    double volume = rest_volume( f );
+    *(balloon_gas*)wisp_world_column( world, surface, s->gas, 0 ) = ( balloon_gas ){
+        .rest_volume = volume,
+        .target_volume = (double)d->fill * volume,
+        .least_volume = (double)d->least_fill * volume,
+        .atmosphere = (double)d->atmospheric_pressure,
+        .gas_density = density_of( d, d->gas_molar_mass ),
+        .air_density = density_of( d, d->air_molar_mass ),
+    };
+    *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
+        ( balloon_skin ){ d->edge_stiffness, d->cross_stiffness };
+    *(float*)wisp_world_column( world, surface, s->volume, 0 ) =
+        d->volume == WISP_SOLVER_PBD ? d->volume_share : -1.0f;
+    *(int32_t*)wisp_world_column( world, surface, s->reading, 0 ) = (int32_t)d->pressure;
+    float* rate = wisp_world_column( world, surface, s->inflation, 0 );
+    if ( rate != NULL )
+    {
+        *rate = d->inflation_rate;
+    }
+    balloon_air* air = wisp_world_column( world, surface, s->air, 0 );
+    if ( air != NULL )
+    {
+        double half = 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient;
+        *air = ( balloon_air ){ (float)half, (int32_t)d->drag };
+    }
+    balloon_outlet* outlet = wisp_world_column( world, surface, s->outlet, 0 );
+    if ( outlet != NULL )
+    {
+        fill_outlet( f, d, outlet );
+    }
+    balloon_turn* turn = wisp_world_column( world, surface, s->turn, 0 );
+    if ( turn != NULL )
+    {
+        memset( turn, 0, sizeof( *turn ) );
+    }
+    fill_links( world, surface, d );
+}
+
+// ---- the public face ----
+
+static wisp_status find_state( wisp_world* world, wisp_entity surface, const balloon_state** out )
+{
+    *out = wisp_world_module_state( world, "balloon" );
+    if ( *out == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module balloon is not registered in this world" );
+    }
+    if ( wisp_is_alive( world, surface ) == false )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                surface.index, surface.generation );
+    }
+    if ( wisp_world_fabric( world, surface ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot be a balloon",
+                                surface.index );
+    }
+    return WISP_OK;
+}
+
+static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const balloon_state** out )
+{
+    wisp_status status = find_state( world, balloon, out );
+    if ( status == WISP_OK && wisp_world_has( world, balloon, ( *out )->gas ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a balloon", balloon.index );
+    }
+    return status;
+}
+
+// A balloon has passed this check with the same fabric. Nobody else has rings, so their rows are memory of the right size
+// that leaves no trace.
+static wisp_status check_closed( wisp_world* world, wisp_entity surface, const balloon_state* s )
+{
+    if ( wisp_world_has( world, surface, s->gas ) )
+    {
+        return WISP_OK;
+    }
+    wisp_status status = wisp_world_attach( world, surface, s->rings );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    int shells = count_shells( f, wisp_world_column( world, surface, s->rings, 0 ) );
+    wisp_world_detach( world, surface, s->rings );
+    return check_mesh( world, f, shells );
+}
+
+wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def )
+{
+    WISP_ASSERT( def->made_by_default == BALLOON_DEF_MADE );
+    const balloon_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_outlet( world, wisp_world_fabric( world, surface ), def ) : status;
+    status = status == WISP_OK ? check_closed( world, surface, state ) : status;
+    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    if ( status == WISP_OK )
+    {
+        fill( world, surface, def, state );
+    }
+    return status;
+}
+
+wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity balloon, float fill_share )
+{
+    const balloon_state* state;
+    wisp_status status = find_balloon( world, balloon, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    balloon_gas* gas = wisp_world_column( world, balloon, state->gas, 0 );
+    double least = gas->least_volume / gas->rest_volume;
+    if ( !( (double)fill_share >= least * ( 1.0 - 1e-6 ) && fill_share <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: fill is %g, it must be %g to 1e6",
+                                (double)fill_share, least );
+    }
+    gas->target_volume = fmax( (double)fill_share * gas->rest_volume, gas->least_volume );
+    return WISP_OK;
+}
+
+wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate )
+{
+    const balloon_state* state;
+    wisp_status status = find_balloon( world, balloon, &state );
+    if ( status == WISP_OK && !( fabsf( rate ) <= 1e6f ) )
+    {
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate is %g, it must be -1e6 to 1e6",
+                                  (double)rate );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( rate == 0.0f )
+    {
+        return wisp_world_detach( world, balloon, state->inflation );
+    }
+    status = wisp_world_attach( world, balloon, state->inflation );
+    if ( status == WISP_OK )
+    {
+        *(float*)wisp_world_column( world, balloon, state->inflation, 0 ) = rate;
+    }
+    return status;
+}
+
+wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open )
+{
+    const balloon_state* state;
+    wisp_status status = find_balloon( world, balloon, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    balloon_outlet* outlet = wisp_world_column( world, balloon, state->outlet, 0 );
+    if ( outlet == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "balloon: entity %u has no outlet", balloon.index );
+    }
+    outlet->open = open ? 1 : 0;
+    return WISP_OK;
+}
+
+wisp_status wisp_want_balloon_figures( wisp_world* world, wisp_entity balloon, bool wanted )
+{
+    const balloon_state* state;
+    wisp_status status = find_balloon( world, balloon, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return wanted ? wisp_want( world, balloon, state->figures ) : wisp_unwant( world, balloon, state->figures );
+}
+
+wisp_status wisp_read_balloon_figures( wisp_world* world, wisp_entity balloon, wisp_balloon_figures* out )
+{
+    *out = ( wisp_balloon_figures ){ 0 };
+    const balloon_state* state;
+    wisp_status status = find_balloon( world, balloon, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_balloon_figures* figures = wisp_world_column( world, balloon, state->figures, 0 );
+    if ( figures == NULL || figures->rest_volume == 0.0 )
+    {
+        return wisp_world_fail(
+            world, WISP_CONFLICT,
+            "balloon: entity %u takes no figures: ask with wisp_want_balloon_figures and make a step",
+            balloon.index );
+    }
+    *out = *figures;
+    return WISP_OK;
+}

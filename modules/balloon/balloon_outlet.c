@@ -1,0 +1,86 @@
+// The outlet: what leaves, and how it pushes back (BAL eq. 12, A6, A7).
+#include "balloon_internal.h"
+
+#include <math.h>
+
+// A jet ends at 1e-4 P_atm and starts again above 5e-4: the pressure carries the solver's noise, and a valve must not
+// chatter with it.
+static const double CLOSE_AT = 1e-4, OPEN_AT = 5e-4;
+
+// The area vectors of the outlet's vertices give its normal. @return false if they cancel
+static bool aim( const float* position, const float* vectors, balloon_outlet* outlet )
+{
+    double normal[3] = { 0 }, place[3] = { 0 };
+    for ( int i = 0; i < outlet->count; ++i )
+    {
+        int slot = outlet->slots[i];
+        for ( int k = 0; k < 3; ++k )
+        {
+            normal[k] += (double)vectors[(size_t)( slot / 8 ) * 24 + (size_t)( 8 * k + slot % 8 )];
+            place[k] += (double)position[(size_t)slot * 4 + (size_t)k] / outlet->count;
+        }
+    }
+    double length = sqrt( normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2] );
+    for ( int k = 0; k < 3; ++k )
+    {
+        outlet->normal[k] = length > 0.0 ? normal[k] / length : 0.0;
+        outlet->place[k] = place[k];
+    }
+    return length > 0.0;
+}
+
+// No more leaves than V_0 has above its guard, and the reaction follows what really leaves.
+static void flow( balloon_outlet* outlet, balloon_gas* gas, double pressure, double dt )
+{
+    outlet->speed = sqrt( 2.0 * fmax( 0.0, pressure ) / gas->gas_density );
+    double wanted = gas->gas_density * outlet->area * outlet->speed;
+    double most = gas->gas_density * fmax( 0.0, gas->target_volume - gas->least_volume ) / dt;
+    outlet->mass_flow = fmin( wanted, most );
+    gas->target_volume -= outlet->mass_flow / gas->gas_density * dt;
+    outlet->gas_lost += outlet->mass_flow * dt;
+}
+
+void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
+    balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    const balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
+    const float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    double share = gauge->pressure / gas->atmosphere;
+    bool runs = outlet->open != 0 && share > ( outlet->running != 0 ? CLOSE_AT : OPEN_AT );
+    bool starts = runs && outlet->running == 0;
+    outlet->running = runs ? 1 : 0;
+    outlet->jet_starts += starts ? 1 : 0;
+    outlet->speed = outlet->mass_flow = 0.0;
+    if ( runs && aim( position, vectors, outlet ) )
+    {
+        flow( outlet, gas, gauge->pressure, (double)wisp_frame_seconds( frame ) );
+    }
+}
+
+// F = -mdot v n, shared by mass: the linear part. The angular part is the spin's.
+void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
+    const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
+    if ( outlet->mass_flow == 0.0 || body->mass == 0.0 )
+    {
+        return;
+    }
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const wisp_span s = wisp_frame_particles( frame, span );
+    double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_seconds( frame );
+    const float change[3] = { (float)( factor * outlet->normal[0] ), (float)( factor * outlet->normal[1] ),
+                              (float)( factor * outlet->normal[2] ) };
+    for ( int slot = s.begin; slot < s.end; ++slot )
+    {
+        for ( int k = 0; k < 3 && position[(size_t)slot * 4 + 3] > 0.0f; ++k )
+        {
+            velocity[(size_t)slot * 4 + (size_t)k] += change[k];
+        }
+    }
+}

@@ -1,0 +1,66 @@
+/// Cloth: a surface with stretch by direction, bending, damping that leaves rigid motion alone, and air.
+#pragma once
+
+#include "wisp/wisp.h"
+
+WISP_BEGIN_C
+
+extern const wisp_module wisp_cloth_module;
+
+/// How cloth bends.
+typedef enum wisp_cloth_bending
+{
+    WISP_CLOTH_BENDING_CROSS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. The
+                              ///< fabric must have cross links
+    WISP_CLOTH_BENDING_DIHEDRAL, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
+    WISP_CLOTH_BENDING_ISOMETRIC, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
+                                  ///< where the cloth hardly stretches; the fabric must have hinges
+    WISP_CLOTH_BENDING_NONE,
+    WISP_CLOTH_BENDING_COUNT,
+} wisp_cloth_bending;
+
+/// What a surface is made of and what air does to it. Fill from wisp_default_cloth_def(). Copied.
+///
+/// Compliances are of one link, in m/N: on a regular mesh of triangles a link of stiffness k stands for a sheet of
+/// sqrt(3) k N/m, whatever the size of the mesh. Their direction dependence is that of an orthotropic sheet without
+/// Poisson effect: c(t) = warp cos^4 t + weft sin^4 t + shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both
+/// are equal.
+typedef struct wisp_cloth_def
+{
+    wisp_solver solver;      ///< default xpbd
+    float warp_compliance;   ///< xpbd, m/N, >= 0, along `warp`; default 0: inextensible
+    float weft_compliance;   ///< xpbd, m/N, across it; default 0
+    float shear_compliance;  ///< xpbd, m/N, between the two; default 0
+    float stretch_stiffness; ///< pbd, in [0, 1], along and across; default 1
+    float shear_stiffness;   ///< pbd, in [0, 1], at 45 degrees; default 1
+    wisp_vec3 warp; ///< direction in the rest shape, default x. Where a triangle is perpendicular to it, all is weft
+
+    wisp_cloth_bending bending; ///< default cross
+    float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
+    float bend_compliance;      ///< xpbd, cross links only, m/N, default 0.1
+    float bend_rigidity; ///< xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet, > 0, default
+                         ///< 5e-6 (light cotton)
+
+    float damping;     ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay; default 0
+    wisp_vec3 wind;    ///< m/s, velocity of the air, default 0
+    float air_density; ///< kg/m^3, default 1.204
+    float drag;        ///< coefficient along the relative wind, >= 0, default 0: no air
+    float lift;        ///< coefficient across it, >= 0, default 0
+
+    bool tethers;       ///< default false; the fabric must have tethers
+    float tether_slack; ///< times the rest distance, >= 1, default 1
+    int level_passes;   ///< passes over each coarse level of the fabric a substep, 0 .. 16, default 0: none
+    uint32_t made_by_default;
+} wisp_cloth_def;
+
+WISP_API wisp_cloth_def wisp_default_cloth_def( void );
+
+/// Make a surface a cloth, or change the cloth it is.
+/// @return WISP_CONFLICT the module is not registered, the entity is not a surface, or its fabric lacks what the
+///         definition asks for; WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_NO_MEMORY
+WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
+
+/// Change the wind alone; cheap enough for every step. @param wind m/s
+WISP_API wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind );
+
+WISP_END_C

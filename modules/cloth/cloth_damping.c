@@ -1,0 +1,151 @@
+// Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): what a velocity differs from that of the
+// rigid motion with the same momentum and angular momentum dies away; the rigid motion stays.
+#include "cloth_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct rigid_motion
+{
+    double mass, centre[3], velocity[3], angular[3];
+} rigid_motion;
+
+static void cross_product( const double a[3], const double b[3], double out[3] )
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+// Solve I w = L for a symmetric I by its adjugate; 0 where all mass lies on a line and I has no inverse.
+static void solve_inertia( const double i[6], const double l[3], double w[3] )
+{
+    const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
+    double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+    double determinant = xx * a + xy * b + xz * c, scale = xx + yy + zz;
+    memset( w, 0, 3 * sizeof( double ) );
+    if ( fabs( determinant ) <= 1e-12 * scale * scale * scale )
+    {
+        return;
+    }
+    double d = xx * zz - xz * xz, e = xy * xz - xx * yz, f = xx * yy - xy * xy;
+    w[0] = ( a * l[0] + b * l[1] + c * l[2] ) / determinant;
+    w[1] = ( b * l[0] + d * l[1] + e * l[2] ) / determinant;
+    w[2] = ( c * l[0] + e * l[1] + f * l[2] ) / determinant;
+}
+
+static void sum_linear( int count, const float* position, const float* velocity, rigid_motion* m )
+{
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
+        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+        m->mass += mass;
+        for ( int k = 0; k < 3; ++k )
+        {
+            m->centre[k] += mass * (double)p[k];
+            m->velocity[k] += mass * (double)v[k];
+        }
+    }
+    for ( int k = 0; k < 3 && m->mass > 0.0; ++k )
+    {
+        m->centre[k] /= m->mass;
+        m->velocity[k] /= m->mass;
+    }
+}
+
+// In a fixed order and in double: angular momentum must survive thousands of steps.
+static rigid_motion measure( int count, const float* position, const float* velocity )
+{
+    rigid_motion m = { 0 };
+    sum_linear( count, position, velocity, &m );
+    double inertia[6] = { 0 }, momentum[3] = { 0 };
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
+        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+        double r[3], u[3], l[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            r[k] = (double)p[k] - m.centre[k];
+            u[k] = (double)v[k] - m.velocity[k];
+        }
+        cross_product( r, u, l );
+        for ( int k = 0; k < 3; ++k )
+        {
+            momentum[k] += mass * l[k];
+        }
+        inertia[0] += mass * ( r[1] * r[1] + r[2] * r[2] );
+        inertia[1] += mass * ( r[0] * r[0] + r[2] * r[2] );
+        inertia[2] += mass * ( r[0] * r[0] + r[1] * r[1] );
+        inertia[3] -= mass * r[0] * r[1];
+        inertia[4] -= mass * r[0] * r[2];
+        inertia[5] -= mass * r[1] * r[2];
+    }
+    solve_inertia( inertia, momentum, m.angular );
+    return m;
+}
+
+// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest.
+static bool is_pinned( int count, const float* position )
+{
+    for ( int slot = 0; slot < count; ++slot )
+    {
+        if ( position[(size_t)slot * 4 + 3] == 0.0f )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+typedef struct damping_loop
+{
+    const float* position;
+    float* velocity;
+    rigid_motion rigid;
+    double keep; // of the difference
+} damping_loop;
+
+static void damp_slots( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const damping_loop* loop = context;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float* p = loop->position + (size_t)slot * 4;
+        float* v = loop->velocity + (size_t)slot * 4;
+        double r[3], turning[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            r[k] = (double)p[k] - loop->rigid.centre[k];
+        }
+        cross_product( loop->rigid.angular, r, turning );
+        for ( int k = 0; k < 3 && p[3] > 0.0f; ++k )
+        {
+            double rigid = loop->rigid.velocity[k] + turning[k];
+            v[k] = (float)( rigid + loop->keep * ( (double)v[k] - rigid ) );
+        }
+    }
+}
+
+void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    enum
+    {
+        GRAIN = 2048,
+    };
+    const cloth_state* state = user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
+    damping_loop loop = {
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .keep = 1.0 / ( 1.0 + (double)rate * (double)wisp_frame_seconds( frame ) ),
+    };
+    if ( is_pinned( fabric->vertex_count, loop.position ) == false )
+    {
+        loop.rigid = measure( fabric->vertex_count, loop.position, loop.velocity );
+    }
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->vertex_count, GRAIN, damp_slots, &loop );
+}

@@ -1,0 +1,29 @@
+/// What the files of this folder share.
+#pragma once
+
+#include "cloth.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+typedef struct cloth_state
+{
+    wisp_component air;     // cloth_air: air acts on it
+    wisp_component damping; // float: relative velocities die
+} cloth_state;
+
+/// Air as it acts on a cloth.
+typedef struct cloth_air
+{
+    wisp_vec3 wind; ///< m/s
+    float density;  ///< kg/m^3
+    float drag, lift;
+} cloth_air;
+
+/// Passes, each a file.
+void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user );
+void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user );
+
+/// Fill the columns of links and hinges from a definition that was checked.
+void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
+void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

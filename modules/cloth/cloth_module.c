@@ -1,0 +1,275 @@
+#include "cloth_internal.h"
+
+#include <math.h>
+
+static const uint32_t CLOTH_DEF_MADE = 0x434c4f54;
+
+#define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
+#define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
+
+static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
+
+wisp_cloth_def wisp_default_cloth_def( void )
+{
+    return ( wisp_cloth_def ){
+        .solver = WISP_SOLVER_XPBD,
+        .stretch_stiffness = 1.0f,
+        .shear_stiffness = 1.0f,
+        .warp = { 1.0f, 0.0f, 0.0f },
+        .bending = WISP_CLOTH_BENDING_CROSS,
+        .bend_stiffness = 0.2f,
+        .bend_compliance = 0.1f,
+        .bend_rigidity = 5e-6f,
+        .air_density = 1.204f,
+        .tether_slack = 1.0f,
+        .made_by_default = CLOTH_DEF_MADE,
+    };
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
+    const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
+    state->air = wisp_declare_component( r, &air );
+    state->damping = wisp_declare_component( r, &damping );
+    wisp_status status =
+        wisp_declare_pass( r, &( wisp_pass ){
+                                  .name = "cloth.air",
+                                  .stage = WISP_STAGE_FORCE,
+                                  .domain = WISP_DOMAIN_ENTITY,
+                                  .needs = { state->air },
+                                  .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+                                  .writes = { WISP_PARTICLE_VELOCITY },
+                                  .run = cloth_blow,
+                                  .user = state,
+                              } );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     .name = "cloth.damping",
+                                     .stage = WISP_STAGE_VELOCITY,
+                                     .domain = WISP_DOMAIN_ENTITY,
+                                     .needs = { state->damping },
+                                     .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+                                     .writes = { WISP_PARTICLE_VELOCITY },
+                                     .run = cloth_damp,
+                                     .user = state,
+                                 } );
+}
+
+const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "warp_compliance", d->warp_compliance, 0.0f, 1e12f },
+        { "weft_compliance", d->weft_compliance, 0.0f, 1e12f },
+        { "shear_compliance", d->shear_compliance, 0.0f, 1e12f },
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
+        { "shear_stiffness", d->shear_stiffness, 0.0f, 1.0f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
+        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
+        { "bend_rigidity", d->bend_rigidity, 1e-12f, 1e12f },
+        { "damping", d->damping, 0.0f, 1e9f },
+        { "air_density", d->air_density, 0.0f, 1e6f },
+        { "drag", d->drag, 0.0f, 1e6f },
+        { "lift", d->lift, 0.0f, 1e6f },
+        { "tether_slack", d->tether_slack, 1.0f, 1e6f },
+        { "level_passes", (float)d->level_passes, 0.0f, 16.0f },
+        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "bending", (float)d->bending, 0.0f, (float)( WISP_CLOTH_BENDING_COUNT - 1 ) },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static float length( wisp_vec3 v )
+{
+    return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );
+}
+
+static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
+{
+    if ( !( length( d->warp ) >= 1e-6f && length( d->warp ) <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp (%g, %g, %g) has no direction", (double)d->warp.x,
+                                (double)d->warp.y, (double)d->warp.z );
+    }
+    if ( !( length( d->wind ) <= 1e5f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: wind (%g, %g, %g) is not finite or above 1e5 m/s",
+                                (double)d->wind.x, (double)d->wind.y, (double)d->wind.z );
+    }
+    return WISP_OK;
+}
+
+// A fabric is cooked with what its effects need; what it lacks is named here, not found out in a step.
+static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const wisp_cloth_def* d )
+{
+    const char* lacks = NULL;
+    if ( d->bending == WISP_CLOTH_BENDING_CROSS && f->hinge_count > 0 && f->link_count == f->edge_count )
+    {
+        lacks = "cross links, which bending by cross links needs";
+    }
+    bool by_hinges = d->bending == WISP_CLOTH_BENDING_DIHEDRAL || d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
+    if ( by_hinges && f->hinge_count > 0 && f->hinge_order.slot_count == 0 )
+    {
+        lacks = "hinges, which bending by angle needs";
+    }
+    if ( d->tethers && f->attachment_count > 0 && f->tether_count == 0 )
+    {
+        lacks = "tethers";
+    }
+    if ( lacks != NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "cloth: the fabric was cooked without %s", lacks );
+    }
+    return WISP_OK;
+}
+
+// ---- components ----
+
+typedef struct wanted_component
+{
+    wisp_component component;
+    bool wanted;
+} wanted_component;
+
+// What the definition asks for is there, what it does not is not: no rows, no pass.
+static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+{
+    const bool pbd = d->solver == WISP_SOLVER_PBD;
+    const bool dihedral = d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
+    const bool isometric = d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
+    const wanted_component all[] = {
+        { state->air, d->drag > 0.0f || d->lift > 0.0f },
+        { state->damping, d->damping > 0.0f },
+        { WISP_LINK_STIFFNESS, pbd },
+        { WISP_LINK_COMPLIANCE, pbd == false },
+        { WISP_HINGE_REST, dihedral },
+        { WISP_HINGE_COTANGENT, isometric },
+        { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
+        { WISP_HINGE_COMPLIANCE, ( dihedral || isometric ) && pbd == false },
+        { WISP_SURFACE_TETHERS, d->tethers },
+        { WISP_SURFACE_LEVELS, d->level_passes > 0 },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    {
+        status = all[i].wanted ? wisp_world_attach( world, surface, all[i].component )
+                               : wisp_world_detach( world, surface, all[i].component );
+    }
+    return status;
+}
+
+static void set_float( wisp_world* world, wisp_entity surface, wisp_component component, float value )
+{
+    float* column = wisp_world_column( world, surface, component, 0 );
+    if ( column != NULL )
+    {
+        *column = value;
+    }
+}
+
+static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+{
+    cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
+    if ( air != NULL )
+    {
+        *air = ( cloth_air ){ d->wind, d->air_density, d->drag, d->lift };
+    }
+    set_float( world, surface, state->damping, d->damping );
+    set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
+    int32_t* passes = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 );
+    if ( passes != NULL )
+    {
+        *passes = d->level_passes;
+    }
+    cloth_fill_links( world, surface, d );
+    if ( d->bending == WISP_CLOTH_BENDING_DIHEDRAL || d->bending == WISP_CLOTH_BENDING_ISOMETRIC )
+    {
+        cloth_fill_hinges( world, surface, d );
+    }
+}
+
+// ---- the public face ----
+
+static wisp_status find_state( wisp_world* world, wisp_entity surface, const cloth_state** out )
+{
+    *out = wisp_world_module_state( world, "cloth" );
+    if ( *out == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module cloth is not registered in this world" );
+    }
+    if ( wisp_is_alive( world, surface ) == false )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                surface.index, surface.generation );
+    }
+    if ( wisp_world_fabric( world, surface ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot be cloth",
+                                surface.index );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
+{
+    WISP_ASSERT( def->made_by_default == CLOTH_DEF_MADE );
+    const cloth_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_vectors( world, def ) : status;
+    status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
+    status = status == WISP_OK ? dress( world, surface, def, state ) : status;
+    if ( status == WISP_OK )
+    {
+        fill( world, surface, def, state );
+    }
+    return status;
+}
+
+wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind )
+{
+    const cloth_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
+    if ( air == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u has no air: give it drag or lift first",
+                                surface.index );
+    }
+    if ( !( length( wind ) <= 1e5f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: wind (%g, %g, %g) is not finite or above 1e5 m/s",
+                                (double)wind.x, (double)wind.y, (double)wind.z );
+    }
+    air->wind = wind;
+    return WISP_OK;
+}

@@ -1,0 +1,174 @@
+/// Every kernel table that runs on this processor, and constraints between particles for tests of kernels.
+#pragma once
+
+#include "support.h"
+
+#include "kernel_tables.h"
+
+#include "wisp/base.h"
+
+#include <math.h>
+
+extern const wisp_kernels kernels_plain;
+#if defined( TEST_AVX512_EMULATED )
+extern const wisp_kernels kernels_avx512_emulated;
+#endif
+
+enum
+{
+    MOST_TABLES = 5,
+};
+
+/// Every table the processor has, the one without intrinsics, and AVX-512 emulated. @return how many
+static inline int usable_tables( const wisp_kernels* tables[MOST_TABLES] )
+{
+    int count = 0;
+    tables[count++] = kernels_select( "baseline", NULL );
+    tables[count++] = &kernels_plain;
+#if defined( TEST_AVX512_EMULATED )
+    tables[count++] = &kernels_avx512_emulated;
+#endif
+    const char* const caps[] = { "avx2", "avx512" };
+    for ( int i = 0; i < WISP_COUNT( caps ); ++i )
+    {
+        const wisp_kernels* k = kernels_select( caps[i], NULL );
+        if ( strcmp( k->isa, caps[i] ) == 0 )
+        {
+            tables[count++] = k;
+        }
+    }
+    return count;
+}
+
+/// The widest table without emulation.
+static inline const wisp_kernels* widest_table( void )
+{
+    return kernels_select( "avx512", NULL );
+}
+
+// ---- constraints ----
+
+enum
+{
+    GROUPS = 32,
+    CONSTRAINTS = 8 * GROUPS,
+    BODIES = 4 * CONSTRAINTS,
+};
+
+/// Constraints of up to four particles, and all that their jobs point at.
+typedef struct constraints
+{
+    _Alignas( 64 ) float position[BODIES][4];
+    int32_t slot4[GROUPS][4][8];              // corners of hinges; the first two are ends of links
+    int32_t a4[CONSTRAINTS], b4[CONSTRAINTS]; // the same two, as links want them
+    float rest[CONSTRAINTS];                  // m or rad
+    float weights[GROUPS][4][8];              // of isometric hinges
+    float scale[CONSTRAINTS];                 // 1/m^2
+    float stiffness[CONSTRAINTS];
+    float compliance[CONSTRAINTS];
+    float lambda[CONSTRAINTS];
+} constraints;
+
+static inline void set_slot( constraints* s, int c, int corner, int slot )
+{
+    s->slot4[c / 8][corner][c % 8] = 4 * slot;
+    s->a4[c] = corner == 0 ? 4 * slot : s->a4[c];
+    s->b4[c] = corner == 1 ? 4 * slot : s->b4[c];
+}
+
+static inline float* body( constraints* s, int c, int corner )
+{
+    return s->position[s->slot4[c / 8][corner][c % 8] / 4];
+}
+
+static inline void place( constraints* s, int c, int corner, float x, float y, float z, float w )
+{
+    const float quad[4] = { x, y, z, w };
+    memcpy( body( s, c, corner ), quad, sizeof( quad ) );
+}
+
+/// Each constraint has particles of its own: an edge of about half a metre and two triangles on it, folded by anything
+/// but a full turn. Inverse masses 1, 1, 3, and 0 where `pins`, so that ratios of two ends are 1:1, 1:3 and 0:1.
+static inline void make_constraints( constraints* s, bool pins )
+{
+    memset( s, 0, sizeof( *s ) );
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        float length = test_random_float( c, 0, 0.3f, 0.8f ), fold = test_random_float( c, 1, -2.6f, 2.6f );
+        float turn = test_random_float( c, 2, -3.0f, 3.0f ), up[2], along[2];
+        for ( int k = 0; k < 2; ++k )
+        {
+            up[k] = test_random_float( c, 3 + k, 0.2f, 0.7f );
+            along[k] = test_random_float( c, 5 + k, -0.2f, 0.8f ) * length;
+        }
+        const float at[4][3] = {
+            { 0.0f, 0.0f, 0.0f },
+            { length, 0.0f, 0.0f },
+            { along[0], up[0] * cosf( turn ), up[0] * sinf( turn ) },
+            { along[1], -up[1] * cosf( turn + fold ), -up[1] * sinf( turn + fold ) },
+        };
+        for ( int k = 0; k < 4; ++k )
+        {
+            const float weight[4] = { 1.0f, 3.0f, pins ? 0.0f : 2.0f, 1.0f };
+            set_slot( s, c, k, ( 4 * c + k ) * 37 % BODIES );
+            place( s, c, k, at[k][0] + test_random_float( c, 7, -1.0f, 1.0f ),
+                   at[k][1] + test_random_float( c, 8, -1.0f, 1.0f ), at[k][2],
+                   weight[( c + k * ( 1 + c % 3 ) ) % 4] );
+        }
+        // they sum to 0 without rounding
+        float of_i = 0.25f * (float)( 1 + c % 7 ), of_j = 0.5f * (float)( 1 + c % 5 ), ends = of_i + of_j;
+        const float weights[4] = { of_i, of_j, -0.25f * ends, -0.75f * ends };
+        for ( int k = 0; k < 4; ++k )
+        {
+            s->weights[c / 8][k][c % 8] = weights[k];
+        }
+        s->stiffness[c] = test_random_float( c, 11, 0.0f, 1.0f );
+        s->compliance[c] = c % 4 == 0 ? 0.0f : test_random_float( c, 12, 0.0f, 1e-4f );
+        s->lambda[c] = test_random_float( c, 13, -1e-3f, 1e-3f );
+        s->rest[c] = length * test_random_float( c, 14, 0.5f, 1.5f );
+        s->scale[c] = test_random_float( c, 15, 1.0f, 30.0f );
+    }
+}
+
+/// The same constraints on 64 particles that many groups share, no two lanes of a group.
+static inline void tangle( constraints* s )
+{
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            set_slot( s, c, k, ( ( c % 8 * 4 + k ) * 5 + c / 8 * 7 ) % 64 );
+        }
+    }
+}
+
+static inline wisp_link_job link_job( constraints* s )
+{
+    return ( wisp_link_job ){
+        .position = s->position[0],
+        .a4 = s->a4,
+        .b4 = s->b4,
+        .rest = s->rest,
+        .stiffness = s->stiffness,
+        .compliance = s->compliance,
+        .lambda = s->lambda,
+        .inverse_dt2 = 1e4f,
+        .minimum = 0.9f,
+        .maximum = 1.1f,
+    };
+}
+
+/// Without a stiffness it is for xpbd.
+static inline wisp_hinge_job hinge_job( constraints* s, bool isometric, bool pbd )
+{
+    return ( wisp_hinge_job ){
+        .position = s->position[0],
+        .slot4 = s->slot4[0][0],
+        .rest = isometric ? s->weights[0][0] : s->rest,
+        .scale = s->scale,
+        .stiffness = pbd ? s->stiffness : NULL,
+        .compliance = s->compliance,
+        .lambda = s->lambda,
+        .inverse_dt2 = 1e4f,
+    };
+}

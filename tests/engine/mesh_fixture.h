@@ -1,0 +1,250 @@
+/// Meshes to collide with, and naive answers to what is near and what is crossed.
+#pragma once
+
+#include "support.h"
+
+#include "mesh_triangle.h"
+
+#include "wisp/mesh_tree.h"
+
+#include <math.h>
+
+typedef struct test_mesh
+{
+    int point_count, triangle_count;
+    wisp_vec3* points;
+    int32_t* triangles;
+} test_mesh;
+
+static inline test_mesh test_mesh_reserve( int points, int triangles )
+{
+    test_mesh m = { .points = calloc( (size_t)points, sizeof( wisp_vec3 ) ),
+                    .triangles = calloc( 3 * (size_t)triangles, sizeof( int32_t ) ) };
+    assert_non_null( m.points );
+    assert_non_null( m.triangles );
+    return m;
+}
+
+static inline void test_mesh_free( test_mesh* m )
+{
+    free( m->points );
+    free( m->triangles );
+    *m = ( test_mesh ){ 0 };
+}
+
+static inline void test_mesh_add_triangle( test_mesh* m, int32_t a, int32_t b, int32_t c )
+{
+    int32_t* t = m->triangles + 3 * (size_t)m->triangle_count++;
+    t[0] = a;
+    t[1] = b;
+    t[2] = c;
+}
+
+static inline wisp_mesh_tree_def test_mesh_def( const test_mesh* m, bool deforms )
+{
+    return ( wisp_mesh_tree_def ){ .points = m->points,
+                                   .triangles = m->triangles,
+                                   .point_count = m->point_count,
+                                   .triangle_count = m->triangle_count,
+                                   .deforms = deforms };
+}
+
+static inline wisp_mesh_tree* test_mesh_tree( const test_mesh* m, bool deforms )
+{
+    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
+    wisp_mesh_tree* tree = NULL;
+    wisp_error error = { 0 };
+    if ( wisp_mesh_tree_create( &def, NULL, &tree, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return tree;
+}
+
+// ---- shapes ----
+
+/// A closed ball: a cube's faces of n x n squares, pushed out to radius 1, or left a cube of half extent 1.
+static inline test_mesh test_mesh_ball( int n, bool is_cube )
+{
+    test_mesh m = test_mesh_reserve( 6 * ( n + 1 ) * ( n + 1 ), 12 * n * n );
+    int side = n + 1, lattice = side * side * side;
+    int32_t* number = malloc( (size_t)lattice * sizeof( int32_t ) );
+    assert_non_null( number );
+    memset( number, -1, (size_t)lattice * sizeof( int32_t ) );
+    for ( int face = 0; face < 6; ++face )
+    {
+        int axis = face / 2, u = ( axis + 1 ) % 3, v = ( axis + 2 ) % 3;
+        for ( int i = 0; i < n * n; ++i )
+        {
+            int32_t corner[4];
+            for ( int k = 0; k < 4; ++k )
+            {
+                int at[3];
+                at[axis] = face % 2 * n;
+                at[u] = i % n + ( k == 1 || k == 2 ? 1 : 0 );
+                at[v] = i / n + ( k >= 2 ? 1 : 0 );
+                int32_t* found = number + ( at[2] * side + at[1] ) * side + at[0];
+                if ( *found < 0 )
+                {
+                    float p[3];
+                    for ( int a = 0; a < 3; ++a )
+                    {
+                        p[a] = 2.0f * (float)at[a] / (float)n - 1.0f;
+                    }
+                    float length = is_cube ? 1.0f : sqrtf( p[0] * p[0] + p[1] * p[1] + p[2] * p[2] );
+                    *found = m.point_count;
+                    m.points[m.point_count++] = ( wisp_vec3 ){ p[0] / length, p[1] / length, p[2] / length };
+                }
+                corner[k] = *found;
+            }
+            bool is_up = face % 2 == 1;
+            test_mesh_add_triangle( &m, corner[0], corner[is_up ? 1 : 2], corner[is_up ? 2 : 1] );
+            test_mesh_add_triangle( &m, corner[0], corner[is_up ? 2 : 3], corner[is_up ? 3 : 2] );
+        }
+    }
+    free( number );
+    return m;
+}
+
+/// The ball with bumps and dents of a fifth of its radius, so sharp that they fold.
+static inline test_mesh test_mesh_bumpy( int n )
+{
+    test_mesh m = test_mesh_ball( n, false );
+    for ( int i = 0; i < m.point_count; ++i )
+    {
+        wisp_vec3* p = m.points + i;
+        float r = 1.0f + 0.2f * sinf( 9.0f * p->x + 1.0f ) * sinf( 8.0f * p->y ) * cosf( 7.0f * p->z ) +
+                  test_random_float( i, 0, -0.02f, 0.02f );
+        *p = ( wisp_vec3 ){ r * p->x, r * p->y, r * p->z };
+    }
+    return m;
+}
+
+/// An open sheet of n x n squares over [-1, 1]^2 that faces +y, with waves of the given height.
+static inline test_mesh test_mesh_sheet( int n, float height )
+{
+    test_mesh m = test_mesh_reserve( ( n + 1 ) * ( n + 1 ), 2 * n * n );
+    for ( int i = 0; i < ( n + 1 ) * ( n + 1 ); ++i )
+    {
+        float x = 2.0f * (float)( i % ( n + 1 ) ) / (float)n - 1.0f,
+              z = 2.0f * (float)( i / ( n + 1 ) ) / (float)n - 1.0f;
+        m.points[m.point_count++] = ( wisp_vec3 ){ x, height * sinf( 5.0f * x + 2.0f * z ) * cosf( 4.0f * z ), z };
+    }
+    for ( int i = 0; i < n * n; ++i )
+    {
+        int32_t a = i / n * ( n + 1 ) + i % n, b = a + 1, c = a + n + 1, d = c + 1;
+        test_mesh_add_triangle( &m, a, c, b );
+        test_mesh_add_triangle( &m, b, c, d );
+    }
+    return m;
+}
+
+/// Vertices and triangles of a Wavefront file that has nothing else to say.
+static inline test_mesh test_mesh_read( const char* path )
+{
+    FILE* file = fopen( path, "r" );
+    assert_non_null( file );
+    test_mesh m = test_mesh_reserve( 100000, 200000 );
+    char line[256];
+    while ( fgets( line, sizeof( line ), file ) != NULL )
+    {
+        wisp_vec3 p;
+        int a, b, c;
+        if ( sscanf( line, "v %f %f %f", &p.x, &p.y, &p.z ) == 3 && m.point_count < 100000 )
+        {
+            m.points[m.point_count++] = p;
+        }
+        else if ( sscanf( line, "f %d%*[^ ] %d%*[^ ] %d", &a, &b, &c ) == 3 ||
+                  sscanf( line, "f %d %d %d", &a, &b, &c ) == 3 )
+        {
+            assert_true( m.triangle_count < 200000 );
+            test_mesh_add_triangle( &m, a - 1, b - 1, c - 1 );
+        }
+    }
+    fclose( file );
+    return m;
+}
+
+// ---- naive answers ----
+
+static inline float* test_mesh_quads( const test_mesh* m )
+{
+    float* quads = calloc( 4 * (size_t)m->point_count, sizeof( float ) );
+    assert_non_null( quads );
+    for ( int i = 0; i < m->point_count; ++i )
+    {
+        memcpy( quads + 4 * (size_t)i, m->points + i, sizeof( wisp_vec3 ) );
+    }
+    return quads;
+}
+
+/// The closest triangle of all, the lowest of equals.
+static inline int32_t naive_closest( const test_mesh* m, const float* quads, wisp_vec3 p, triangle_nearest* best )
+{
+    int32_t found = -1;
+    for ( int32_t k = 0; k < m->triangle_count; ++k )
+    {
+        triangle_corners t = triangle_load( quads, m->triangles, k );
+        triangle_nearest nearest;
+        triangle_find_nearest( &nearest, &t, double3_widen( p ) );
+        if ( found < 0 || nearest.squared < best->squared )
+        {
+            found = k;
+            *best = nearest;
+        }
+    }
+    return found;
+}
+
+/// The triangle that is crossed first, the lowest of equals; -1 for none.
+static inline int32_t naive_crossing( const test_mesh* m, const float* quads, wisp_vec3 from, wisp_vec3 to,
+                                      triangle_crossing* best )
+{
+    int32_t found = -1;
+    for ( int32_t k = 0; k < m->triangle_count; ++k )
+    {
+        triangle_corners t = triangle_load( quads, m->triangles, k );
+        triangle_crossing crossing;
+        if ( triangle_cross( &t, double3_widen( from ), double3_widen( to ), &crossing ) &&
+             ( found < 0 || crossing.time < best->time ) )
+        {
+            found = k;
+            *best = crossing;
+        }
+    }
+    return found;
+}
+
+/// How many turns the surface makes around a point, by solid angles (Van Oosterom and Strackee 1983): 1 inside a closed
+/// mesh, 0 outside.
+static inline double winding_number( const test_mesh* m, const float* quads, wisp_vec3 point )
+{
+    double sum = 0.0;
+    for ( int32_t k = 0; k < m->triangle_count; ++k )
+    {
+        triangle_corners t = triangle_load( quads, m->triangles, k );
+        double3 p = double3_widen( point );
+        double3 a = double3_sub( t.at[0], p ), b = double3_sub( t.at[1], p ), c = double3_sub( t.at[2], p );
+        double la = sqrt( double3_dot( a, a ) ), lb = sqrt( double3_dot( b, b ) ), lc = sqrt( double3_dot( c, c ) );
+        double volume = double3_dot( a, double3_cross( b, c ) );
+        double rest = la * lb * lc + double3_dot( a, b ) * lc + double3_dot( b, c ) * la + double3_dot( c, a ) * lb;
+        sum += 2.0 * atan2( volume, rest );
+    }
+    return sum / ( 4.0 * 3.14159265358979323846 );
+}
+
+static inline wisp_vec3 test_point( int i, int k, float size )
+{
+    return ( wisp_vec3 ){ test_random_float( i, 3 * k, -size, size ), test_random_float( i, 3 * k + 1, -size, size ),
+                          test_random_float( i, 3 * k + 2, -size, size ) };
+}
+
+static inline wisp_vec3 test_along( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline wisp_vec3 test_sum( wisp_vec3 a, wisp_vec3 b )
+{
+    return test_along( a, 1.0f, b );
+}

@@ -1,0 +1,393 @@
+// Saved fabrics: what was saved comes back word for word, and no bytes bring a fabric that kernels could not trust.
+#include "fabric_fixture.h"
+
+#define HEAD_BYTES 24
+
+typedef struct saved
+{
+    unsigned char* bytes;
+    size_t size;
+} saved;
+
+static saved save( const wisp_fabric* fabric )
+{
+    saved s = { .size = wisp_fabric_saved_size( fabric ) };
+    s.bytes = malloc( s.size );
+    wisp_fabric_save( fabric, s.bytes );
+    return s;
+}
+
+static wisp_fabric_def full_def( const test_mesh* mesh, const int32_t* attachments, int attachment_count )
+{
+    wisp_fabric_def def = test_fabric_def( mesh );
+    def.attachments = attachments;
+    def.attachment_count = attachment_count;
+    def.hinges = def.tethers = true;
+    def.levels = 3;
+    return def;
+}
+
+// A fabric with something in every list, and more than one tile.
+static wisp_fabric* cook_full( int width, int height )
+{
+    static const int32_t attachments[] = { 2, 7 };
+    test_mesh mesh = test_mesh_plane( width, height );
+    wisp_fabric_def def = full_def( &mesh, attachments, 2 );
+    def.tile_size = 64;
+    wisp_fabric* fabric = test_fabric_cook( &def );
+    test_mesh_free( &mesh );
+    return fabric;
+}
+
+// Sanitizers see a read behind the end only if the block ends there.
+static wisp_status load_exact( const void* bytes, size_t size, wisp_fabric** out, wisp_error* error )
+{
+    unsigned char* block = malloc( size > 0 ? size : 1 );
+    memcpy( block, bytes, size );
+    wisp_status status = wisp_fabric_load( block, size, NULL, out, error );
+    free( block );
+    return status;
+}
+
+static void assert_refused( const void* bytes, size_t size, const char* part )
+{
+    wisp_error error = { 0 };
+    wisp_fabric* fabric = (wisp_fabric*)&error;
+    assert_int_equal( load_exact( bytes, size, &fabric, &error ), WISP_BAD_INPUT );
+    assert_null( fabric );
+    assert_one_sentence( error.sentence );
+    if ( strstr( error.sentence, part ) == NULL )
+    {
+        fail_msg( "'%s' does not say '%s'", error.sentence, part );
+    }
+}
+
+static void assert_level_is_equal( const wisp_fabric_level* a, const wisp_fabric_level* b )
+{
+    size_t lanes = (size_t)a->schedule.slot_count * 4, children = (size_t)fabric_padded( a->child_count ) * 4;
+    assert_int_equal( a->vertex_count, b->vertex_count );
+    assert_int_equal( a->link_count, b->link_count );
+    assert_int_equal( a->child_count, b->child_count );
+    assert_int_equal( a->schedule.slot_count, b->schedule.slot_count );
+    assert_memory_equal( a->vertex4, b->vertex4, (size_t)fabric_padded( a->vertex_count ) * 4 );
+    assert_memory_equal( a->a4, b->a4, lanes );
+    assert_memory_equal( a->b4, b->b4, lanes );
+    assert_memory_equal( a->rest, b->rest, lanes );
+    assert_memory_equal( a->child4, b->child4, children );
+    assert_memory_equal( a->parent4, b->parent4, WISP_FABRIC_PARENTS * children );
+    assert_memory_equal( a->weight, b->weight, WISP_FABRIC_PARENTS * children );
+}
+
+static void a_loaded_fabric_is_the_saved_one( void** state )
+{
+    (void)state;
+    test_mesh meshes[] = { test_mesh_plane( 24, 21 ), test_mesh_sphere( 9, 100 ), test_mesh_moebius( 20, 3 ),
+                           test_mesh_book( 3 ),       test_mesh_make( 9, 0 ),     test_mesh_make( 0, 0 ) };
+    for ( int i = 0; i < WISP_COUNT( meshes ); ++i )
+    {
+        static const int32_t attachments[] = { 2, 3 };
+        wisp_fabric_def def = full_def( &meshes[i], attachments, meshes[i].vertex_count > 0 ? 2 : 0 );
+        wisp_fabric* first = test_fabric_cook( &def );
+        wisp_fabric* second = NULL;
+        saved s = save( first );
+        wisp_error error = { 0 };
+        if ( load_exact( s.bytes, s.size, &second, &error ) != WISP_OK )
+        {
+            fail_msg( "mesh %d: %s", i, error.sentence );
+        }
+        assert_true( first->hash == second->hash );
+        assert_fabric_holds( second, &def );
+        assert_int_equal( first->tether_count, second->tether_count );
+        assert_int_equal( first->level_count, second->level_count );
+        for ( int k = 0; k < first->level_count; ++k )
+        {
+            assert_level_is_equal( &first->levels[k], &second->levels[k] );
+        }
+        saved again = save( second );
+        assert_int_equal( again.size, s.size );
+        assert_memory_equal( again.bytes, s.bytes, s.size );
+        free( s.bytes );
+        free( again.bytes );
+        wisp_fabric_release( first );
+        wisp_fabric_release( second );
+        test_mesh_free( &meshes[i] );
+    }
+}
+
+static void the_bytes_are_the_same_on_every_machine( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_make( 3, 1 );
+    int next = 0;
+    mesh.points[1].x = 1.0f;
+    test_mesh_triangle( &mesh, &next, 0, 1, 2 );
+    wisp_fabric_def def = test_fabric_def( &mesh );
+    wisp_fabric* fabric = test_fabric_cook( &def );
+    saved s = save( fabric );
+
+    // magic, then the words of the content, little-endian; the content begins with three vertices and one triangle
+    static const unsigned char begins[] = { 'W', 'I', 'S', 'P', 'F', 'A', 'B', '1' };
+    static const unsigned char counts[] = { 3, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0 };
+    assert_memory_equal( s.bytes, begins, sizeof( begins ) );
+    assert_int_equal( s.bytes[8] | s.bytes[9] << 8, ( s.size - HEAD_BYTES ) / 4 );
+    assert_memory_equal( s.bytes + HEAD_BYTES, counts, sizeof( counts ) );
+    free( s.bytes );
+    wisp_fabric_release( fabric );
+    test_mesh_free( &mesh );
+}
+
+static void a_fabric_cut_at_any_byte_is_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 3, 3 );
+    saved s = save( fabric );
+    for ( size_t size = 0; size < s.size; ++size )
+    {
+        assert_refused( s.bytes, size, "fabric" );
+    }
+    unsigned char* longer = calloc( s.size + 4, 1 );
+    memcpy( longer, s.bytes, s.size );
+    assert_refused( longer, s.size + 4, "promises" );
+    free( longer );
+    free( s.bytes );
+    wisp_fabric_release( fabric );
+}
+
+static void any_flipped_bit_is_noticed( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 3, 3 );
+    saved s = save( fabric );
+    for ( size_t bit = 0; bit < 8 * s.size; ++bit )
+    {
+        s.bytes[bit / 8] ^= (unsigned char)( 1u << ( bit % 8 ) );
+        assert_refused( s.bytes, s.size, "fabric" );
+        s.bytes[bit / 8] ^= (unsigned char)( 1u << ( bit % 8 ) );
+    }
+    free( s.bytes );
+    wisp_fabric_release( fabric );
+}
+
+static uint32_t word_at( const saved* s, size_t word )
+{
+    const unsigned char* p = s->bytes + HEAD_BYTES + 4 * word;
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+static void set_word( saved* s, size_t word, uint32_t value )
+{
+    for ( int i = 0; i < 4; ++i )
+    {
+        s->bytes[HEAD_BYTES + 4 * word + (size_t)i] = (unsigned char)( value >> ( 8 * i ) );
+    }
+}
+
+// A forger knows the hash.
+static void forge_hash( saved* s )
+{
+    uint64_t hash = 0;
+    for ( size_t word = 0; word < ( s->size - HEAD_BYTES ) / 4; ++word )
+    {
+        hash = ( hash ^ word_at( s, word ) ) * 0xff51afd7ed558ccdu;
+        hash ^= hash >> 32;
+    }
+    for ( int i = 0; i < 8; ++i )
+    {
+        s->bytes[16 + i] = (unsigned char)( hash >> ( 8 * i ) );
+    }
+}
+
+static void a_forged_word_is_refused_or_harms_nobody( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 9, 9 );
+    saved s = save( fabric );
+    size_t words = ( s.size - HEAD_BYTES ) / 4;
+    int refused = 0, loaded = 0;
+    for ( size_t word = 0; word < words; ++word )
+    {
+        uint32_t kept = word_at( &s, word );
+        const uint32_t forged[] = {
+            kept + 1, kept - 1, kept + 4, kept + 8, 0, 0x80000000u, 0x7fffffffu, 0xffffffffu
+        };
+        for ( int i = 0; i < WISP_COUNT( forged ); ++i )
+        {
+            wisp_fabric* result = NULL;
+            wisp_error error = { 0 };
+            set_word( &s, word, forged[i] );
+            forge_hash( &s );
+            if ( load_exact( s.bytes, s.size, &result, &error ) == WISP_OK )
+            {
+                assert_fabric_is_safe( result );
+                loaded += forged[i] != kept ? 1 : 0;
+                wisp_fabric_release( result );
+            }
+            else
+            {
+                assert_int_equal( error.status, WISP_BAD_INPUT );
+                assert_one_sentence( error.sentence );
+                refused += 1;
+            }
+        }
+        set_word( &s, word, kept );
+    }
+
+    // what loads are other lengths, areas and points, which are a different fabric but not a dangerous one
+    assert_true( loaded > 0 && refused > 3 * loaded );
+    free( s.bytes );
+    wisp_fabric_release( fabric );
+}
+
+// Save a fabric one of whose arrays was replaced, and see it refused.
+static void assert_forgery_is_refused( wisp_fabric forged, const char* part )
+{
+    forged.hash = fabric_hash( &forged );
+    saved s = save( &forged );
+    assert_refused( s.bytes, s.size, part );
+    free( s.bytes );
+}
+
+static int32_t* copy_words( const void* words, int count )
+{
+    int32_t* copy = malloc( (size_t)count * 4 + 1 );
+    memcpy( copy, words, (size_t)count * 4 );
+    return copy;
+}
+
+static void neighbouring_tiles_in_one_colour_are_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 20, 20 );
+    int32_t all[] = { 0, fabric->link_order.tile_count };
+    assert_true( fabric->link_order.colour_count > 1 );
+    wisp_fabric forged = *fabric;
+    forged.link_order.colour_count = 1;
+    forged.link_order.colour_tile = all;
+    assert_forgery_is_refused( forged, "at the same time" );
+    wisp_fabric_release( fabric );
+}
+
+static void lanes_that_share_a_vertex_are_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 20, 20 );
+    int count = fabric->link_order.slot_count;
+    int32_t *number = copy_words( fabric->link_order.constraint, count ), *a4 = copy_words( fabric->link_a4, count );
+    int32_t *b4 = copy_words( fabric->link_b4, count ), *rest = copy_words( fabric->link_rest, count );
+
+    // bring a constraint of the same tile that shares a vertex with lane 0 into lane 1
+    int32_t *columns[] = { number, a4, b4, rest }, other = 8;
+    while ( a4[other] != a4[0] && b4[other] != a4[0] )
+    {
+        other += 1;
+    }
+    assert_true( other < fabric->link_order.tile_begin[1] );
+    for ( int i = 0; i < 4; ++i )
+    {
+        int32_t kept = columns[i][1];
+        columns[i][1] = columns[i][other];
+        columns[i][other] = kept;
+    }
+    wisp_fabric forged = *fabric;
+    forged.link_order.constraint = number;
+    forged.link_a4 = a4;
+    forged.link_b4 = b4;
+    forged.link_rest = (const float*)(const void*)rest;
+    assert_forgery_is_refused( forged, "at the same time" );
+    for ( int i = 0; i < 4; ++i )
+    {
+        free( columns[i] );
+    }
+    wisp_fabric_release( fabric );
+}
+
+static void a_foreign_dummy_is_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 20, 20 );
+    int pad = 0;
+    while ( pad < fabric->link_order.slot_count && fabric->link_order.constraint[pad] >= 0 )
+    {
+        pad += 1;
+    }
+    assert_true( pad < fabric->link_order.slot_count && fabric->tile_count > 1 );
+    int32_t* a4 = copy_words( fabric->link_a4, fabric->link_order.slot_count );
+    a4[pad] = 4 * ( fabric->vertex_count + ( a4[pad] / 4 == fabric->vertex_count ? 1 : 0 ) );
+    wisp_fabric forged = *fabric;
+    forged.link_a4 = a4;
+    assert_forgery_is_refused( forged, "dummy" );
+    free( a4 );
+    wisp_fabric_release( fabric );
+}
+
+static void arrays_that_contradict_the_triangles_are_refused( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 20, 20 );
+    int entries = fabric->ring_begin[fabric->ring_slice_count] * 16;
+    int32_t* ring4 = copy_words( fabric->ring4, entries );
+    ring4[entries / 2] += 4;
+    wisp_fabric forged = *fabric;
+    forged.ring4 = ( const int32_t( * )[2][8] )(void*)ring4;
+    assert_forgery_is_refused( forged, "ring" );
+
+    int32_t* slots = copy_words( fabric->vertex_slot, fabric->vertex_count );
+    slots[3] = slots[4];
+    forged = *fabric;
+    forged.vertex_slot = slots;
+    assert_forgery_is_refused( forged, "lead back" );
+
+    int32_t* triangles = copy_words( fabric->triangles, 3 * fabric->triangle_count );
+    triangles[30] = fabric->vertex_count;
+    forged = *fabric;
+    forged.triangles = triangles;
+    assert_forgery_is_refused( forged, "triangle 10" );
+    free( ring4 );
+    free( slots );
+    free( triangles );
+    wisp_fabric_release( fabric );
+}
+
+static void loading_without_memory_says_so_and_leaks_nothing( void** state )
+{
+    (void)state;
+    wisp_fabric* fabric = cook_full( 9, 9 );
+    saved s = save( fabric );
+    bool refused = true;
+    int64_t failures = 0;
+    for ( int64_t n = 1; refused; ++n )
+    {
+        test_host host = { 0 };
+        wisp_allocator allocator = test_host_allocator( &host );
+        wisp_error error = { 0 };
+        wisp_fabric* loaded = NULL;
+        test_host_refuse( &host, n, false );
+        wisp_status status = wisp_fabric_load( s.bytes, s.size, &allocator, &loaded, &error );
+        refused = test_host_has_refused( &host );
+        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+        assert_int_equal( loaded == NULL, refused );
+        failures += refused ? 1 : 0;
+        wisp_fabric_release( loaded );
+        assert_host_has_all_back( &host );
+    }
+    assert_true( failures > 25 );
+    free( s.bytes );
+    wisp_fabric_release( fabric );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_loaded_fabric_is_the_saved_one ),
+        cmocka_unit_test( the_bytes_are_the_same_on_every_machine ),
+        cmocka_unit_test( a_fabric_cut_at_any_byte_is_refused ),
+        cmocka_unit_test( any_flipped_bit_is_noticed ),
+        cmocka_unit_test( a_forged_word_is_refused_or_harms_nobody ),
+        cmocka_unit_test( neighbouring_tiles_in_one_colour_are_refused ),
+        cmocka_unit_test( lanes_that_share_a_vertex_are_refused ),
+        cmocka_unit_test( a_foreign_dummy_is_refused ),
+        cmocka_unit_test( arrays_that_contradict_the_triangles_are_refused ),
+        cmocka_unit_test( loading_without_memory_says_so_and_leaks_nothing ),
+    };
+    return cmocka_run_group_tests_name( "fabric save", tests, NULL, NULL );
+}

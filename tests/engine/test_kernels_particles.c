@@ -1,0 +1,502 @@
+// Kernels that go through particles one by one: rings against the oracle in double precision, time integration exactly
+// as in scalars, tethers and prolongation as what they promise.
+#include "kernels_fixture.h"
+
+#include "balloon_meshes.h"
+#include "constraint_oracle.h"
+
+#include "wisp/fabric.h"
+
+#include <float.h>
+#include <math.h>
+
+static void* new_aligned( size_t size )
+{
+    void* memory = aligned_alloc( 64, ( size + 63 ) / 64 * 64 );
+    assert_non_null( memory );
+    memset( memory, 0, size );
+    return memory;
+}
+
+// ---- rings ----
+
+enum
+{
+    BLOCK = 64, // slices that a kernel sums before it leaves floats
+};
+
+typedef struct ball
+{
+    balloon_mesh mesh;
+    wisp_fabric* fabric;
+    float ( *position )[4];
+    float ( *gradient )[3][8];
+    float ( *area )[8];
+} ball;
+
+// About `centre`, with inverse masses 1 .. 4. Positions of the mesh are made the floats that the kernel reads.
+static ball make_ball( float radius, wisp_vec3 centre )
+{
+    ball b = { 0 };
+    assert_true( balloon_mesh_icosphere( &b.mesh, 3, (double)radius ) );
+    wisp_vec3* points = calloc( (size_t)b.mesh.vertex_count, sizeof( wisp_vec3 ) );
+    assert_non_null( points );
+    for ( int i = 0; i < b.mesh.vertex_count; ++i )
+    {
+        double3* p = b.mesh.positions + i;
+        points[i] = ( wisp_vec3 ){ centre.x + (float)p->x, centre.y + (float)p->y, centre.z + (float)p->z };
+        *p = double3_make( (double)points[i].x, (double)points[i].y, (double)points[i].z );
+    }
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.points = points;
+    def.triangles = b.mesh.triangles;
+    def.vertex_count = b.mesh.vertex_count;
+    def.triangle_count = b.mesh.triangle_count;
+    assert_int_equal( wisp_fabric_cook( &def, NULL, &b.fabric, NULL ), WISP_OK );
+    free( points );
+
+    size_t slices = (size_t)b.fabric->ring_slice_count;
+    assert_true( b.fabric->ring_slice_count > BLOCK );
+    b.position = new_aligned( slices * 8 * sizeof( *b.position ) );
+    b.gradient = new_aligned( slices * sizeof( *b.gradient ) );
+    b.area = new_aligned( slices * sizeof( *b.area ) );
+    for ( int slot = 0; slot < b.fabric->slot_count; ++slot )
+    {
+        const wisp_vec3 p = b.fabric->rest[slot];
+        bool dummy = b.fabric->slot_vertex[slot] < 0;
+        const float quad[4] = { p.x, p.y, p.z, dummy ? 0.0f : (float)( 1 + slot % 4 ) };
+        memcpy( b.position[slot], quad, sizeof( quad ) );
+    }
+    return b;
+}
+
+static void release_ball( ball* b )
+{
+    wisp_fabric_release( b->fabric );
+    balloon_mesh_destroy( &b->mesh );
+    free( b->position );
+    free( b->gradient );
+    free( b->area );
+}
+
+static wisp_ring_job ring_job( ball* b, wisp_vec3 origin )
+{
+    return ( wisp_ring_job ){
+        .position = b->position[0],
+        .ring_begin = b->fabric->ring_begin,
+        .ring4 = b->fabric->ring4,
+        .origin = origin,
+        .gradient = b->gradient[0][0],
+        .area = b->area[0],
+    };
+}
+
+static void assert_near( double found, double expected, double tolerance, const char* what, int number )
+{
+    if ( !( fabs( found - expected ) <= tolerance ) )
+    {
+        fail_msg( "%s %d: %.9g, expected %.9g within %.2g", what, number, found, expected, tolerance );
+    }
+}
+
+static double3 column_of( float rows[3][8], int lane )
+{
+    return double3_make( (double)rows[0][lane], (double)rows[1][lane], (double)rows[2][lane] );
+}
+
+static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
+{
+    (void)state;
+    const wisp_vec3 centre = { 10.0f, -20.0f, 30.0f };
+    ball b = make_ball( 0.7f, centre );
+    wisp_ring_job job = ring_job( &b, centre );
+    wisp_ring_sums sums;
+    widest_table()->ring_gradient( &job, 0, b.fabric->ring_slice_count, &sums );
+
+    // a lane adds the terms of 64 slices in floats, and each addition rounds once
+    const double sum_rounding = BLOCK * (double)FLT_EPSILON;
+    double volume = constraint_oracle_volume( b.mesh.positions, b.mesh.triangles, b.mesh.triangle_count );
+    assert_near( sums.volume, volume, sum_rounding * volume, "volume", 0 );
+
+    double3* gradient = calloc( (size_t)b.mesh.vertex_count, sizeof( double3 ) );
+    double* area = calloc( (size_t)b.mesh.vertex_count, sizeof( double ) );
+    assert_true( gradient != NULL && area != NULL );
+    constraint_oracle_volume_gradient( b.mesh.positions, b.mesh.vertex_count, b.mesh.triangles, b.mesh.triangle_count,
+                                       gradient );
+    for ( int t = 0; t < b.mesh.triangle_count; ++t )
+    {
+        const int* corner = b.mesh.triangles + 3 * t;
+        const double3* p = b.mesh.positions;
+        double3 cross =
+            double3_cross( double3_sub( p[corner[1]], p[corner[0]] ), double3_sub( p[corner[2]], p[corner[0]] ) );
+        for ( int k = 0; k < 3; ++k )
+        {
+            area[corner[k]] += double3_length( cross ) / 6.0;
+        }
+    }
+    double weighted = 0.0, area_sum = 0.0;
+    for ( int slot = 0; slot < b.fabric->slot_count; ++slot )
+    {
+        int vertex = b.fabric->slot_vertex[slot];
+        double3 expected = vertex < 0 ? double3_make( 0.0, 0.0, 0.0 ) : gradient[vertex];
+        double expected_area = vertex < 0 ? 0.0 : area[vertex];
+        double3 found = column_of( b.gradient[slot / 8], slot % 8 );
+
+        // about six products and sums a triangle, of the size of the area
+        double tolerance = 8.0 * (double)FLT_EPSILON * expected_area;
+        assert_near( double3_distance( found, expected ), 0.0, tolerance, "gradient of slot", slot );
+        assert_near( (double)b.area[slot / 8][slot % 8], expected_area, tolerance, "area of slot", slot );
+        weighted += (double)b.position[slot][3] * double3_dot( expected, expected );
+        area_sum += expected_area;
+    }
+    assert_near( sums.weighted, weighted, sum_rounding * weighted, "weighted gradient", 0 );
+
+    // an icosphere of 1280 triangles lacks one percent of the sphere
+    assert_near( area_sum / ( 4.0 * 3.14159265358979 * 0.49 ), 0.995, 0.005, "share of the sphere", 0 );
+    free( gradient );
+    free( area );
+    release_ball( &b );
+}
+
+static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void** state )
+{
+    (void)state;
+    ball b = make_ball( 1.0f, ( wisp_vec3 ){ 0.5f, 0.25f, -0.125f } );
+    wisp_ring_job job = ring_job( &b, b.fabric->rest[0] );
+    wisp_ring_sums whole, sum = { 0.0, 0.0 };
+    widest_table()->ring_gradient( &job, 0, b.fabric->ring_slice_count, &whole );
+    float( *gradient )[3][8] = new_aligned( BLOCK * sizeof( *gradient ) );
+    float( *area )[8] = new_aligned( BLOCK * sizeof( *area ) );
+    job.gradient = gradient[0][0];
+    job.area = area[0];
+    for ( int begin = 0; begin < b.fabric->ring_slice_count; begin += BLOCK )
+    {
+        int end = begin + BLOCK < b.fabric->ring_slice_count ? begin + BLOCK : b.fabric->ring_slice_count;
+        wisp_ring_sums part;
+        job.first_slice = begin;
+        widest_table()->ring_gradient( &job, begin, end, &part );
+        sum.volume += part.volume;
+        sum.weighted += part.weighted;
+        assert_memory_equal( gradient, b.gradient + begin, (size_t)( end - begin ) * sizeof( *gradient ) );
+        assert_memory_equal( area, b.area + begin, (size_t)( end - begin ) * sizeof( *area ) );
+    }
+    assert_true( sum.volume == whole.volume && sum.weighted == whole.weighted );
+    free( gradient );
+    free( area );
+    release_ball( &b );
+}
+
+static void normals_are_unit_vectors_along_the_area_vectors( void** state )
+{
+    (void)state;
+    ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+    wisp_ring_job job = ring_job( &b, b.fabric->rest[0] );
+    widest_table()->ring_normal( &job, 0, b.fabric->ring_slice_count );
+    double3* gradient = calloc( (size_t)b.mesh.vertex_count, sizeof( double3 ) );
+    assert_non_null( gradient );
+    constraint_oracle_volume_gradient( b.mesh.positions, b.mesh.vertex_count, b.mesh.triangles, b.mesh.triangle_count,
+                                       gradient );
+    for ( int slot = 0; slot < b.fabric->slot_count; ++slot )
+    {
+        double3 normal = column_of( b.gradient[slot / 8], slot % 8 ), expected = { 0.0, 0.0, 0.0 };
+        int vertex = b.fabric->slot_vertex[slot];
+        if ( vertex >= 0 )
+        {
+            expected = double3_scale( 1.0 / double3_length( gradient[vertex] ), gradient[vertex] );
+            double3 out = double3_sub( b.mesh.positions[vertex], double3_make( 1.0, 2.0, 3.0 ) );
+            assert_true( double3_dot( normal, out ) > 0.6 );
+        }
+
+        // a sum of six products, and a quotient
+        double gap = double3_distance( normal, expected );
+        assert_near( gap, 0.0, 8.0 * (double)FLT_EPSILON, "normal of slot", slot );
+    }
+    free( gradient );
+    release_ball( &b );
+}
+
+// ---- particles ----
+
+enum
+{
+    COUNT = 256,
+};
+
+typedef struct swarm
+{
+    _Alignas( 64 ) float position[COUNT][4];
+    float previous[COUNT][4], velocity[COUNT][4], before[COUNT][4];
+    float gradient[COUNT / 8][3][8];
+    int32_t anchor4[COUNT];
+    float rest[COUNT];
+    int32_t child4[COUNT / 64][8], parent4[COUNT / 64][4][8];
+    float weight[COUNT / 64][4][8];
+} swarm;
+
+// The first two slices are anchors, every other one of them pinned; the second half are parents, the first are children.
+static swarm* new_swarm( void )
+{
+    swarm* s = new_aligned( sizeof( swarm ) );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            s->position[i][k] = test_random_float( i, k, -1.0f, 1.0f );
+            s->previous[i][k] = test_random_float( i, 3 + k, -1.0f, 1.0f );
+            s->velocity[i][k] = test_random_float( i, 6 + k, -9.0f, 9.0f );
+            s->before[i][k] = test_random_float( i, 9 + k, -1.0f, 1.0f );
+            s->gradient[i / 8][k][i % 8] = test_random_float( i, 12 + k, -1.0f, 1.0f );
+        }
+        s->position[i][3] = i < 16 ? (float)( i % 2 ) : i % 5 == 0 ? 0.0f : 0.5f * (float)( i % 7 + 1 );
+        s->before[i][3] = s->previous[i][3] = s->position[i][3];
+        s->anchor4[i] = 4 * ( i < 16 || i % 11 == 0 ? i : i % 16 );
+        s->rest[i] = i < 16 || i % 11 == 0 ? 0.0f : test_random_float( i, 15, 0.2f, 1.5f );
+    }
+    for ( int child = 0; child < COUNT / 8; ++child )
+    {
+        int slice = child / 8, lane = child % 8;
+        s->child4[slice][lane] = 4 * ( child * 3 % ( COUNT / 2 ) );
+        for ( int k = 0; k < 4; ++k )
+        {
+            s->parent4[slice][k][lane] = 4 * ( COUNT / 2 + ( child * 5 + k * 17 ) % ( COUNT / 2 ) );
+            s->weight[slice][k][lane] = 0.125f * (float)( k == 0 ? 2 + child % 2 : k == 1 ? 3 - child % 2 : k - 1 );
+        }
+    }
+    return s;
+}
+
+static wisp_particle_job particle_job( swarm* s )
+{
+    return ( wisp_particle_job ){
+        .position = s->position[0],
+        .previous = s->previous[0],
+        .velocity = s->velocity[0],
+        .acceleration = { 0.3f, -9.81f, 1.7f },
+        .dt = 1.0f / 600.0f,
+    };
+}
+
+static wisp_tether_job tether_job( swarm* s )
+{
+    return ( wisp_tether_job ){ .position = s->position[0], .anchor4 = s->anchor4, .rest = s->rest, .slack = 1.125f };
+}
+
+static wisp_prolong_job prolong_job( swarm* s )
+{
+    return ( wisp_prolong_job ){
+        .position = s->position[0],
+        .before = s->before[0],
+        .child4 = s->child4[0],
+        .parent4 = s->parent4[0][0],
+        .weight = s->weight[0][0],
+    };
+}
+
+static void run_all( const wisp_kernels* kernels, swarm* s )
+{
+    wisp_particle_job job = particle_job( s );
+    wisp_tether_job tether = tether_job( s );
+    wisp_prolong_job prolong = prolong_job( s );
+    wisp_push_job push = { s->position[0], s->gradient[0][0], 0.01f };
+    kernels->accelerate( &job, 0, COUNT );
+    kernels->predict( &job, 0, COUNT );
+    kernels->prolong( &prolong, 0, COUNT / 64 );
+    kernels->tether( &tether, 0, COUNT );
+    kernels->push( &push, 0, COUNT / 8 );
+    kernels->velocity( &job, 0, COUNT );
+}
+
+static void every_table_gives_the_same_bits( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    int table_count = usable_tables( tables );
+    swarm* truth = new_swarm();
+    ball truth_ball = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+    wisp_ring_job truth_job = ring_job( &truth_ball, ( wisp_vec3 ){ 1.0f, 2.0f, 2.5f } );
+    wisp_ring_sums truth_sums, sums;
+    int slices = truth_ball.fabric->ring_slice_count;
+    size_t gradient_size = (size_t)slices * sizeof( *truth_ball.gradient );
+    float* normals = new_aligned( gradient_size );
+    run_all( tables[0], truth );
+    tables[0]->ring_normal( &truth_job, 0, slices );
+    memcpy( normals, truth_ball.gradient, gradient_size );
+    tables[0]->ring_gradient( &truth_job, 0, slices, &truth_sums );
+    for ( int t = 1; t < table_count; ++t )
+    {
+        swarm* s = new_swarm();
+        run_all( tables[t], s );
+        assert_memory_equal( s, truth, sizeof( *s ) );
+        free( s );
+
+        ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+        wisp_ring_job job = ring_job( &b, truth_job.origin );
+        tables[t]->ring_normal( &job, 0, slices );
+        assert_memory_equal( b.gradient, normals, gradient_size );
+        tables[t]->ring_gradient( &job, 0, slices, &sums );
+        assert_memory_equal( b.gradient, truth_ball.gradient, gradient_size );
+        assert_memory_equal( b.area, truth_ball.area, (size_t)slices * sizeof( *b.area ) );
+        assert_memory_equal( &sums, &truth_sums, sizeof( sums ) );
+        release_ball( &b );
+    }
+    free( truth );
+    free( normals );
+    release_ball( &truth_ball );
+}
+
+static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
+{
+    (void)state;
+    swarm *s = new_swarm(), *start = new_swarm();
+    wisp_particle_job job = particle_job( s );
+    const float a[3] = { job.acceleration.x, job.acceleration.y, job.acceleration.z };
+    widest_table()->accelerate( &job, 0, COUNT );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            bool moves = start->position[i][3] > 0.0f && k < 3;
+            float expected = moves ? start->velocity[i][k] + a[k] * job.dt : start->velocity[i][k];
+            assert_true( s->velocity[i][k] == expected );
+        }
+    }
+    widest_table()->predict( &job, 0, COUNT );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        assert_memory_equal( s->previous[i], start->position[i], sizeof( s->previous[i] ) );
+        for ( int k = 0; k < 4; ++k )
+        {
+            bool moves = start->position[i][3] > 0.0f && k < 3;
+            float expected = moves ? start->position[i][k] + s->velocity[i][k] * job.dt : start->position[i][k];
+            assert_true( s->position[i][k] == expected );
+        }
+    }
+    free( s );
+    free( start );
+}
+
+static void velocities_are_differences_over_time( void** state )
+{
+    (void)state;
+    swarm* s = new_swarm();
+    wisp_particle_job job = particle_job( s );
+    widest_table()->velocity( &job, 0, COUNT );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            bool moves = s->position[i][3] > 0.0f && k < 3;
+            float expected = moves ? ( s->position[i][k] - s->previous[i][k] ) / job.dt : 0.0f;
+            assert_true( s->velocity[i][k] == expected );
+        }
+    }
+    free( s );
+}
+
+static void a_push_moves_by_inverse_mass_and_gradient( void** state )
+{
+    (void)state;
+    swarm *s = new_swarm(), *start = new_swarm();
+    wisp_push_job job = { s->position[0], s->gradient[0][0], -0.37f };
+    widest_table()->push( &job, 0, COUNT / 8 );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        float w = start->position[i][3];
+        for ( int k = 0; k < 4; ++k )
+        {
+            float change = k < 3 ? w * job.factor * s->gradient[i / 8][k][i % 8] : 0.0f;
+            assert_true( s->position[i][k] == start->position[i][k] + change );
+        }
+    }
+    free( s );
+    free( start );
+}
+
+static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
+{
+    (void)state;
+    swarm *s = new_swarm(), *start = new_swarm();
+    wisp_tether_job job = tether_job( s );
+    widest_table()->tether( &job, 0, COUNT );
+    int pulled = 0, slack = 0;
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        const float *p = start->position[i], *a = start->position[s->anchor4[i] / 4];
+        double3 from =
+            double3_make( (double)p[0] - (double)a[0], (double)p[1] - (double)a[1], (double)p[2] - (double)a[2] );
+        double longest = (double)( s->rest[i] * job.slack ), length = double3_length( from );
+        bool may = s->rest[i] > 0.0f && p[3] > 0.0f && a[3] == 0.0f;
+        if ( may == false || length <= longest )
+        {
+            assert_memory_equal( s->position[i], p, sizeof( s->position[i] ) );
+            slack += may ? 1 : 0;
+            continue;
+        }
+        double3 there = double3_scale( longest / length, from );
+        for ( int k = 0; k < 3; ++k )
+        {
+            double expected = (double)a[k] + ( k == 0 ? there.x : k == 1 ? there.y : there.z );
+
+            // a length of up to three metres with five roundings, then a product and a sum
+            assert_near( (double)s->position[i][k], expected, 12.0 * (double)FLT_EPSILON, "tethered slot", i );
+        }
+        assert_true( s->position[i][3] == p[3] );
+        pulled += 1;
+    }
+    assert_true( pulled > 20 && slack > 20 );
+    free( s );
+    free( start );
+}
+
+static void children_follow_their_parents_by_weight( void** state )
+{
+    (void)state;
+    swarm *s = new_swarm(), *start = new_swarm();
+    wisp_prolong_job job = prolong_job( s );
+    widest_table()->prolong( &job, 0, COUNT / 64 );
+    int pinned = 0, child_of[COUNT];
+    memset( child_of, -1, sizeof( child_of ) );
+    for ( int child = 0; child < COUNT / 8; ++child )
+    {
+        child_of[s->child4[child / 8][child % 8] / 4] = child;
+    }
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        int child = child_of[i], slice = child / 8, lane = child % 8;
+        bool moves = child >= 0 && start->position[i][3] > 0.0f;
+        pinned += child >= 0 && moves == false ? 1 : 0;
+        for ( int k = 0; k < 4; ++k )
+        {
+            double expected = (double)start->position[i][k];
+            for ( int parent = 0; parent < 4 && moves && k < 3; ++parent )
+            {
+                int slot = s->parent4[slice][parent][lane] / 4;
+                expected += (double)s->weight[slice][parent][lane] *
+                            ( (double)start->position[slot][k] - (double)start->before[slot][k] );
+            }
+
+            // four differences of up to two metres, whose weights sum to 1, and a sum of up to three
+            double tolerance = moves && k < 3 ? 6.0 * (double)FLT_EPSILON : 0.0;
+            assert_near( (double)s->position[i][k], expected, tolerance, "slot", i );
+        }
+    }
+    assert_true( pinned > 2 );
+    free( s );
+    free( start );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( volume_and_area_of_a_ball_are_those_of_the_oracle ),
+        cmocka_unit_test( sums_are_those_of_ranges_of_sixty_four_slices_added_in_order ),
+        cmocka_unit_test( normals_are_unit_vectors_along_the_area_vectors ),
+        cmocka_unit_test( every_table_gives_the_same_bits ),
+        cmocka_unit_test( particles_fall_as_in_scalars_and_pinned_ones_stay ),
+        cmocka_unit_test( velocities_are_differences_over_time ),
+        cmocka_unit_test( a_push_moves_by_inverse_mass_and_gradient ),
+        cmocka_unit_test( tethers_only_pull_and_only_towards_pinned_anchors ),
+        cmocka_unit_test( children_follow_their_parents_by_weight ),
+    };
+    return cmocka_run_group_tests_name( "kernels of particles", tests, NULL, NULL );
+}

@@ -1,0 +1,669 @@
+// Kernels of surfaces: every table gives the same bits, and one projection is that of the oracle in double precision.
+#include "kernels_fixture.h"
+
+#include "constraint_oracle.h"
+
+#include "wisp/fabric.h"
+
+#include <float.h>
+#include <math.h>
+
+// Positions are below 3 m and every step of a projection rounds a number of that size or a smaller one. The longest
+// chain of roundings between a position and its successor is that of the dihedral: differences, a product, a normal
+// and its square, an arc tangent of a few, a quotient, two products, a sum.
+static const double ROUNDING = 24.0 * (double)FLT_EPSILON;
+
+static const int ALL[4] = { 0, 1, 2, 3 };
+
+typedef struct particles
+{
+    double3 p[4];
+    double w[4];
+} particles;
+
+static double3 widen( const float* quad )
+{
+    return double3_make( (double)quad[0], (double)quad[1], (double)quad[2] );
+}
+
+static particles particles_of( constraints* s, int c )
+{
+    particles found;
+    for ( int k = 0; k < 4; ++k )
+    {
+        found.p[k] = widen( body( s, c, k ) );
+        found.w[k] = (double)body( s, c, k )[3];
+    }
+    return found;
+}
+
+static void assert_near( double found, double expected, double tolerance, const char* what, int number )
+{
+    if ( !( fabs( found - expected ) <= tolerance ) )
+    {
+        fail_msg( "%s %d: %.9g, expected %.9g within %.2g", what, number, found, expected, tolerance );
+    }
+}
+
+static void assert_at( constraints* s, const particles* expected, int c, double tolerance )
+{
+    for ( int k = 0; k < 4; ++k )
+    {
+        double gap = double3_distance( widen( body( s, c, k ) ), expected->p[k] );
+        assert_near( gap, 0.0, tolerance, "gap of constraint", c );
+        assert_near( (double)body( s, c, k )[3], expected->w[k], 0.0, "inverse mass of constraint", c );
+    }
+}
+
+static constraints* new_constraints( bool pins )
+{
+    constraints* s = aligned_alloc( 64, ( sizeof( constraints ) + 63 ) / 64 * 64 );
+    assert_non_null( s );
+    make_constraints( s, pins );
+    return s;
+}
+
+static constraints* copy_of( const constraints* s )
+{
+    constraints* copy = new_constraints( false );
+    memcpy( copy, s, sizeof( *s ) );
+    return copy;
+}
+
+// ---- every table ----
+
+// Constraints that have nothing to say, so little that it underflows, or so much that it nearly overflows.
+static void make_odd( constraints* s, int first )
+{
+    for ( int c = first; c < first + 48; ++c )
+    {
+        float tiny = ldexpf( 1.0f, -3 * ( c - first ) ), high = c % 3 == 0 ? 0.0f : tiny;
+        place( s, c, 0, 0.1f, 0.2f, 0.0f, 1.0f );
+        place( s, c, 1, 0.1f, 0.2f, tiny, c % 2 == 0 ? 1.0f : 1e-12f );
+        place( s, c, 2, 0.1f, 0.2f + high, 0.0f, 0.0f );
+        place( s, c, 3, 0.1f, 0.2f, high, 1e9f );
+    }
+}
+
+typedef void run_fn( const wisp_kernels* kernels, constraints* s );
+
+static void run_link_pbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_link_job job = link_job( s );
+    kernels->link_pbd( &job, 0, CONSTRAINTS );
+}
+
+static void run_link_xpbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_link_job job = link_job( s );
+    kernels->link_xpbd( &job, 0, CONSTRAINTS );
+}
+
+static void run_link_xpbd_once( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_link_job job = link_job( s );
+    job.lambda = NULL;
+    kernels->link_xpbd( &job, 0, CONSTRAINTS );
+}
+
+static void run_link_unilateral( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_link_job job = link_job( s );
+    kernels->link_unilateral( &job, 0, CONSTRAINTS );
+}
+
+static void run_link_limit( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_link_job job = link_job( s );
+    kernels->link_limit( &job, 0, CONSTRAINTS );
+}
+
+static void run_dihedral_pbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_hinge_job job = hinge_job( s, false, true );
+    kernels->hinge_dihedral( &job, 0, CONSTRAINTS );
+}
+
+static void run_dihedral_xpbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_hinge_job job = hinge_job( s, false, false );
+    kernels->hinge_dihedral( &job, 0, CONSTRAINTS );
+}
+
+static void run_isometric_pbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_hinge_job job = hinge_job( s, true, true );
+    kernels->hinge_isometric( &job, 0, CONSTRAINTS );
+}
+
+static void run_isometric_xpbd( const wisp_kernels* kernels, constraints* s )
+{
+    wisp_hinge_job job = hinge_job( s, true, false );
+    kernels->hinge_isometric( &job, 0, CONSTRAINTS );
+}
+
+static run_fn* const PROJECTIONS[] = {
+    run_link_pbd,     run_link_xpbd,     run_link_xpbd_once, run_link_unilateral, run_link_limit,
+    run_dihedral_pbd, run_dihedral_xpbd, run_isometric_pbd,  run_isometric_xpbd,
+};
+
+static void every_table_projects_to_the_same_bits( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    int table_count = usable_tables( tables );
+    for ( int variant = 0; variant < 4; ++variant )
+    {
+        constraints* start = new_constraints( variant % 2 == 1 );
+        if ( variant >= 2 )
+        {
+            tangle( start );
+        }
+        else
+        {
+            make_odd( start, 40 );
+        }
+        for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+        {
+            constraints* truth = copy_of( start );
+            PROJECTIONS[k]( tables[0], truth );
+            assert_true( memcmp( truth, start, sizeof( *start ) ) != 0 );
+            for ( int t = 1; t < table_count; ++t )
+            {
+                constraints* s = copy_of( start );
+                PROJECTIONS[k]( tables[t], s );
+                if ( memcmp( s, truth, sizeof( *s ) ) != 0 )
+                {
+                    fail_msg( "%s differs from %s: variant %d, projection %d", tables[t]->isa, tables[0]->isa,
+                              variant, k );
+                }
+                free( s );
+            }
+            free( truth );
+        }
+        free( start );
+    }
+}
+
+static void a_range_may_be_cut_between_groups( void** state )
+{
+    (void)state;
+    constraints *whole = new_constraints( true ), *pieces = new_constraints( true );
+    tangle( whole );
+    tangle( pieces );
+    run_link_xpbd( widest_table(), whole );
+    wisp_link_job job = link_job( pieces );
+    for ( int begin = 0, length = 8; begin < CONSTRAINTS; begin += length, length = length % 40 + 8 )
+    {
+        int end = begin + length < CONSTRAINTS ? begin + length : CONSTRAINTS;
+        widest_table()->link_xpbd( &job, begin, end );
+    }
+    assert_memory_equal( whole->position, pieces->position, sizeof( whole->position ) );
+    assert_memory_equal( whole->lambda, pieces->lambda, sizeof( whole->lambda ) );
+    free( whole );
+    free( pieces );
+}
+
+// ---- links ----
+
+typedef double project_fn( const constraints* s, int c, particles* all, constraint_oracle_skips* skips );
+
+static double pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
+    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
+    return 0.0;
+}
+
+static double xpbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
+    double lambda = (double)s->lambda[c], alpha = 1e4 * (double)s->compliance[c];
+    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
+    return lambda;
+}
+
+static double xpbd_once_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
+    double lambda = 0.0, alpha = 1e4 * (double)s->compliance[c];
+    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
+    return (double)s->lambda[c];
+}
+
+static double unilateral_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = constraint_oracle_distance( all->p[0], all->p[1], (double)s->rest[c] );
+    constraint_oracle_project_above( &term, ALL, all->w, 1.0, all->p, skips );
+    return 0.0;
+}
+
+static double limit_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term =
+        constraint_oracle_strain_limit( all->p[0], all->p[1], (double)s->rest[c], (double)0.9f, (double)1.1f );
+    constraint_oracle_project( &term, ALL, all->w, 1.0, all->p, skips );
+    return 0.0;
+}
+
+// Every constraint has its particles for itself, so the oracle may look at them one by one.
+static void compare_with_oracle( run_fn* run, project_fn* oracle, bool with_lambda )
+{
+    constraints *before = new_constraints( true ), *after = new_constraints( true );
+    constraint_oracle_skips skips = { 0 };
+    run( widest_table(), after );
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        particles expected = particles_of( before, c );
+        double lambda = oracle( before, c, &expected, &skips );
+        assert_at( after, &expected, c, ROUNDING );
+        if ( with_lambda )
+        {
+            assert_near( (double)after->lambda[c], lambda, ROUNDING * ( 1.0 + fabs( lambda ) ), "lambda", c );
+        }
+    }
+    free( before );
+    free( after );
+}
+
+static void links_move_as_the_oracle_says( void** state )
+{
+    (void)state;
+    compare_with_oracle( run_link_pbd, pbd_of_oracle, false );
+    compare_with_oracle( run_link_xpbd, xpbd_of_oracle, true );
+    compare_with_oracle( run_link_xpbd_once, xpbd_once_of_oracle, true );
+    compare_with_oracle( run_link_unilateral, unilateral_of_oracle, false );
+    compare_with_oracle( run_link_limit, limit_of_oracle, false );
+}
+
+static void two_ends_share_a_step_as_their_inverse_masses( void** state )
+{
+    (void)state;
+    constraints* s = new_constraints( false );
+    const float weights[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
+    for ( int c = 0; c < 3; ++c )
+    {
+        place( s, c, 0, 0.0f, 0.0f, 0.0f, weights[c][0] );
+        place( s, c, 1, 2.0f, 0.0f, 0.0f, weights[c][1] );
+        s->rest[c] = 1.0f;
+        s->stiffness[c] = 1.0f;
+    }
+    run_link_pbd( widest_table(), s );
+
+    // halves, quarters and wholes of one metre are exact
+    const float first[3] = { 0.5f, 0.25f, 0.0f }, second[3] = { 1.5f, 1.25f, 1.0f };
+    for ( int c = 0; c < 3; ++c )
+    {
+        assert_true( body( s, c, 0 )[0] == first[c] && body( s, c, 1 )[0] == second[c] );
+    }
+    free( s );
+}
+
+// Two compliant links and a row of three particles on a line: where iterations settle, both links and both free
+// particles are in balance.
+static void iterations_settle_where_compliance_balances( void** state )
+{
+    (void)state;
+    constraints* s = new_constraints( false );
+    const float predicted[3][4] = { { 0.0f, 0.0f, 0.0f, 0.0f },
+                                    { 1.2f, 0.0f, 0.0f, 1.0f },
+                                    { 2.6f, 0.0f, 0.0f, 3.0f } };
+    memcpy( s->position, predicted, sizeof( predicted ) );
+    memset( s->lambda, 0, sizeof( s->lambda ) );
+    for ( int c = 0; c < 16; ++c )
+    {
+        s->a4[c] = c % 8 == 0 ? 4 * ( c / 8 ) : 4 * 100;
+        s->b4[c] = c % 8 == 0 ? 4 * ( c / 8 + 1 ) : 4 * 100;
+        s->rest[c] = 1.0f;
+        s->compliance[c] = 5e-5f;
+    }
+    wisp_link_job job = link_job( s );
+    for ( int iteration = 0; iteration < 50; ++iteration )
+    {
+        widest_table()->link_xpbd( &job, 0, 16 );
+    }
+
+    // alpha is 5e-5 / (0.01 s)^2; fifty iterations round a position of up to three metres fifty times
+    const double tolerance = 50.0 * 3.0 * (double)FLT_EPSILON;
+    double pull[4] = { 0.0 };
+    for ( int link = 0; link < 2; ++link )
+    {
+        double lambda = (double)s->lambda[8 * link];
+        double stretch = (double)s->position[link + 1][0] - (double)s->position[link][0] - 1.0;
+        assert_true( lambda < -0.1 );
+        assert_near( stretch + 0.5 * lambda, 0.0, tolerance, "balance of link", link );
+        pull[link] -= lambda;
+        pull[link + 1] += lambda;
+    }
+    for ( int i = 0; i < 3; ++i )
+    {
+        double moved = (double)s->position[i][0] - (double)predicted[i][0];
+        assert_near( moved, (double)predicted[i][3] * pull[i], tolerance, "balance of particle", i );
+    }
+    free( s );
+}
+
+// ---- hinges ----
+
+// The kernel's angle is positive where the oracle's is negative, so a rest angle changes its sign.
+static constraint_oracle_term dihedral_of_oracle( const constraints* s, int c, const particles* all )
+{
+    return constraint_oracle_dihedral( all->p, -(double)s->rest[c] );
+}
+
+static constraint_oracle_term isometric_of_oracle( const constraints* s, int c, const particles* all )
+{
+    double q[4][4];
+    for ( int i = 0; i < 16; ++i )
+    {
+        q[i / 4][i % 4] =
+            (double)s->scale[c] * (double)s->weights[c / 8][i / 4][c % 8] * (double)s->weights[c / 8][i % 4][c % 8];
+    }
+    return constraint_oracle_isometric_root( all->p, q );
+}
+
+static double dihedral_pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = dihedral_of_oracle( s, c, all );
+    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
+    return 0.0;
+}
+
+static double dihedral_xpbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = dihedral_of_oracle( s, c, all );
+    double lambda = -(double)s->lambda[c], alpha = 1e4 * (double)s->compliance[c];
+    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
+    return -lambda;
+}
+
+static double isometric_pbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = isometric_of_oracle( s, c, all );
+    constraint_oracle_project( &term, ALL, all->w, (double)s->stiffness[c], all->p, skips );
+    return 0.0;
+}
+
+static double isometric_xpbd_of_oracle( const constraints* s, int c, particles* all, constraint_oracle_skips* skips )
+{
+    constraint_oracle_term term = isometric_of_oracle( s, c, all );
+    double lambda = (double)s->lambda[c], alpha = 1e4 * (double)s->compliance[c];
+    constraint_oracle_project_compliant( &term, ALL, all->w, alpha, &lambda, all->p, skips );
+    return lambda;
+}
+
+static void hinges_move_as_the_oracle_says( void** state )
+{
+    (void)state;
+    compare_with_oracle( run_dihedral_pbd, dihedral_pbd_of_oracle, false );
+    compare_with_oracle( run_dihedral_xpbd, dihedral_xpbd_of_oracle, true );
+    compare_with_oracle( run_isometric_pbd, isometric_pbd_of_oracle, false );
+    compare_with_oracle( run_isometric_xpbd, isometric_xpbd_of_oracle, true );
+}
+
+// With one free corner a projection moves it by -C / |g|^2 g, so that the gradient can be read back. Here C is small,
+// because the angle is nearly at rest, and the oracle's angle by central differences says what g is.
+static void dihedral_gradients_are_central_differences_of_the_angle( void** state )
+{
+    (void)state;
+    const double small = 1e-6, error = 0.01;
+    for ( int corner = 0; corner < 4; ++corner )
+    {
+        constraints* s = new_constraints( false );
+        for ( int c = 0; c < CONSTRAINTS; ++c )
+        {
+            particles at = particles_of( s, c );
+            s->rest[c] = (float)( -constraint_oracle_dihedral_angle( at.p ) - error );
+            s->stiffness[c] = 1.0f;
+            for ( int k = 0; k < 4; ++k )
+            {
+                body( s, c, k )[3] = k == corner ? 1.0f : 0.0f;
+            }
+        }
+        constraints* after = copy_of( s );
+        run_dihedral_pbd( widest_table(), after );
+        for ( int c = 0; c < CONSTRAINTS; ++c )
+        {
+            particles at = particles_of( s, c );
+            double gradient[3];
+            for ( int axis = 0; axis < 3; ++axis )
+            {
+                double3 step =
+                    double3_make( axis == 0 ? small : 0.0, axis == 1 ? small : 0.0, axis == 2 ? small : 0.0 );
+                particles more = at, less = at;
+                more.p[corner] = double3_add( at.p[corner], step );
+                less.p[corner] = double3_sub( at.p[corner], step );
+                gradient[axis] =
+                    -( constraint_oracle_dihedral_angle( more.p ) - constraint_oracle_dihedral_angle( less.p ) ) /
+                    ( 2.0 * small );
+            }
+            double3 g = double3_make( gradient[0], gradient[1], gradient[2] );
+            double3 expected = double3_scale( -error / double3_dot( g, g ), g );
+            double3 moved = double3_sub( widen( body( after, c, corner ) ), at.p[corner] );
+
+            // the angle to rest is a difference of floats near 3, a relative error of 3 FLT_EPSILON / 0.01
+            double tolerance = ROUNDING + 2e-4 * double3_length( expected );
+            assert_near( double3_distance( moved, expected ), 0.0, tolerance, "gradient of hinge", c );
+        }
+        free( s );
+        free( after );
+    }
+}
+
+static void an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals( void** state )
+{
+    (void)state;
+    constraints* s = new_constraints( false );
+
+    // counter-clockwise seen from +z, so normals point up, and both wings are up by 0.1 of 0.5
+    place( s, 0, 0, 0.0f, 0.0f, 0.0f, 1.0f );
+    place( s, 0, 1, 1.0f, 0.0f, 0.0f, 1.0f );
+    place( s, 0, 2, 0.5f, 0.5f, 0.1f, 1.0f );
+    place( s, 0, 3, 0.5f, -0.5f, 0.1f, 1.0f );
+    s->rest[0] = 2.0f * atanf( 0.2f );
+    s->stiffness[0] = 1.0f;
+    particles before = particles_of( s, 0 );
+    run_dihedral_pbd( widest_table(), s );
+    assert_at( s, &before, 0, ROUNDING );
+
+    s->rest[0] = 0.0f;
+    run_dihedral_pbd( widest_table(), s );
+    assert_true( body( s, 0, 2 )[2] < 0.099f && body( s, 0, 3 )[2] < 0.099f && body( s, 0, 0 )[2] > 0.001f );
+    free( s );
+}
+
+// What a hinge is made of at rest, as whoever cooks it must: c = sqrt( Q / s ) from a column of the oracle's Q.
+static void set_isometric( constraints* s, int c, const double3 rest[4], double q[4][4] )
+{
+    assert_true( constraint_oracle_isometric_matrix( rest, q ) );
+    double area = 0.0;
+    for ( int k = 2; k < 4; ++k )
+    {
+        double3 a = double3_sub( rest[1], rest[0] ), b = double3_sub( rest[k], rest[0] );
+        area += 0.5 * double3_length( double3_cross( a, b ) );
+    }
+    double scale = 3.0 / area;
+    s->scale[c] = (float)scale;
+    for ( int k = 0; k < 4; ++k )
+    {
+        s->weights[c / 8][k][c % 8] = (float)( q[k][2] / sqrt( scale * q[2][2] ) );
+    }
+}
+
+// A flat hinge that is carried away and turned has no energy; a bent one has the oracle's.
+static void an_isometric_hinge_knows_bending_from_moving( void** state )
+{
+    (void)state;
+    for ( int bent = 0; bent < 2; ++bent )
+    {
+        constraints* s = new_constraints( false );
+        double energy[CONSTRAINTS];
+        for ( int c = 0; c < CONSTRAINTS; ++c )
+        {
+            double turn = (double)test_random_float( c, 20, -3.0f, 3.0f );
+            double fold = bent ? (double)test_random_float( c, 21, 0.2f, 2.0f ) : 0.0;
+            double height[2] = { (double)test_random_float( c, 22, 0.3f, 0.7f ),
+                                 (double)test_random_float( c, 23, 0.3f, 0.7f ) };
+            const double3 rest[4] = {
+                { 0.0, 0.0, 0.0 }, { 0.6, 0.0, 0.0 }, { 0.1, height[0], 0.0 }, { 0.4, -height[1], 0.0 }
+            };
+            const double3 now[4] = { { 1.0, 0.5, -1.0 },
+                                     { 1.6, 0.5, -1.0 },
+                                     { 1.1, 0.5 + height[0] * cos( turn ), -1.0 + height[0] * sin( turn ) },
+                                     { 1.4, 0.5 - height[1] * cos( turn + fold ),
+                                       -1.0 - height[1] * sin( turn + fold ) } };
+            double q[4][4];
+            set_isometric( s, c, rest, q );
+            for ( int k = 0; k < 4; ++k )
+            {
+                place( s, c, k, (float)now[k].x, (float)now[k].y, (float)now[k].z, 1.0f );
+            }
+            s->lambda[c] = 0.0f;
+            s->compliance[c] = 1e-1f;
+            energy[c] = constraint_oracle_isometric_energy( particles_of( s, c ).p, q ).value;
+        }
+        constraints* after = copy_of( s );
+        run_isometric_xpbd( widest_table(), after );
+        for ( int c = 0; c < CONSTRAINTS; ++c )
+        {
+            // lambda = -C / (sum + alpha) with alpha = 1000 and sum = s |c|^2, and C^2 / 2 is the energy
+            double sum = 0.0;
+            for ( int k = 0; k < 4; ++k )
+            {
+                double weight = (double)s->weights[c / 8][k][c % 8];
+                sum += (double)s->scale[c] * weight * weight;
+            }
+            double value = -(double)after->lambda[c] * ( sum + 1000.0 );
+            double largest = sqrt( sum ); // of a gradient; positions of about a metre are rounded
+            assert_near( value, sqrt( 2.0 * energy[c] ), largest * ROUNDING, "root of the energy of hinge", c );
+            assert_true( bent == 0 || value > 0.1 );
+        }
+        free( s );
+        free( after );
+    }
+}
+
+// ---- what no projection may do ----
+
+// Sums of m dp and of p x m dp, and how large the terms are that cancel in them.
+static void sum_momentum( constraints* before, constraints* after, int c, int corners )
+{
+    double3 linear = { 0.0, 0.0, 0.0 }, angular = linear;
+    double mass = 0.0;
+    for ( int k = 0; k < corners; ++k )
+    {
+        double m = 1.0 / (double)body( before, c, k )[3];
+        double3 p = widen( body( before, c, k ) );
+        double3 moved = double3_scale( m, double3_sub( widen( body( after, c, k ) ), p ) );
+        linear = double3_add( linear, moved );
+        angular = double3_add( angular, double3_cross( p, moved ) );
+        mass += m;
+    }
+    assert_near( double3_length( linear ), 0.0, mass * ROUNDING, "linear momentum of constraint", c );
+    assert_near( double3_length( angular ), 0.0, 2.0 * mass * ROUNDING, "angular momentum of constraint", c );
+}
+
+static void projections_keep_linear_and_angular_momentum( void** state )
+{
+    (void)state;
+    constraints* before = new_constraints( false );
+    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    {
+        constraints* after = copy_of( before );
+        PROJECTIONS[k]( widest_table(), after );
+        bool is_link = k < 5;
+        for ( int c = 0; c < CONSTRAINTS; ++c )
+        {
+            sum_momentum( before, after, c, is_link ? 2 : 4 );
+        }
+        free( after );
+    }
+    free( before );
+}
+
+// Coincident, without area, pinned, or padding: not a bit moves, of positions or of lambda.
+static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void** state )
+{
+    (void)state;
+    constraints* before = new_constraints( false );
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            const float* first = body( before, c, 0 );
+            switch ( c % 3 )
+            {
+                case 0:
+                    place( before, c, k, first[0], first[1], first[2], 1.0f );
+                    break;
+                case 1:
+                    body( before, c, k )[3] = 0.0f;
+                    break;
+                default:
+                    set_slot( before, c, k, c );
+                    break;
+            }
+        }
+    }
+    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    {
+        constraints* after = copy_of( before );
+        PROJECTIONS[k]( widest_table(), after );
+        assert_memory_equal( after->position, before->position, sizeof( after->position ) );
+        assert_memory_equal( after->lambda, before->lambda, sizeof( after->lambda ) );
+        free( after );
+    }
+    free( before );
+}
+
+// Lengths and heights of all magnitudes, far from rest, and masses from a milligram to a mountain's.
+static void no_projection_throws_a_particle_to_infinity( void** state )
+{
+    (void)state;
+    constraints* before = new_constraints( false );
+    for ( int c = 0; c < CONSTRAINTS; ++c )
+    {
+        float length = ldexpf( 1.0f, -( c % 50 ) * 3 ), height = ldexpf( length, -( c / 50 ) * 12 );
+        float weight = c % 2 == 0 ? 1e6f : 1e-15f;
+        place( before, c, 0, 0.0f, 0.0f, 0.0f, weight );
+        place( before, c, 1, length, 0.0f, 0.0f, weight );
+        place( before, c, 2, 0.5f * length, height, 0.0f, weight );
+        place( before, c, 3, 0.5f * length, height, height, c % 3 == 0 ? 0.0f : weight );
+        before->rest[c] = 1000.0f;
+        before->stiffness[c] = 1.0f;
+        before->compliance[c] = 0.0f;
+    }
+    for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
+    {
+        constraints* after = copy_of( before );
+        PROJECTIONS[k]( widest_table(), after );
+        for ( int i = 0; i < BODIES * 4; ++i )
+        {
+            if ( !( fabsf( after->position[i / 4][i % 4] ) <= 1e7f ) )
+            {
+                fail_msg( "projection %d: particle %d is at %g", k, i / 4, (double)after->position[i / 4][i % 4] );
+            }
+        }
+        free( after );
+    }
+    free( before );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_table_projects_to_the_same_bits ),
+        cmocka_unit_test( a_range_may_be_cut_between_groups ),
+        cmocka_unit_test( links_move_as_the_oracle_says ),
+        cmocka_unit_test( two_ends_share_a_step_as_their_inverse_masses ),
+        cmocka_unit_test( iterations_settle_where_compliance_balances ),
+        cmocka_unit_test( hinges_move_as_the_oracle_says ),
+        cmocka_unit_test( dihedral_gradients_are_central_differences_of_the_angle ),
+        cmocka_unit_test( an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals ),
+        cmocka_unit_test( an_isometric_hinge_knows_bending_from_moving ),
+        cmocka_unit_test( projections_keep_linear_and_angular_momentum ),
+        cmocka_unit_test( constraints_without_a_direction_or_a_free_end_leave_every_bit ),
+        cmocka_unit_test( no_projection_throws_a_particle_to_infinity ),
+    };
+    return cmocka_run_group_tests_name( "kernels of surfaces", tests, NULL, NULL );
+}

@@ -1,0 +1,281 @@
+// Surfaces: particles in time, pins, the guard, and what is read of them.
+#include "surface_fixture.h"
+
+static const float DT = 0.01f;
+
+static void assert_near( double actual, double expected, double tolerance )
+{
+    if ( !( fabs( actual - expected ) <= tolerance ) )
+    {
+        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
+    }
+}
+
+static void run( wisp_world* world, int steps )
+{
+    for ( int i = 0; i < steps; ++i )
+    {
+        if ( wisp_world_step( world, DT ) != WISP_OK )
+        {
+            fail_msg( "no step: %s", wisp_world_message( world ) );
+        }
+    }
+}
+
+// A plane of n x n vertices whose points and figures are wanted.
+static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_count )
+{
+    test_mesh mesh = test_plane( n, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def def = wisp_default_surface_def();
+    def.pins = pins;
+    def.pin_count = pin_count;
+    wisp_entity e = test_surface_of( h->world, &fabric, def );
+    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static wisp_vec3 point( hosted* h, wisp_entity e, int vertex )
+{
+    return ( (const wisp_vec3*)view_of( h->world, e, WISP_SURFACE_POINTS ).data )[vertex];
+}
+
+static void a_surface_in_free_fall_gains_g_t_and_no_strain( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 9, NULL, 0 );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
+    run( h->world, 100 );
+    wisp_quality q = quality_of( h->world, e );
+    // the sum of 100 steps of symplectic Euler; velocities are read back from positions, whose rounding at 5 m is 5e-7 m
+    assert_near( q.momentum[1] / q.mass, -9.8 * 1.0, 1e-3 );
+    assert_near( q.centre[1], -9.8 * 1e-4 * 100.0 * 101.0 / 2.0, 1e-3 );
+    assert_near( q.strain_max, 0.0, 2e-5 );
+    assert_near( q.angular_momentum[0], 0.0, 1e-6 );
+}
+
+static void mass_is_area_times_density_whatever_the_mesh( void** state )
+{
+    hosted* h = *state;
+    for ( int n = 3; n <= 33; n = 2 * n - 1 )
+    {
+        wisp_entity e = add_plane( h, n, NULL, 0 );
+        run( h->world, 1 );
+        double side = 0.1 * ( n - 1 );
+        // a sum of n^2 masses that are inverses of rounded inverses
+        assert_near( quality_of( h->world, e ).mass, 0.15 * side * side, 1e-5 * side * side );
+    }
+}
+
+static void pinned_vertices_stay_and_carried_ones_arrive_with_the_step( void** state )
+{
+    hosted* h = *state;
+    const int32_t pins[2] = { 0, 8 };
+    wisp_entity e = add_plane( h, 9, pins, 2 );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
+    run( h->world, 10 );
+    wisp_vec3 at = point( h, e, 8 );
+    assert_memory_equal( &at, &( ( wisp_vec3 ){ 8 * 0.1f, 0.0f, 0.0f } ), sizeof( at ) );
+    const wisp_vec3 target = { 1.0f, 0.25f, -0.5f };
+    assert_int_equal( wisp_move_pins( h->world, e, pins + 1, &target, 1 ), WISP_OK );
+    run( h->world, 1 );
+    at = point( h, e, 8 );
+    assert_memory_equal( &at, &target, sizeof( at ) );
+}
+
+static void a_vertex_that_is_let_go_falls_again( void** state )
+{
+    hosted* h = *state;
+    const int32_t all[4] = { 0, 1, 2, 3 };
+    wisp_entity e = add_plane( h, 2, all, 4 );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
+    run( h->world, 5 );
+    assert_true( point( h, e, 3 ).y == 0.0f );
+    assert_int_equal( wisp_unpin( h->world, e, all + 3, 1 ), WISP_OK );
+    run( h->world, 5 );
+    assert_true( point( h, e, 3 ).y < -0.01f );
+    assert_true( point( h, e, 2 ).y == 0.0f );
+}
+
+static void only_pinned_vertices_can_be_carried( void** state )
+{
+    hosted* h = *state;
+    const int32_t pin = 4;
+    wisp_entity e = add_plane( h, 3, &pin, 1 );
+    const int32_t other = 5;
+    const wisp_vec3 target = { 0.0f, 1.0f, 0.0f };
+    assert_int_equal( wisp_move_pins( h->world, e, &other, &target, 1 ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "vertex 5" ) );
+    const int32_t beyond = 9;
+    assert_int_equal( wisp_pin( h->world, e, &beyond, 1 ), WISP_BAD_INPUT );
+}
+
+static void a_nan_freezes_its_entity_alone( void** state )
+{
+    hosted* h = *state;
+    wisp_entity bad = add_plane( h, 5, NULL, 0 ), good = add_plane( h, 5, NULL, 0 );
+    const wisp_vec3 gravity = { 0.0f, -9.8f, 0.0f };
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( h->world, bad, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_cloth( h->world, good, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( h->world, bad, gravity ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( h->world, good, gravity ), WISP_OK );
+    run( h->world, 3 );
+    uint64_t before = hash_of( h->world, bad, WISP_SURFACE_POINTS );
+    assert_int_equal( before, hash_of( h->world, good, WISP_SURFACE_POINTS ) );
+
+    float* velocity = wisp_world_column( h->world, bad, WISP_PARTICLE_VELOCITY, 0 );
+    velocity[4] = NAN;
+    run( h->world, 1 );
+    assert_true( wisp_is_frozen( h->world, bad ) );
+    assert_false( wisp_is_frozen( h->world, good ) );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_FROZEN ), 1 );
+    assert_int_equal( hash_of( h->world, bad, WISP_SURFACE_POINTS ), before );
+    run( h->world, 2 );
+
+    // the one beside it never noticed: it is where it would be in a world of its own
+    wisp_world* alone;
+    assert_int_equal( wisp_world_create( &h->def, &alone, NULL ), WISP_OK );
+    wisp_world* mixed = h->world;
+    h->world = alone;
+    wisp_entity lone = add_plane( h, 5, NULL, 0 );
+    assert_int_equal( wisp_set_cloth( alone, lone, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( alone, lone, gravity ), WISP_OK );
+    run( alone, 6 );
+    uint64_t expected = hash_of( alone, lone, WISP_SURFACE_POINTS );
+    wisp_world_destroy( alone );
+    h->world = mixed;
+    assert_int_equal( hash_of( mixed, good, WISP_SURFACE_POINTS ), expected );
+}
+
+static void a_thawed_entity_goes_on_from_its_last_good_state( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 4, NULL, 0 );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
+    run( h->world, 2 );
+    float height = point( h, e, 0 ).y;
+    float* position = wisp_world_column( h->world, e, WISP_PARTICLE_POSITION, 0 );
+    position[0] = INFINITY;
+    run( h->world, 1 );
+    assert_true( wisp_is_frozen( h->world, e ) );
+    run( h->world, 1 );
+    assert_true( point( h, e, 0 ).y == height );
+    assert_int_equal( wisp_thaw( h->world, e ), WISP_OK );
+    run( h->world, 1 );
+    assert_true( point( h, e, 0 ).y < height );
+    assert_false( wisp_is_frozen( h->world, e ) );
+}
+
+static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 9, NULL, 0 );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.damping = 50.0f;
+    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    assert_int_equal(
+        wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f }, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } ),
+        WISP_OK );
+    run( h->world, 1 );
+    wisp_quality first = quality_of( h->world, e );
+    run( h->world, 99 );
+    wisp_quality q = quality_of( h->world, e );
+    // velocities are differences of positions near 3 m (rounding 1.2e-7 m) over 0.01 s, averaged over 81 vertices
+    assert_near( q.momentum[0] / q.mass, 1.0, 2e-5 );
+    assert_near( q.momentum[2] / q.mass, 3.0, 2e-5 );
+    // PBD does not keep angular momentum exactly: the drift of one turn is of the order of the step
+    assert_near( q.angular_momentum[1] / first.angular_momentum[1], 1.0, 0.02 );
+    assert_true( q.strain_max < 1e-3 );
+}
+
+static void speed_strain_and_normals_are_in_the_users_order( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 6, NULL, 0 );
+    assert_int_equal( wisp_want( h->world, e, WISP_POINT_SPEED ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_POINT_STRAIN ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
+    const wisp_fabric* fabric = wisp_world_fabric( h->world, e );
+    float* velocity = wisp_world_column( h->world, e, WISP_PARTICLE_VELOCITY, 0 );
+    velocity[4 * fabric->vertex_slot[17] + 1] = 2.0f;
+    run( h->world, 1 );
+    const float* speed = view_of( h->world, e, WISP_POINT_SPEED ).data;
+    const float* strain = view_of( h->world, e, WISP_POINT_STRAIN ).data;
+    const wisp_vec3* normals = view_of( h->world, e, WISP_SURFACE_NORMALS ).data;
+    assert_near( (double)speed[17], 2.0, 1e-5 );
+    assert_near( (double)speed[16], 0.0, 1e-6 );
+    // an edge of 0.1 m lifted by 0.02 m at one end
+    assert_near( (double)strain[17], sqrt( 1.04 ) - 1.0, 1e-5 );
+    assert_near( (double)strain[0], 0.0, 1e-6 );
+    assert_near( (double)normals[0].y, 1.0, 1e-6 );
+}
+
+static void an_instance_starts_at_rest_with_the_same_masses( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 5, NULL, 0 );
+    run( h->world, 1 );
+    wisp_entity copy;
+    assert_int_equal( wisp_add_instance( h->world, e, &copy ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, copy, WISP_SURFACE_QUALITY ), WISP_OK );
+    run( h->world, 1 );
+    assert_true( quality_of( h->world, copy ).mass == quality_of( h->world, e ).mass );
+    assert_ptr_equal( wisp_world_fabric( h->world, copy ), wisp_world_fabric( h->world, e ) );
+}
+
+static void impossible_surfaces_are_refused( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 3, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def def = wisp_default_surface_def();
+    wisp_entity e;
+    assert_int_equal( wisp_add_surface( h->world, &def, &e ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_fabric_cook( &fabric, NULL, &def.fabric, NULL ), WISP_OK );
+    def.area_density = -1.0f;
+    assert_int_equal( wisp_add_surface( h->world, &def, &e ), WISP_BAD_INPUT );
+    def.area_density = 0.1f;
+    mesh.points[7].y = NAN;
+    def.points = mesh.points;
+    assert_int_equal( wisp_add_surface( h->world, &def, &e ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "vertex 7" ) );
+    wisp_fabric_release( def.fabric );
+    test_mesh_free( &mesh );
+}
+
+static void gravity_that_is_taken_away_takes_its_pass_along( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_plane( h, 3, NULL, 0 );
+    int bare = wisp_world_plan_passes( h->world );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        WORLD_TEST( a_surface_in_free_fall_gains_g_t_and_no_strain ),
+        WORLD_TEST( mass_is_area_times_density_whatever_the_mesh ),
+        WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step ),
+        WORLD_TEST( a_vertex_that_is_let_go_falls_again ),
+        WORLD_TEST( only_pinned_vertices_can_be_carried ),
+        WORLD_TEST( a_nan_freezes_its_entity_alone ),
+        WORLD_TEST( a_thawed_entity_goes_on_from_its_last_good_state ),
+        WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape ),
+        WORLD_TEST( speed_strain_and_normals_are_in_the_users_order ),
+        WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses ),
+        WORLD_TEST( impossible_surfaces_are_refused ),
+        WORLD_TEST( gravity_that_is_taken_away_takes_its_pass_along ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,91 @@
+/// What both mesh fuzz targets do with a mesh that was read: examine, repair, describe, and write and read it again.
+#pragma once
+
+#ifndef _XOPEN_SOURCE
+#define _XOPEN_SOURCE 700 // open_memstream
+#endif
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "mesh_internal.h"
+
+/// Called by libFuzzer or by replay.c.
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
+
+static inline void fuzz_demand( bool condition )
+{
+    if ( !condition )
+    {
+        abort();
+    }
+}
+
+typedef wisp_status fuzz_writer( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+typedef wisp_status fuzz_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                 wisp_error* error );
+
+static inline void fuzz_round_trip( const wisp_mesh* mesh, fuzz_writer* write, fuzz_reader* read )
+{
+    char* bytes = NULL;
+    size_t size = 0;
+    FILE* stream = open_memstream( &bytes, &size );
+    fuzz_demand( stream != NULL );
+    fuzz_demand( write( stream, mesh, "fuzz", NULL ) == WISP_OK );
+    fclose( stream );
+    wisp_mesh again;
+    fuzz_demand( read( bytes, size, "again", &again, NULL ) == WISP_OK );
+    free( bytes );
+    fuzz_demand( again.vertex_count == mesh->vertex_count && again.triangle_count == mesh->triangle_count );
+    size_t points = (size_t)mesh->vertex_count * sizeof *mesh->points;
+    size_t triangles = (size_t)mesh->triangle_count * 3 * sizeof *mesh->triangles;
+    fuzz_demand( memcmp( again.points, mesh->points, points ) == 0 );
+    fuzz_demand( memcmp( again.triangles, mesh->triangles, triangles ) == 0 );
+    wisp_mesh_release( &again );
+}
+
+static inline void fuzz_examine( const wisp_mesh* mesh )
+{
+    char* text = NULL;
+    size_t size = 0;
+    FILE* stream = open_memstream( &text, &size );
+    fuzz_demand( stream != NULL );
+    fuzz_demand( wisp_mesh_info( stream, mesh, "fuzz" ) == WISP_OK );
+    fclose( stream );
+    free( text );
+}
+
+/// A repair keeps its promises, or refuses with a sentence and leaves the mesh alone.
+static inline void fuzz_repair( wisp_mesh* mesh )
+{
+    wisp_mesh_repairs repairs;
+    wisp_mesh_report report;
+    wisp_error error = { .status = WISP_OK };
+    int triangle_count = mesh->triangle_count;
+    if ( wisp_mesh_repair( mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ) != WISP_OK )
+    {
+        fuzz_demand( error.sentence[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
+        return;
+    }
+    fuzz_demand( wisp_mesh_examine( mesh, &report, NULL ) == WISP_OK );
+    fuzz_demand( wisp_mesh_require( &report, WISP_MESH_CLEAN, "fuzz", NULL ) == WISP_OK );
+    fuzz_demand( report.windings.count == 0 && repairs.kept_count == mesh->vertex_count );
+    wisp_mesh_repairs_release( &repairs );
+}
+
+/// @param status what the reader said
+static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_mesh* mesh )
+{
+    if ( status != WISP_OK )
+    {
+        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->sentence[0] != 0 );
+        fuzz_demand( mesh->points == NULL && mesh->triangles == NULL );
+        return;
+    }
+    fuzz_examine( mesh );
+    fuzz_round_trip( mesh, mesh_put_ply, wisp_mesh_read_ply );
+    fuzz_round_trip( mesh, mesh_put_obj, wisp_mesh_read_obj );
+    fuzz_repair( mesh );
+    wisp_mesh_release( mesh );
+}

@@ -1,0 +1,11 @@
+// Any bytes as a .ply mesh: refused with a sentence, or read, examined, repaired, described, written and read again.
+#include "fuzz_mesh.h"
+
+int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = wisp_mesh_read_ply( data, size, "fuzz.ply", &mesh, &error );
+    fuzz_use( status, &error, &mesh );
+    return 0;
+}
