@@ -1,0 +1,239 @@
+// The container: memory, checks, and which format a path means.
+#include "mesh_internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "io_file.h"
+
+enum
+{
+    FIRST_TRIANGLES = 256, // room that the first triangle of a file brings with it
+};
+
+// ---- memory ----------------------------------------------------------------------------------------------------
+
+void wisp_mesh_release( wisp_mesh* mesh )
+{
+    if ( mesh == NULL )
+    {
+        return;
+    }
+    free( mesh->points );
+    free( mesh->triangles );
+    *mesh = ( wisp_mesh ){ 0 };
+}
+
+wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count, const char* name,
+                           wisp_error* error )
+{
+    *mesh = ( wisp_mesh ){
+        .points = malloc( (size_t)vertex_count * sizeof( wisp_vec3 ) ),
+        .triangles = malloc( (size_t)triangle_count * 3 * sizeof( int32_t ) ),
+        .vertex_count = vertex_count,
+        .triangle_count = triangle_count,
+    };
+    if ( mesh->points == NULL || mesh->triangles == NULL )
+    {
+        wisp_mesh_release( mesh );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d vertices and %d triangles",
+                          io_short_name( name ), vertex_count, triangle_count );
+    }
+    return WISP_OK;
+}
+
+static wisp_status grow( mesh_fan* fan, wisp_error* error )
+{
+    if ( fan->mesh->triangle_count >= WISP_MESH_TRIANGLE_CAP )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: more than %d triangles", io_short_name( fan->name ),
+                          WISP_MESH_TRIANGLE_CAP );
+    }
+    int capacity = fan->capacity == 0 ? FIRST_TRIANGLES : 2 * fan->capacity;
+    int32_t* larger = realloc( fan->mesh->triangles, (size_t)capacity * 3 * sizeof *larger );
+    if ( larger == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d triangles", io_short_name( fan->name ),
+                          capacity );
+    }
+    fan->mesh->triangles = larger;
+    fan->capacity = capacity;
+    return WISP_OK;
+}
+
+wisp_status mesh_fan_corner( mesh_fan* fan, int32_t vertex, wisp_error* error )
+{
+    if ( fan->corner_count >= 2 )
+    {
+        wisp_mesh* mesh = fan->mesh;
+        wisp_status status = mesh->triangle_count < fan->capacity ? WISP_OK : grow( fan, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        int32_t* triangle = mesh->triangles + 3 * mesh->triangle_count;
+        triangle[0] = fan->first;
+        triangle[1] = fan->previous;
+        triangle[2] = vertex;
+        ++mesh->triangle_count;
+    }
+    fan->first = fan->corner_count == 0 ? vertex : fan->first;
+    fan->previous = vertex;
+    ++fan->corner_count;
+    return WISP_OK;
+}
+
+void mesh_fan_finish( mesh_fan* fan )
+{
+    size_t size = (size_t)fan->mesh->triangle_count * 3 * sizeof( int32_t );
+    int32_t* exact = size > 0 ? realloc( fan->mesh->triangles, size ) : NULL;
+    fan->mesh->triangles = exact != NULL ? exact : fan->mesh->triangles;
+}
+
+// ---- checks ----------------------------------------------------------------------------------------------------
+
+wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error* error )
+{
+    const float values[] = { p.x, p.y, p.z };
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        if ( !isfinite( values[axis] ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d: %c is %s", io_short_name( name ), v, "xyz"[axis],
+                              isnan( values[axis] ) ? "not a number" : "infinite" );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_sizes( const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    if ( mesh->vertex_count < 1 || mesh->triangle_count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the mesh is empty: %d vertices, %d triangles",
+                          io_short_name( name ), mesh->vertex_count, mesh->triangle_count );
+    }
+    if ( mesh->vertex_count > WISP_MESH_VERTEX_CAP || mesh->triangle_count > WISP_MESH_TRIANGLE_CAP )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: the mesh has %d vertices and %d triangles, more than %d and %d are not accepted",
+                          io_short_name( name ), mesh->vertex_count, mesh->triangle_count, WISP_MESH_VERTEX_CAP,
+                          WISP_MESH_TRIANGLE_CAP );
+    }
+    if ( mesh->points == NULL || mesh->triangles == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the mesh has no %s", io_short_name( name ),
+                          mesh->points == NULL ? "points" : "triangles" );
+    }
+    return WISP_OK;
+}
+
+wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    wisp_status status = check_sizes( mesh, name, error );
+    for ( int v = 0; status == WISP_OK && v < mesh->vertex_count; ++v )
+    {
+        status = mesh_check_vertex( mesh->points[v], v, name, error );
+    }
+    for ( int c = 0; status == WISP_OK && c < 3 * mesh->triangle_count; ++c )
+    {
+        int32_t vertex = mesh->triangles[c];
+        if ( vertex < 0 || vertex >= mesh->vertex_count )
+        {
+            status = wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d names vertex %d of %d",
+                                io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count );
+        }
+    }
+    return status;
+}
+
+// ---- files -----------------------------------------------------------------------------------------------------
+
+typedef wisp_status mesh_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                 wisp_error* error );
+typedef wisp_status mesh_writer( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+
+typedef struct mesh_format
+{
+    const char* extension;
+    mesh_reader* read;
+    mesh_writer* write;
+} mesh_format;
+
+static const mesh_format formats[] = {
+    { ".obj", wisp_mesh_read_obj, mesh_put_obj },
+    { ".ply", wisp_mesh_read_ply, mesh_put_ply },
+};
+
+static const mesh_format* find_format( const char* path )
+{
+    size_t length = strlen( path );
+    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    {
+        size_t tail = strlen( formats[i].extension );
+        if ( length >= tail && strcasecmp( path + length - tail, formats[i].extension ) == 0 )
+        {
+            return &formats[i];
+        }
+    }
+    return NULL;
+}
+
+wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    const mesh_format* format = find_format( path );
+    if ( format == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: the file is called neither .obj nor .ply",
+                          io_short_name( path ) );
+    }
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        status = format->read( bytes, size, path, out, error );
+    }
+    free( bytes );
+    return status;
+}
+
+static wisp_status write_file( const char* path, mesh_writer* write, const wisp_mesh* mesh, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = write( output.stream, mesh, path, error );
+    if ( status != WISP_OK )
+    {
+        io_output_discard( &output );
+        return status;
+    }
+    return io_output_commit( &output, error );
+}
+
+wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_obj, mesh, error );
+}
+
+wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_ply, mesh, error );
+}
+
+wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    const mesh_format* format = find_format( path );
+    if ( format == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: meshes are written as .obj or .ply", io_short_name( path ) );
+    }
+    return write_file( path, format->write, mesh, error );
+}

@@ -1,0 +1,244 @@
+/// Triangle meshes as the user has them: vertices and triangles in the order of the file, never reordered.
+/// Reading, writing, making, examining, repairing and describing them.
+///
+///     format  read  write  what it is
+///     .obj    yes   yes    Wavefront OBJ: positions and faces; everything else is passed over
+///     .ply    yes   yes    Stanford PLY: text, little-endian and big-endian in, little-endian out
+///
+/// Files are untrusted bytes: memory is asked for only after the file is known to be long enough to fill it. Readers
+/// refuse what is malformed, out of range or not finite. A mesh that is well-formed and yet ill (holes, triangles
+/// that are turned over, triangles without area) is read, so that wisp_mesh_examine() can point at it.
+#pragma once
+
+#include <stdio.h>
+
+#include "wisp/base.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+    /// A triangle mesh. Zero-initialised is empty. Arrays belong to the mesh.
+    typedef struct wisp_mesh
+    {
+        wisp_vec3* points;  ///< [vertex_count] m, finite
+        int32_t* triangles; ///< [triangle_count][3] indices into points, counter-clockwise seen from outside
+        int vertex_count;
+        int triangle_count;
+    } wisp_mesh;
+
+    /// Null and a zero mesh are allowed; the mesh is zero afterwards.
+    WISP_API void wisp_mesh_release( wisp_mesh* mesh );
+
+/// Bytes of the longest file that is read.
+#define WISP_MESH_FILE_CAP ( (size_t)1 << 31 )
+
+/// Most vertices and triangles of a mesh that is read or made.
+#define WISP_MESH_VERTEX_CAP ( 1 << 26 )
+#define WISP_MESH_TRIANGLE_CAP ( 1 << 27 )
+
+/// Most corners of a polygon in a file.
+#define WISP_MESH_CORNER_CAP 65536
+
+    // ---- files ----
+
+    /// Read a file; its name decides on the format.
+    /// @param out receives the mesh, to be released by the caller; empty on failure
+    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the sentence names the file, and the line,
+    ///         byte, vertex or face; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
+
+    /// Read the bytes of an OBJ file. A `v` line has 3, 4, 6 or 7 numbers, of which the first three count. Face
+    /// corners are v, v/t, v//n or v/t/n; negative ones count backwards from the last vertex before the line. A
+    /// polygon is cut into a fan around its first corner, which is right for convex ones. Texture and normal indices
+    /// are syntax only. Every other line is passed over.
+    /// @param name what the sentence calls the file
+    WISP_API wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                             wisp_error* error );
+
+    /// Read the bytes of a PLY file: x, y, z of `vertex` and the list vertex_indices or vertex_index of `face`,
+    /// whatever their types; other elements and properties are passed over. In text, a row is a line. Polygons are
+    /// cut into fans as in OBJ. Nothing but white space may follow the last element.
+    /// @param name what the sentence calls the file
+    WISP_API wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                             wisp_error* error );
+
+    /// Write a file in the format of its extension, or in a named one: OBJ with nine digits, which bring every float
+    /// back bit for bit, or little-endian PLY. The old file, if there is one, is replaced only when the new one is
+    /// complete.
+    /// @return WISP_BAD_INPUT the mesh is malformed or not finite, or the extension is unknown; WISP_IO_ERROR;
+    ///         WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error );
+    WISP_API wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error );
+    WISP_API wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error );
+
+    // ---- recipes ----
+
+    typedef enum wisp_mesh_shape
+    {
+        WISP_MESH_PLANE_REGULAR,     ///< every diagonal from (i, j) to (i + 1, j + 1)
+        WISP_MESH_PLANE_ALTERNATING, ///< so where i + j is even, the other diagonal where it is odd
+        WISP_MESH_PLANE_IRREGULAR,   ///< shifted at random, then Delaunay
+        WISP_MESH_ICOSPHERE,         ///< 10 * 4^level + 2 vertices
+        WISP_MESH_UV_SPHERE,
+        WISP_MESH_TORUS,
+        WISP_MESH_CAPSULE, ///< a cylinder along y between two half spheres
+        WISP_MESH_TUBE,    ///< a cylinder along y without ends
+        WISP_MESH_PEAR,    ///< closed, genus 0, no symmetry but one mirror: an icosphere tapered, bent and flattened
+        WISP_MESH_SHAPE_COUNT
+    } wisp_mesh_shape;
+
+    /// A mesh to be made. Fill from wisp_default_mesh_recipe().
+    typedef struct wisp_mesh_recipe
+    {
+        wisp_mesh_shape shape;
+        int columns;         ///< >= 2, vertices of a plane along x
+        int rows;            ///< >= 2, vertices of a plane along z; vertex (i, j) has the number j * columns + i
+        int vertex_count;    ///< irregular plane: how many in all, spread over the rows, each at least 2; 0 is
+                             ///< columns * rows
+        int level;           ///< 0..10, of icosphere and pear
+        int segments;        ///< >= 3, around the axis y of the round shapes
+        int rings;           ///< from pole to pole of a UV sphere (>= 2), from pole to cylinder of a capsule (>= 1),
+                             ///< around the tube of a torus (>= 3)
+        int length_segments; ///< >= 1, along the cylinder of capsule and tube
+        float spacing;       ///< m, > 0, between the vertices of a plane
+        float jitter;        ///< 0..0.2, irregular plane: farthest shift in x and in z, in spacings
+        float radius;      ///< m, > 0, of sphere, capsule and tube, of a torus's centre line, of the pear's icosphere
+        float tube_radius; ///< m, > 0 and < radius, of a torus
+        float length;      ///< m, > 0, of the cylinder of capsule and tube
+        uint64_t seed;     ///< of the shifts
+    } wisp_mesh_recipe;
+
+    /// Planes of 32 x 32 vertices 2 cm apart; round shapes of radius 0.5 m with some thousand triangles.
+    WISP_API wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape );
+
+    /// Make a mesh around the origin. Planes lie in y = 0 and look along +y; closed shapes and the tube look
+    /// outwards. The same recipe gives the same bits on every machine.
+    /// @return WISP_BAD_INPUT the sentence names the recipe's value; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_make( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+
+    // ---- the doctor ----
+
+/// Elements of one kind that a report names; the others are counted.
+#define WISP_MESH_LISTED 8
+
+    /// What is wrong in one way. `first` and `second` are: of an edge its two vertices; of a duplicate the triangle
+    /// and the earlier one that it repeats; of a vertex its number and how many fans meet there; else the number and
+    /// 0.
+    typedef struct wisp_mesh_finding
+    {
+        int count;
+        int first[WISP_MESH_LISTED];
+        int second[WISP_MESH_LISTED];
+    } wisp_mesh_finding;
+
+    /// Triangles that hang together by edges.
+    typedef struct wisp_mesh_shell
+    {
+        int first_triangle; ///< the lowest number
+        int triangle_count;
+        bool closed;     ///< every edge has an even number of triangles, at least two
+        bool consistent; ///< as many triangles run along each edge of two or more one way as the other
+        double area;     ///< m^2
+        double volume;   ///< m^3, negative inside out; 0 unless closed and consistent
+    } wisp_mesh_shell;
+
+    typedef struct wisp_mesh_report
+    {
+        int vertex_count, triangle_count, edge_count;
+        int euler_characteristic; ///< vertices in use - edges + triangles: sphere 2, torus 0, disc 1
+        int border_loop_count;    ///< pieces that the border edges hang together in
+        int shell_count;
+        wisp_mesh_shell shells[WISP_MESH_LISTED]; ///< the first ones
+        bool closed;                              ///< all shells are
+        double area, volume;                      ///< sums over all shells
+        wisp_vec3 lowest, highest;                ///< bounds of all vertices, m
+        double edge_least, edge_mean, edge_most;  ///< m, lengths of edges
+
+        wisp_mesh_finding borders;              ///< edges of one triangle
+        wisp_mesh_finding windings;             ///< edges whose two triangles run along them the same way
+        wisp_mesh_finding inside_out;           ///< closed consistent shells of negative volume
+        wisp_mesh_finding nonmanifold_edges;    ///< edges of three or more triangles
+        wisp_mesh_finding nonmanifold_vertices; ///< vertices where more than one fan of triangles meets
+        wisp_mesh_finding duplicates;           ///< triangles with the vertices of an earlier one, in any order
+        wisp_mesh_finding degenerates;          ///< triangles that name a vertex twice or have no area
+        wisp_mesh_finding loose;                ///< vertices that no triangle names
+    } wisp_mesh_report;
+
+/// A triangle has no area when its height is at most this part of its longest edge: what rounding to floats leaves.
+#define WISP_MESH_FLAT 1e-7
+
+    /// Examine a mesh. Triangles that name a vertex twice count as degenerate and as nothing else. Time grows as the
+    /// number of elements, also for hostile meshes.
+    /// @return WISP_BAD_INPUT the mesh is malformed (an index out of range) or not finite, the sentence names the
+    ///         element; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_report* report, wisp_error* error );
+
+    /// What a user of a mesh may demand of it, or-ed.
+    enum
+    {
+        WISP_MESH_CLOSED = 1,
+        WISP_MESH_ORIENTED = 2, ///< consistent winding, no shell inside out
+        WISP_MESH_MANIFOLD = 4, ///< no edge of three triangles, no vertex of two fans
+        WISP_MESH_CLEAN = 8,    ///< no duplicate, degenerate or loose element
+        WISP_MESH_ONE_SHELL = 16,
+    };
+
+    /// Refuse a mesh that does not meet the demands.
+    /// @param name what the sentence calls the mesh
+    /// @return WISP_BAD_INPUT the sentence names the first element that is wrong
+    WISP_API wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, const char* name,
+                                            wisp_error* error );
+
+    /// What wisp_mesh_repair() may do, or-ed. Done in this order.
+    enum
+    {
+        WISP_MESH_DROP_DEGENERATES = 1,
+        WISP_MESH_DROP_DUPLICATES = 2, ///< the first of equals stays
+        WISP_MESH_TURN_TRIANGLES =
+            4, ///< flood fill over edges of two triangles; closed pieces then look outwards, open
+               ///< ones keep the winding that most of their triangles have
+        WISP_MESH_DROP_LOOSE = 8,
+        WISP_MESH_REPAIR_ALL = 15,
+    };
+
+    /// What was done. Release with wisp_mesh_repairs_release().
+    typedef struct wisp_mesh_repairs
+    {
+        int degenerates_dropped;
+        int duplicates_dropped;
+        int triangles_turned;
+        int loose_dropped;
+        int32_t* kept; ///< [kept_count] number before the repair of each vertex that is left, rising
+        int kept_count;
+    } wisp_mesh_repairs;
+
+    /// Null and zero repairs are allowed; the struct is zero afterwards.
+    WISP_API void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs );
+
+    /// Repair a mesh in place. What stays keeps its order. Dropping a triangle without area may open a border:
+    /// examine again.
+    /// @param repairs receives what was done; empty on failure
+    /// @return WISP_BAD_INPUT malformed, or with WISP_MESH_TURN_TRIANGLES one-sided like a Moebius strip (the
+    ///         sentence names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the
+    ///         mesh is unchanged
+    WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error );
+
+    // ---- words ----
+
+    /// Print what `wisp info` says: figures, then what is wrong, by element.
+    /// @param name what the text calls the mesh
+    WISP_API void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* name );
+
+    /// A sentence for each repair that was done, or one that says that none was needed.
+    WISP_API void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const char* name );
+
+    /// Examine and print.
+    /// @return WISP_BAD_INPUT the mesh is malformed or not finite, which is then the only thing printed;
+    ///         WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name );
+
+#ifdef __cplusplus
+}
+#endif

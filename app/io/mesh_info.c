@@ -1,0 +1,229 @@
+// What the doctor says, in words: `wisp info` for a mesh, refusals, and what a repair has done.
+#include "mesh_internal.h"
+
+#include "io_file.h"
+
+// ---- findings --------------------------------------------------------------------------------------------------
+
+typedef enum element_kind
+{
+    ELEMENT_EDGE,
+    ELEMENT_FANS,
+    ELEMENT_SHELL,
+    ELEMENT_DUPLICATE,
+    ELEMENT_TRIANGLE,
+    ELEMENT_VERTEX,
+} element_kind;
+
+// The kinds of finding, in the order in which they are told, and the demand that each of them breaks.
+typedef struct finding_kind
+{
+    size_t at; // of the finding in a report
+    int demand;
+    element_kind element;
+    const char* title;
+} finding_kind;
+
+static const finding_kind kinds[] = {
+    { offsetof( wisp_mesh_report, borders ), WISP_MESH_CLOSED, ELEMENT_EDGE, "border edges" },
+    { offsetof( wisp_mesh_report, nonmanifold_edges ), WISP_MESH_MANIFOLD, ELEMENT_EDGE,
+      "edges of more than two triangles" },
+    { offsetof( wisp_mesh_report, nonmanifold_vertices ), WISP_MESH_MANIFOLD, ELEMENT_FANS,
+      "vertices where separate fans of triangles meet" },
+    { offsetof( wisp_mesh_report, windings ), WISP_MESH_ORIENTED, ELEMENT_EDGE,
+      "edges along which the winding disagrees" },
+    { offsetof( wisp_mesh_report, inside_out ), WISP_MESH_ORIENTED, ELEMENT_SHELL, "shells turned inside out" },
+    { offsetof( wisp_mesh_report, duplicates ), WISP_MESH_CLEAN, ELEMENT_DUPLICATE, "duplicate triangles" },
+    { offsetof( wisp_mesh_report, degenerates ), WISP_MESH_CLEAN, ELEMENT_TRIANGLE, "triangles without area" },
+    { offsetof( wisp_mesh_report, loose ), WISP_MESH_CLEAN, ELEMENT_VERTEX, "vertices of no triangle" },
+};
+
+static const wisp_mesh_finding* finding_of( const wisp_mesh_report* report, const finding_kind* kind )
+{
+    return (const wisp_mesh_finding*)( (const char*)report + kind->at );
+}
+
+typedef struct element_words
+{
+    char text[80];
+} element_words;
+
+static element_words name_element( const wisp_mesh_finding* finding, element_kind kind, int i )
+{
+    element_words words;
+    int a = finding->first[i], b = finding->second[i];
+    switch ( kind )
+    {
+        case ELEMENT_EDGE:
+            snprintf( words.text, sizeof words.text, "edge of vertices %d and %d", a, b );
+            break;
+        case ELEMENT_FANS:
+            snprintf( words.text, sizeof words.text, "vertex %d, fans %d", a, b );
+            break;
+        case ELEMENT_DUPLICATE:
+            snprintf( words.text, sizeof words.text, "triangle %d, as triangle %d", a, b );
+            break;
+        case ELEMENT_SHELL:
+        case ELEMENT_TRIANGLE:
+        case ELEMENT_VERTEX:
+            snprintf( words.text, sizeof words.text, "%s %d",
+                      kind == ELEMENT_SHELL      ? "shell"
+                      : kind == ELEMENT_TRIANGLE ? "triangle"
+                                                 : "vertex",
+                      a );
+            break;
+    }
+    return words;
+}
+
+wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, const char* name, wisp_error* error )
+{
+    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
+    {
+        const wisp_mesh_finding* finding = finding_of( report, &kinds[k] );
+        if ( ( demands & kinds[k].demand ) != 0 && finding->count > 0 )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: %s: %d, the first is %s", io_short_name( name ),
+                              kinds[k].title, finding->count, name_element( finding, kinds[k].element, 0 ).text );
+        }
+    }
+    if ( ( demands & WISP_MESH_ONE_SHELL ) != 0 && report->shell_count != 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d shells instead of one, the second begins with triangle %d",
+                          io_short_name( name ), report->shell_count, report->shells[1].first_triangle );
+    }
+    return WISP_OK;
+}
+
+// ---- printing --------------------------------------------------------------------------------------------------
+
+static void print_figures( FILE* out, const wisp_mesh_report* r, const char* name )
+{
+    fprintf( out, "%s: %s mesh of triangles\n", name, r->closed ? "closed" : "open" );
+    fprintf( out, "  %-20s %d\n", "vertices", r->vertex_count );
+    fprintf( out, "  %-20s %d\n", "triangles", r->triangle_count );
+    fprintf( out, "  %-20s %d\n", "edges", r->edge_count );
+    fprintf( out, "  %-20s %d\n", "Euler characteristic", r->euler_characteristic );
+    fprintf( out, "  %-20s x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m\n", "bounds", (double)r->lowest.x,
+             (double)r->highest.x, (double)r->lowest.y, (double)r->highest.y, (double)r->lowest.z,
+             (double)r->highest.z );
+    fprintf( out, "  %-20s min %.6g, mean %.6g, max %.6g m\n", "edge length", r->edge_least, r->edge_mean,
+             r->edge_most );
+    fprintf( out, "  %-20s %.6g m^2\n", "area", r->area );
+    if ( r->closed )
+    {
+        fprintf( out, "  %-20s %.6g m^3\n", "volume", r->volume );
+    }
+}
+
+static void print_shells( FILE* out, const wisp_mesh_report* r )
+{
+    fprintf( out, "  %-20s %d\n", "shells", r->shell_count );
+    int listed = r->shell_count < WISP_MESH_LISTED ? r->shell_count : WISP_MESH_LISTED;
+    for ( int s = 0; r->shell_count > 1 && s < listed; ++s )
+    {
+        const wisp_mesh_shell* shell = &r->shells[s];
+        fprintf( out, "    shell %d, from triangle %d: %d triangles, %s, area %.6g m^2", s, shell->first_triangle,
+                 shell->triangle_count, shell->closed ? "closed" : "open", shell->area );
+        if ( shell->closed && shell->consistent )
+        {
+            fprintf( out, ", volume %.6g m^3", shell->volume );
+        }
+        fputc( '\n', out );
+    }
+    if ( r->shell_count > WISP_MESH_LISTED )
+    {
+        fprintf( out, "    and %d more\n", r->shell_count - WISP_MESH_LISTED );
+    }
+}
+
+// A border is no fault of a cloth, so it is told and not blamed.
+static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_kind* kind )
+{
+    const wisp_mesh_finding* finding = finding_of( r, kind );
+    if ( finding->count == 0 )
+    {
+        return;
+    }
+    fprintf( out, "  %s: %s: %d", kind->demand == WISP_MESH_CLOSED ? "open" : "wrong", kind->title, finding->count );
+    if ( kind->demand == WISP_MESH_CLOSED )
+    {
+        fprintf( out, " in %d %s", r->border_loop_count, r->border_loop_count == 1 ? "loop" : "loops" );
+    }
+    fputc( '\n', out );
+    int listed = finding->count < WISP_MESH_LISTED ? finding->count : WISP_MESH_LISTED;
+    for ( int i = 0; i < listed; ++i )
+    {
+        fprintf( out, "    %s\n", name_element( finding, kind->element, i ).text );
+    }
+    if ( finding->count > listed )
+    {
+        fprintf( out, "    and %d more\n", finding->count - listed );
+    }
+}
+
+void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* name )
+{
+    // A host's decimal comma is a matter of looks: where memory fails even for a locale, it is printed.
+    io_numbers numbers = { 0 };
+    wisp_status plain = io_numbers_begin( &numbers, NULL );
+    print_figures( out, report, name );
+    print_shells( out, report );
+    bool found = false;
+    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
+    {
+        found = found || ( finding_of( report, &kinds[k] )->count > 0 && kinds[k].demand != WISP_MESH_CLOSED );
+        print_finding( out, report, &kinds[k] );
+    }
+    if ( !found )
+    {
+        fputs( "  nothing is wrong with it\n", out );
+    }
+    if ( plain == WISP_OK )
+    {
+        io_numbers_end( &numbers );
+    }
+}
+
+wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
+{
+    wisp_mesh_report report;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = wisp_mesh_examine( mesh, &report, &error );
+    if ( status == WISP_OK )
+    {
+        wisp_mesh_print( out, &report, name );
+    }
+    else
+    {
+        fprintf( out, "%s: %s\n", name, error.sentence );
+    }
+    return status;
+}
+
+void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const char* name )
+{
+    const struct
+    {
+        int count;
+        const char *one, *many;
+    } deeds[] = {
+        { repairs->degenerates_dropped, "triangle without area was dropped", "triangles without area were dropped" },
+        { repairs->duplicates_dropped, "duplicate triangle was dropped", "duplicate triangles were dropped" },
+        { repairs->triangles_turned, "triangle was turned over", "triangles were turned over" },
+        { repairs->loose_dropped, "vertex of no triangle was dropped", "vertices of no triangle were dropped" },
+    };
+    bool done = false;
+    for ( int i = 0; i < WISP_COUNT( deeds ); ++i )
+    {
+        if ( deeds[i].count > 0 )
+        {
+            fprintf( out, "%s: %d %s\n", name, deeds[i].count, deeds[i].count == 1 ? deeds[i].one : deeds[i].many );
+            done = true;
+        }
+    }
+    if ( !done )
+    {
+        fprintf( out, "%s: nothing had to be repaired\n", name );
+    }
+}

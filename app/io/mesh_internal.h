@@ -1,0 +1,162 @@
+/// What the mesh files share and nobody else sees.
+#pragma once
+
+#include "mesh.h"
+
+#ifdef __cplusplus
+extern "C"
+{
+#endif
+
+    // ---- mesh.c: memory and checks ----
+
+    /// Allocate the arrays, contents undefined.
+    /// @return WISP_NO_MEMORY and an empty mesh
+    wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count, const char* name,
+                               wisp_error* error );
+
+    /// Malformed or not finite: what no reader lets through and what writers and the doctor refuse.
+    wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error );
+
+    /// The first coordinate of vertex v that is not finite, as a sentence.
+    wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error* error );
+
+    /// The writers behind the paths.
+    wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+    wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+
+    // ---- mesh.c: triangles that arrive one by one ----
+
+    /// A polygon becomes a fan around its first corner while its corners arrive; memory grows with what came.
+    typedef struct mesh_fan
+    {
+        wisp_mesh* mesh;  ///< receives the triangles
+        const char* name; ///< what sentences call the file
+        int capacity;     ///< triangles that there is room for
+        int corner_count; ///< of the polygon at hand
+        int32_t first, previous;
+    } mesh_fan;
+
+    /// @return WISP_BAD_INPUT more than WISP_MESH_TRIANGLE_CAP; WISP_NO_MEMORY
+    wisp_status mesh_fan_corner( mesh_fan* fan, int32_t vertex, wisp_error* error );
+
+    /// Give back what room is left over.
+    void mesh_fan_finish( mesh_fan* fan );
+
+    // ---- mesh_text.c: text of untrusted files ----
+
+    /// A piece of text, not zero-terminated.
+    typedef struct mesh_word
+    {
+        const char* text;
+        size_t length;
+    } mesh_word;
+
+    /// The next word of a line and the rest behind it; words are parted by spaces and tabs.
+    mesh_word mesh_next_word( mesh_word* line );
+
+    /// The next line without its end, which is \n, \r or \r\n; false at the end of the text.
+    bool mesh_next_line( mesh_word* rest, mesh_word* line );
+
+    bool mesh_word_is( mesh_word word, const char* expected );
+
+    /// [+-] digits [. digits] [e [+-] digits], with a digit before or behind the point, at most four in the exponent.
+    bool mesh_word_is_number( mesh_word word );
+
+    /// [+-] digits, within int32_t.
+    bool mesh_word_is_integer( mesh_word word, int32_t* value );
+
+    /// A word for a sentence: at most 24 characters, none of which a terminal takes for a command.
+    typedef struct mesh_quote
+    {
+        char text[32];
+    } mesh_quote;
+
+    mesh_quote mesh_quote_word( mesh_word word );
+
+    // ---- mesh_obj.cc: the one file that knows tinyobjloader ----
+
+    /// Lines in, vertices and faces out.
+    typedef struct mesh_obj_feed
+    {
+        void* user;
+        bool ( *next_line )( void* user, const char** text, size_t* length ); ///< without its end; false: no more
+        bool ( *vertex )( void* user, wisp_vec3 point );                      ///< false stops
+        bool ( *corner )( void* user, int number, bool last );                ///< as in the file; false stops
+    } mesh_obj_feed;
+
+    /// @return WISP_BAD_INPUT the library refused; WISP_NO_MEMORY; WISP_OK also when a callback stopped it
+    wisp_status mesh_obj_parse( const mesh_obj_feed* feed, const char* name, wisp_error* error );
+
+    // ---- mesh_edges.c: who is whose neighbour ----
+
+    /// Half-edge 3 * t + k runs from corner k of triangle t to the next. Triangles that name a vertex twice have
+    /// none.
+    typedef struct mesh_edges
+    {
+        int half_count;  ///< entries of half
+        int edge_count;  ///< runs
+        int32_t* half;   ///< [half_count] half-edges, those of one edge side by side, lowest first
+        int32_t* starts; ///< [edge_count + 1] where each edge begins in `half`; edges by lower, then higher vertex
+    } mesh_edges;
+
+    /// @return WISP_NO_MEMORY
+    wisp_status mesh_edges_build( const wisp_mesh* mesh, mesh_edges* edges, wisp_error* error );
+    void mesh_edges_release( mesh_edges* edges );
+
+    static inline int32_t mesh_from( const wisp_mesh* mesh, int32_t half )
+    {
+        return mesh->triangles[half];
+    }
+
+    static inline int32_t mesh_next_half( int32_t half )
+    {
+        return half % 3 == 2 ? half - 2 : half + 1;
+    }
+
+    static inline int32_t mesh_to( const wisp_mesh* mesh, int32_t half )
+    {
+        return mesh->triangles[mesh_next_half( half )];
+    }
+
+    /// Whether triangle t names a vertex twice.
+    bool mesh_names_twice( const wisp_mesh* mesh, int t );
+
+    /// Whether triangle t names a vertex twice or has no area.
+    bool mesh_is_degenerate( const wisp_mesh* mesh, int t );
+
+    /// first_of[t] becomes the lowest triangle with the same vertices as t, t itself as a rule.
+    /// @param skip [triangle_count] triangles to leave out, whose first_of is their own number; null skips none
+    /// @return WISP_NO_MEMORY
+    wisp_status mesh_find_duplicates( const wisp_mesh* mesh, const bool* skip, int32_t* first_of, wisp_error* error );
+
+    /// Sets that merge. The lowest member stands for its set.
+    int32_t* mesh_sets_make( int count );
+    int32_t mesh_sets_find( int32_t* sets, int32_t member );
+    void mesh_sets_merge( int32_t* sets, int32_t a, int32_t b );
+
+    /// Twice the area's vector of a triangle, in double precision: finite for all finite floats.
+    typedef struct mesh_vector
+    {
+        double x, y, z;
+    } mesh_vector;
+
+    mesh_vector mesh_between( wisp_vec3 from, wisp_vec3 to );
+    mesh_vector mesh_cross( mesh_vector a, mesh_vector b );
+    double mesh_dot( mesh_vector a, mesh_vector b );
+
+    // ---- mesh_make_*.c: shapes ----
+
+    /// All take a recipe that was checked.
+    wisp_status mesh_make_plane( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_make_irregular( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_make_icosphere( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_make_turned( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+
+    /// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry
+    /// says so, on the unit circle to double precision.
+    void mesh_turn( int part, int whole, double* cosine, double* sine );
+
+#ifdef __cplusplus
+}
+#endif

@@ -1,0 +1,255 @@
+// Recipes: what may be asked for, and the planes that are grids. Only + - * /, square roots, the engine's own sine
+// and counter-based random numbers: the same recipe gives the same bits with every compiler and C library.
+#include "mesh_internal.h"
+
+#include <math.h>
+
+#include "trig.h"
+
+enum
+{
+    MOST_LEVEL = 10,
+};
+
+static const float LARGEST_SIZE = 1e6f;   // m, as far as a groom may reach
+static const float SMALLEST_SIZE = 1e-6f; // m
+static const float MOST_JITTER = 0.2f;    // more can turn a triangle over before the flips begin
+
+wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape )
+{
+    bool is_torus = shape == WISP_MESH_TORUS;
+    return ( wisp_mesh_recipe ){
+        .shape = shape,
+        .columns = 32,
+        .rows = 32,
+        .level = 4,
+        .segments = is_torus ? 64 : 48,
+        .rings = is_torus                     ? 32
+                 : shape == WISP_MESH_CAPSULE ? 12
+                                              : 24,
+        .length_segments = 24,
+        .spacing = 0.02f,
+        .jitter = 0.2f,
+        .radius = 0.5f,
+        .tube_radius = 0.2f,
+        .length = 1.0f,
+        .seed = 1,
+    };
+}
+
+// ---- the recipe ------------------------------------------------------------------------------------------------
+
+static wisp_status check_shape( const wisp_mesh_recipe* r, wisp_error* error )
+{
+    int shape = (int)r->shape;
+    return shape >= 0 && shape < WISP_MESH_SHAPE_COUNT
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: shape %d is not in 0 .. %d", shape,
+                            WISP_MESH_SHAPE_COUNT - 1 );
+}
+
+static bool is_plane( const wisp_mesh_recipe* r )
+{
+    return r->shape == WISP_MESH_PLANE_REGULAR || r->shape == WISP_MESH_PLANE_ALTERNATING ||
+           r->shape == WISP_MESH_PLANE_IRREGULAR;
+}
+
+static bool has_level( const wisp_mesh_recipe* r )
+{
+    return r->shape == WISP_MESH_ICOSPHERE || r->shape == WISP_MESH_PEAR;
+}
+
+static bool has_length( const wisp_mesh_recipe* r )
+{
+    return r->shape == WISP_MESH_CAPSULE || r->shape == WISP_MESH_TUBE;
+}
+
+static wisp_status check_counts( const wisp_mesh_recipe* r, wisp_error* error )
+{
+    bool plane = is_plane( r ), turned = !plane && !has_level( r ), irregular = r->shape == WISP_MESH_PLANE_IRREGULAR;
+    int least_rings = r->shape == WISP_MESH_TORUS ? 3 : r->shape == WISP_MESH_UV_SPHERE ? 2 : 1;
+    const struct
+    {
+        const char* name;
+        bool used;
+        int value, least, most;
+    } values[] = {
+        { "columns", plane, r->columns, 2, WISP_MESH_VERTEX_CAP },
+        { "rows", plane, r->rows, 2, WISP_MESH_VERTEX_CAP },
+        { "vertex count", irregular && r->vertex_count != 0, r->vertex_count, 4, WISP_MESH_VERTEX_CAP },
+        { "level", has_level( r ), r->level, 0, MOST_LEVEL },
+        { "segments", turned, r->segments, 3, WISP_MESH_VERTEX_CAP },
+        { "rings", turned && r->shape != WISP_MESH_TUBE, r->rings, least_rings, WISP_MESH_VERTEX_CAP },
+        { "length segments", has_length( r ), r->length_segments, 1, WISP_MESH_VERTEX_CAP },
+    };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        if ( values[i].used && ( values[i].value < values[i].least || values[i].value > values[i].most ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %s is %d and must be in %d .. %d", values[i].name,
+                              values[i].value, values[i].least, values[i].most );
+        }
+    }
+    return WISP_OK;
+}
+
+// Products of counts that were checked one by one fit 64 bits.
+static wisp_status check_product( const wisp_mesh_recipe* r, wisp_error* error )
+{
+    int64_t across = is_plane( r ) ? r->columns : r->segments;
+    int64_t along = is_plane( r ) ? r->rows : r->rings;
+    along += r->shape == WISP_MESH_CAPSULE ? (int64_t)r->rings + r->length_segments : 0;
+    along = r->shape == WISP_MESH_TUBE ? (int64_t)r->length_segments + 1 : along;
+    if ( !has_level( r ) && across * along > WISP_MESH_VERTEX_CAP )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %lld times %lld vertices, more than %d",
+                          (long long)across, (long long)along, WISP_MESH_VERTEX_CAP );
+    }
+    // Every row of an irregular plane keeps its two corners or border vertices.
+    if ( r->shape == WISP_MESH_PLANE_IRREGULAR && r->vertex_count != 0 &&
+         ( r->vertex_count / r->rows < 2 || r->vertex_count > 2 * (int64_t)r->columns * r->rows ||
+           2 * (int64_t)r->vertex_count < (int64_t)r->columns * r->rows ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "mesh recipe: vertex count is %d, which is not within twice and half of %d columns times "
+                          "%d rows",
+                          r->vertex_count, r->columns, r->rows );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_sizes( const wisp_mesh_recipe* r, wisp_error* error )
+{
+    bool torus = r->shape == WISP_MESH_TORUS;
+    const struct
+    {
+        const char* name;
+        bool used;
+        float value, least, most;
+    } values[] = {
+        { "spacing", is_plane( r ), r->spacing, SMALLEST_SIZE, LARGEST_SIZE },
+        { "jitter", r->shape == WISP_MESH_PLANE_IRREGULAR, r->jitter, 0.0f, MOST_JITTER },
+        { "radius", !is_plane( r ), r->radius, SMALLEST_SIZE, LARGEST_SIZE },
+        { "tube radius", torus, r->tube_radius, SMALLEST_SIZE, 0.999f * r->radius },
+        { "length", has_length( r ), r->length, SMALLEST_SIZE, LARGEST_SIZE },
+    };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        // Written so that NaN fails.
+        if ( values[i].used && !( values[i].value >= values[i].least && values[i].value <= values[i].most ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %s is %g and must be in %g .. %g", values[i].name,
+                              (double)values[i].value, (double)values[i].least, (double)values[i].most );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- planes ----------------------------------------------------------------------------------------------------
+
+static void put_cell( int32_t* t, int32_t corner, int32_t columns, bool other_diagonal )
+{
+    // Two corners of each of two rows; counter-clockwise seen from above, where y points at the eye.
+    int32_t a = corner, b = corner + 1, c = corner + columns, d = corner + columns + 1;
+    const int32_t first[] = { a, c, d, a, d, b };
+    const int32_t second[] = { a, c, b, b, c, d };
+    for ( int i = 0; i < 6; ++i )
+    {
+        t[i] = other_diagonal ? second[i] : first[i];
+    }
+}
+
+wisp_status mesh_make_plane( const wisp_mesh_recipe* r, wisp_mesh* out, wisp_error* error )
+{
+    int columns = r->columns, rows = r->rows;
+    wisp_status status =
+        mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh recipe", error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    int32_t* t = out->triangles;
+    for ( int j = 0; j < rows; ++j )
+    {
+        for ( int i = 0; i < columns; ++i )
+        {
+            out->points[j * columns + i] = ( wisp_vec3 ){
+                .x = (float)( ( i - 0.5 * ( columns - 1 ) ) * (double)r->spacing ),
+                .z = (float)( ( j - 0.5 * ( rows - 1 ) ) * (double)r->spacing ),
+            };
+        }
+        for ( int i = 0; i + 1 < columns && j + 1 < rows; ++i, t += 6 )
+        {
+            bool other = r->shape == WISP_MESH_PLANE_ALTERNATING && ( ( i + j ) & 1 ) != 0;
+            put_cell( t, j * columns + i, columns, other );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- turns -----------------------------------------------------------------------------------------------------
+
+void mesh_turn( int part, int whole, double* cosine, double* sine )
+{
+    // Down to an eighth of a turn in whole numbers, so that opposite and mirrored points are so exactly.
+    int64_t quarters = 4 * (int64_t)part, quarter = quarters / whole, rest = quarters % whole;
+    bool mirrored = 2 * rest > whole;
+    int64_t small = mirrored ? whole - rest : rest;
+    float s, c;
+    trig_sincos( (float)( 1.5707963267948966 * (double)small / (double)whole ), &s, &c );
+    // The engine's sine is good to seven digits; the circle shall be round to sixteen.
+    double length = sqrt( (double)c * (double)c + (double)s * (double)s );
+    double x = ( mirrored ? (double)s : (double)c ) / length, y = ( mirrored ? (double)c : (double)s ) / length;
+    if ( 2 * small == whole )
+    {
+        x = y = sqrt( 0.5 );
+    }
+    switch ( quarter & 3 )
+    {
+        case 0:
+            *cosine = x, *sine = y;
+            break;
+        case 1:
+            *cosine = -y, *sine = x;
+            break;
+        case 2:
+            *cosine = -x, *sine = -y;
+            break;
+        default:
+            *cosine = y, *sine = -x;
+            break;
+    }
+}
+
+// ---- the whole -------------------------------------------------------------------------------------------------
+
+wisp_status wisp_mesh_make( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    wisp_status status = check_shape( recipe, error );
+    if ( status == WISP_OK )
+    {
+        status = check_counts( recipe, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_product( recipe, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_sizes( recipe, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( recipe->shape == WISP_MESH_PLANE_IRREGULAR )
+    {
+        return mesh_make_irregular( recipe, out, error );
+    }
+    if ( is_plane( recipe ) )
+    {
+        return mesh_make_plane( recipe, out, error );
+    }
+    return has_level( recipe ) ? mesh_make_icosphere( recipe, out, error ) : mesh_make_turned( recipe, out, error );
+}

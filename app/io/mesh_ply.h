@@ -1,0 +1,79 @@
+/// What a PLY header says. Shared by the two files that read PLY.
+#pragma once
+
+#include "mesh_internal.h"
+
+enum
+{
+    PLY_MOST_ELEMENTS = 32,
+    PLY_MOST_PROPERTIES = 256, // of all elements together
+    PLY_NAME_ROOM = 32,
+};
+
+typedef enum ply_encoding
+{
+    PLY_TEXT,
+    PLY_LITTLE,
+    PLY_BIG,
+} ply_encoding;
+
+typedef enum ply_type
+{
+    PLY_NONE,
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT,
+    PLY_DOUBLE,
+} ply_type;
+
+/// What a property is to a mesh.
+typedef enum ply_role
+{
+    PLY_X,
+    PLY_Y,
+    PLY_Z,
+    PLY_CORNERS,
+    PLY_PASSED_OVER,
+} ply_role;
+
+typedef struct ply_property
+{
+    ply_type count_type; ///< PLY_NONE unless it is a list
+    ply_type type;
+    ply_role role;
+    char name[PLY_NAME_ROOM]; ///< cut if longer
+} ply_property;
+
+typedef struct ply_element
+{
+    int64_t count;
+    int first_property, property_count;
+    char name[PLY_NAME_ROOM];
+} ply_element;
+
+typedef struct ply_header
+{
+    const char* name; ///< what sentences call the file
+    ply_encoding encoding;
+    int element_count, property_count;
+    ply_element elements[PLY_MOST_ELEMENTS];
+    ply_property properties[PLY_MOST_PROPERTIES];
+    int vertex_element, face_element;
+    int line_count; ///< of the header
+    size_t size;    ///< bytes of the header; the first row begins here
+} ply_header;
+
+/// Bytes of a binary value.
+int ply_width( ply_type type );
+
+/// Read and check a header: one element `vertex` with scalars x, y and z, one element `face` with a list of corners.
+wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header* header, wisp_error* error );
+
+/// Read the rows behind a header.
+/// @param out empty; what it holds on failure is the caller's to release
+wisp_status ply_read_rows( const ply_header* header, const unsigned char* bytes, size_t size, wisp_mesh* out,
+                           wisp_error* error );

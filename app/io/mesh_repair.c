@@ -1,0 +1,390 @@
+// Repairs, on a copy: the mesh changes only when everything has succeeded.
+#include "mesh_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "io_file.h"
+
+enum
+{
+    UNSEEN = -1,
+};
+
+// ---- dropping triangles ----------------------------------------------------------------------------------------
+
+static wisp_status find_dropped( const wisp_mesh* mesh, int what, bool* drop, int32_t* first_of,
+                                 wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        drop[t] = ( what & WISP_MESH_DROP_DEGENERATES ) != 0 && mesh_is_degenerate( mesh, t );
+        repairs->degenerates_dropped += drop[t];
+        // Without the first repair a triangle that names a vertex twice stays; it is no duplicate of anything.
+        first_of[t] = t;
+    }
+    if ( ( what & WISP_MESH_DROP_DUPLICATES ) == 0 )
+    {
+        return WISP_OK;
+    }
+    bool* skip = malloc( (size_t)mesh->triangle_count * sizeof *skip );
+    if ( skip == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare %d triangles", mesh->triangle_count );
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        skip[t] = drop[t] || mesh_names_twice( mesh, t );
+    }
+    wisp_status status = mesh_find_duplicates( mesh, skip, first_of, error );
+    for ( int t = 0; status == WISP_OK && t < mesh->triangle_count; ++t )
+    {
+        repairs->duplicates_dropped += first_of[t] != t;
+        drop[t] = drop[t] || first_of[t] != t;
+    }
+    free( skip );
+    return status;
+}
+
+static wisp_status drop_triangles( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    size_t count = (size_t)mesh->triangle_count;
+    bool* drop = malloc( count * sizeof *drop );
+    int32_t* first_of = malloc( count * sizeof *first_of );
+    wisp_status status = WISP_OK;
+    if ( drop == NULL || first_of == NULL )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to repair %d triangles", mesh->triangle_count );
+    }
+    else
+    {
+        status = find_dropped( mesh, what, drop, first_of, repairs, error );
+    }
+    int kept = 0;
+    for ( size_t t = 0; status == WISP_OK && t < count; ++t )
+    {
+        memmove( mesh->triangles + 3 * kept, mesh->triangles + 3 * t, 3 * sizeof( int32_t ) );
+        kept += !drop[t];
+    }
+    free( drop );
+    free( first_of );
+    if ( status == WISP_OK && kept == 0 )
+    {
+        status =
+            wisp_fail( error, WISP_BAD_INPUT, "mesh: none of the %d triangles would be left", mesh->triangle_count );
+    }
+    mesh->triangle_count = status == WISP_OK ? kept : mesh->triangle_count;
+    return status;
+}
+
+// ---- turning triangles -----------------------------------------------------------------------------------------
+
+typedef struct flood
+{
+    wisp_mesh* mesh;
+    mesh_edges edges;
+    int32_t* twin;  // [3 * triangle_count] the half-edge across an edge of two triangles, else UNSEEN
+    int32_t* piece; // [triangle_count] first triangle of the piece that it belongs to
+    int32_t* queue; // [triangle_count] triangles, piece after piece
+    bool* turned;   // [triangle_count] against how it came
+    bool* open;     // [triangle_count] of a piece's first triangle: its edges do not close it
+    bool* odd;      // [triangle_count] scratch
+} flood;
+
+static void find_twins( flood* f )
+{
+    const mesh_edges* edges = &f->edges;
+    for ( int h = 0; h < 3 * f->mesh->triangle_count; ++h )
+    {
+        f->twin[h] = UNSEEN;
+    }
+    for ( int e = 0; e < edges->edge_count; ++e )
+    {
+        int begin = edges->starts[e];
+        if ( edges->starts[e + 1] - begin == 2 )
+        {
+            f->twin[edges->half[begin]] = edges->half[begin + 1];
+            f->twin[edges->half[begin + 1]] = edges->half[begin];
+        }
+    }
+}
+
+// Carries the winding of triangle t over its edge. Two neighbours agree when they run along their edge in opposite
+// directions, or one of them will be turned and they run the same way.
+static wisp_status carry_over( flood* f, int32_t half, int* queued, wisp_error* error )
+{
+    int t = half / 3;
+    int32_t twin = f->twin[half];
+    if ( twin == UNSEEN )
+    {
+        return WISP_OK;
+    }
+    int other = twin / 3;
+    bool same_way = mesh_from( f->mesh, half ) == mesh_from( f->mesh, twin );
+    bool turn = f->turned[t] != same_way;
+    if ( f->piece[other] == UNSEEN )
+    {
+        f->piece[other] = f->piece[t];
+        f->turned[other] = turn;
+        f->queue[( *queued )++] = other;
+    }
+    else if ( f->turned[other] != turn )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "mesh: one-sided: triangles %d and %d cannot agree along the edge of vertices %d and %d", t,
+                          other, mesh_from( f->mesh, half ), mesh_to( f->mesh, half ) );
+    }
+    return WISP_OK;
+}
+
+// One piece, from its lowest triangle on. Its triangles end up in queue[begin .. *queued - 1].
+static wisp_status fill_piece( flood* f, int first, int* queued, wisp_error* error )
+{
+    int begin = *queued;
+    f->piece[first] = first;
+    f->queue[( *queued )++] = first;
+    wisp_status status = WISP_OK;
+    for ( int q = begin; status == WISP_OK && q < *queued; ++q )
+    {
+        for ( int k = 0; status == WISP_OK && k < 3; ++k )
+        {
+            status = carry_over( f, 3 * f->queue[q] + k, queued, error );
+        }
+    }
+    return status;
+}
+
+// A piece is closed when it has an even number of triangles along each edge, and its own at that: two cubes that
+// share an edge are two closed pieces.
+static void find_open_pieces( flood* f )
+{
+    const mesh_edges* edges = &f->edges;
+    for ( int e = 0; e < edges->edge_count; ++e )
+    {
+        int begin = edges->starts[e], end = edges->starts[e + 1];
+        for ( int i = begin; i < end; ++i )
+        {
+            bool* odd = &f->odd[f->piece[edges->half[i] / 3]];
+            *odd = !*odd;
+        }
+        for ( int i = begin; i < end; ++i )
+        {
+            int32_t piece = f->piece[edges->half[i] / 3];
+            f->open[piece] = f->open[piece] || f->odd[piece];
+        }
+        for ( int i = begin; i < end; ++i )
+        {
+            f->odd[f->piece[edges->half[i] / 3]] = false;
+        }
+    }
+}
+
+// Six times the volume behind a piece once its triangles are turned.
+static double signed_volume( const flood* f, int begin, int end )
+{
+    const wisp_vec3* points = f->mesh->points;
+    wisp_vec3 tip = points[f->mesh->triangles[3 * f->queue[begin]]];
+    double sum = 0.0;
+    for ( int q = begin; q < end; ++q )
+    {
+        const int32_t* c = f->mesh->triangles + 3 * f->queue[q];
+        mesh_vector a = mesh_between( tip, points[c[0]] );
+        mesh_vector normal =
+            mesh_cross( mesh_between( points[c[0]], points[c[1]] ), mesh_between( points[c[0]], points[c[2]] ) );
+        sum += mesh_dot( a, normal ) * ( f->turned[f->queue[q]] ? -1.0 : 1.0 );
+    }
+    return sum;
+}
+
+// Which of the two windings a piece gets: outwards if it is closed, else the one that turns fewer triangles.
+static void choose_side( flood* f, int begin, int end )
+{
+    int turned = 0;
+    for ( int q = begin; q < end; ++q )
+    {
+        turned += f->turned[f->queue[q]];
+    }
+    bool wrong = f->open[f->queue[begin]] ? 2 * (int64_t)turned > end - begin : signed_volume( f, begin, end ) < 0.0;
+    for ( int q = begin; wrong && q < end; ++q )
+    {
+        f->turned[f->queue[q]] = !f->turned[f->queue[q]];
+    }
+}
+
+static wisp_status fill( flood* f, wisp_error* error )
+{
+    find_twins( f );
+    int queued = 0;
+    for ( int t = 0; t < f->mesh->triangle_count; ++t )
+    {
+        f->piece[t] = UNSEEN;
+    }
+    for ( int t = 0; t < f->mesh->triangle_count; ++t )
+    {
+        wisp_status status = f->piece[t] == UNSEEN ? fill_piece( f, t, &queued, error ) : WISP_OK;
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+    }
+    find_open_pieces( f );
+    for ( int begin = 0, end = 0; begin < queued; begin = end )
+    {
+        int32_t piece = f->piece[f->queue[begin]];
+        while ( end < queued && f->piece[f->queue[end]] == piece )
+        {
+            ++end;
+        }
+        choose_side( f, begin, end );
+    }
+    return WISP_OK;
+}
+
+// The first corner stays where it is, so that a turned triangle still begins with the vertex that its user knows.
+static void turn_triangles( flood* f, wisp_mesh_repairs* repairs )
+{
+    for ( int t = 0; t < f->mesh->triangle_count; ++t )
+    {
+        int32_t* c = f->mesh->triangles + 3 * t;
+        if ( f->turned[t] )
+        {
+            int32_t second = c[1];
+            c[1] = c[2];
+            c[2] = second;
+            ++repairs->triangles_turned;
+        }
+    }
+}
+
+static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    size_t count = (size_t)mesh->triangle_count;
+    flood f = { .mesh = mesh };
+    f.twin = malloc( 3 * count * sizeof *f.twin );
+    f.piece = malloc( count * sizeof *f.piece );
+    f.queue = malloc( count * sizeof *f.queue );
+    f.turned = calloc( count, sizeof *f.turned );
+    f.open = calloc( count, sizeof *f.open );
+    f.odd = calloc( count, sizeof *f.odd );
+    wisp_status status = mesh_edges_build( mesh, &f.edges, error );
+    if ( status == WISP_OK && ( f.twin == NULL || f.piece == NULL || f.queue == NULL || f.turned == NULL ||
+                                f.open == NULL || f.odd == NULL ) )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to repair %d triangles", mesh->triangle_count );
+    }
+    if ( status == WISP_OK )
+    {
+        status = fill( &f, error );
+    }
+    if ( status == WISP_OK )
+    {
+        turn_triangles( &f, repairs );
+    }
+    mesh_edges_release( &f.edges );
+    free( f.twin );
+    free( f.piece );
+    free( f.queue );
+    free( f.turned );
+    free( f.open );
+    free( f.odd );
+    return status;
+}
+
+// ---- dropping vertices -----------------------------------------------------------------------------------------
+
+// Fills repairs->kept; new_number[v] is where a vertex goes, or UNSEEN.
+static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_number, wisp_mesh_repairs* repairs )
+{
+    bool keep_all = ( what & WISP_MESH_DROP_LOOSE ) == 0;
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        new_number[v] = keep_all ? v : UNSEEN;
+    }
+    for ( int c = 0; c < 3 * mesh->triangle_count; ++c )
+    {
+        new_number[mesh->triangles[c]] = mesh->triangles[c];
+    }
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        if ( new_number[v] != UNSEEN )
+        {
+            repairs->kept[repairs->kept_count] = v;
+            new_number[v] = repairs->kept_count++;
+        }
+    }
+    repairs->loose_dropped = mesh->vertex_count - repairs->kept_count;
+}
+
+static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    size_t size = (size_t)mesh->vertex_count * sizeof( int32_t );
+    int32_t* new_number = malloc( size );
+    repairs->kept = malloc( size );
+    if ( new_number == NULL || repairs->kept == NULL )
+    {
+        free( new_number );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to number %d vertices", mesh->vertex_count );
+    }
+    number_vertices( mesh, what, new_number, repairs );
+    for ( int c = 0; c < 3 * mesh->triangle_count; ++c )
+    {
+        mesh->triangles[c] = new_number[mesh->triangles[c]];
+    }
+    for ( int v = 0; v < repairs->kept_count; ++v )
+    {
+        mesh->points[v] = mesh->points[repairs->kept[v]];
+    }
+    mesh->vertex_count = repairs->kept_count;
+    free( new_number );
+    return WISP_OK;
+}
+
+// ---- the whole -------------------------------------------------------------------------------------------------
+
+void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs )
+{
+    if ( repairs != NULL )
+    {
+        free( repairs->kept );
+        *repairs = ( wisp_mesh_repairs ){ 0 };
+    }
+}
+
+static wisp_status repair_copy( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    wisp_status status = drop_triangles( mesh, what, repairs, error );
+    if ( status == WISP_OK && ( what & WISP_MESH_TURN_TRIANGLES ) != 0 )
+    {
+        status = repair_winding( mesh, repairs, error );
+    }
+    return status == WISP_OK ? drop_vertices( mesh, what, repairs, error ) : status;
+}
+
+wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    *repairs = ( wisp_mesh_repairs ){ 0 };
+    wisp_mesh copy = { 0 };
+    wisp_status status = mesh_check( mesh, "mesh", error );
+    if ( status == WISP_OK )
+    {
+        status = mesh_allocate( &copy, mesh->vertex_count, mesh->triangle_count, "mesh", error );
+    }
+    if ( status == WISP_OK )
+    {
+        memcpy( copy.points, mesh->points, (size_t)mesh->vertex_count * sizeof *copy.points );
+        memcpy( copy.triangles, mesh->triangles, (size_t)mesh->triangle_count * 3 * sizeof *copy.triangles );
+        status = repair_copy( &copy, what, repairs, error );
+    }
+    if ( status == WISP_OK )
+    {
+        wisp_mesh old = *mesh;
+        *mesh = copy;
+        copy = old;
+    }
+    else
+    {
+        wisp_mesh_repairs_release( repairs );
+    }
+    wisp_mesh_release( &copy );
+    return status;
+}

@@ -1,0 +1,82 @@
+// Meshes out: OBJ for people and modellers, little-endian PLY for size and speed.
+#include "mesh_internal.h"
+
+#include <string.h>
+
+#include "io_file.h"
+
+wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    wisp_status status = mesh_check( mesh, name, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    io_numbers numbers;
+    status = io_numbers_begin( &numbers, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fprintf( out, "# Wisp %s: %d vertices, %d triangles, metres\n", WISP_VERSION_STRING, mesh->vertex_count,
+             mesh->triangle_count );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        wisp_vec3 p = mesh->points[v];
+        // Nine digits bring every float back bit for bit.
+        fprintf( out, "v %.9g %.9g %.9g\n", (double)p.x, (double)p.y, (double)p.z );
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int32_t* triangle = mesh->triangles + 3 * t;
+        fprintf( out, "f %d %d %d\n", triangle[0] + 1, triangle[1] + 1, triangle[2] + 1 );
+    }
+    io_numbers_end( &numbers );
+    return WISP_OK;
+}
+
+// Bytes are put one by one: the machine that writes may be big-endian.
+static unsigned char* put_u32( unsigned char* bytes, uint32_t value )
+{
+    for ( int i = 0; i < 4; ++i )
+    {
+        bytes[i] = (unsigned char)( value >> 8 * i & 255 );
+    }
+    return bytes + 4;
+}
+
+static unsigned char* put_float( unsigned char* bytes, float value )
+{
+    uint32_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    return put_u32( bytes, bits );
+}
+
+wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
+{
+    wisp_status status = mesh_check( mesh, name, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fprintf( out,
+             "ply\nformat binary_little_endian 1.0\ncomment Wisp %s, metres\n"
+             "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
+             WISP_VERSION_STRING, mesh->vertex_count, mesh->triangle_count );
+    unsigned char row[13];
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        wisp_vec3 p = mesh->points[v];
+        put_float( put_float( put_float( row, p.x ), p.y ), p.z );
+        fwrite( row, 1, 12, out );
+    }
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int32_t* triangle = mesh->triangles + 3 * t;
+        row[0] = 3;
+        put_u32( put_u32( put_u32( row + 1, (uint32_t)triangle[0] ), (uint32_t)triangle[1] ), (uint32_t)triangle[2] );
+        fwrite( row, 1, sizeof row, out );
+    }
+    return WISP_OK;
+}

@@ -1,0 +1,204 @@
+// The recorder: bodies and frames are checked here, so that formats only write.
+#include "record_internal.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+
+// ---- sentences -------------------------------------------------------------------------------------------------
+
+wisp_status record_no_memory( const char* name, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the recording", io_short_name( name ) );
+}
+
+wisp_status record_refused( const char* path, const char* what, wisp_error* error )
+{
+    return wisp_fail( error, WISP_IO_ERROR, "%s: cannot %s: %s", io_short_name( path ), what,
+                      errno != 0 ? strerror( errno ) : "an earlier write failed" );
+}
+
+// ---- paths -----------------------------------------------------------------------------------------------------
+
+size_t record_stem_length( const char* path )
+{
+    const char* slash = strrchr( path, '/' );
+    const char* name = slash == NULL ? path : slash + 1;
+    const char* dot = strrchr( name, '.' );
+    return dot == NULL || dot == name ? strlen( path ) : (size_t)( dot - path );
+}
+
+char* record_path_with( const char* path, const char* insert )
+{
+    size_t stem = record_stem_length( path );
+    size_t room = strlen( path ) + strlen( insert ) + 1;
+    char* result = malloc( room );
+    if ( result != NULL )
+    {
+        snprintf( result, room, "%.*s%s%s", (int)stem, path, insert, path + stem );
+    }
+    return result;
+}
+
+// ---- formats ---------------------------------------------------------------------------------------------------
+
+// In the order of wisp_record_format, which starts with the name's choice.
+static const record_format* const formats[] = {
+    &record_format_wisp, &record_format_pc2, &record_format_pvd, &record_format_obj, &record_format_usda,
+};
+
+static bool is_extension( const char* found, const char* wanted )
+{
+    for ( ; *wanted != 0; ++found, ++wanted )
+    {
+        // Not tolower(): the host's locale has no say in what a file is.
+        char lower = *found >= 'A' && *found <= 'Z' ? (char)( *found - 'A' + 'a' ) : *found;
+        if ( lower != *wanted )
+        {
+            return false;
+        }
+    }
+    return *found == 0;
+}
+
+static wisp_status find_format( const char* path, wisp_record_format wanted, const record_format** format,
+                                wisp_error* error )
+{
+    int number = (int)wanted;
+    if ( number < 0 || number > WISP_COUNT( formats ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no recording format %d", io_short_name( path ),
+                          number );
+    }
+    *format = number > 0 ? formats[number - 1] : NULL;
+    for ( int i = 0; *format == NULL && i < WISP_COUNT( formats ); ++i )
+    {
+        *format = is_extension( path + record_stem_length( path ), formats[i]->extension ) ? formats[i] : NULL;
+    }
+    return *format != NULL
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: recordings are written as .wisp, .pc2, .pvd, .obj or .usda",
+                            io_short_name( path ) );
+}
+
+// ---- the recorder ----------------------------------------------------------------------------------------------
+
+static void release_recorder( wisp_recorder* recorder )
+{
+    record_release_bodies( &recorder->bodies );
+    free( recorder->path );
+    free( recorder );
+}
+
+static wisp_status start( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def, wisp_error* error )
+{
+    recorder->step_seconds = def->step_seconds;
+    recorder->path = strdup( path );
+    if ( recorder->path == NULL )
+    {
+        return record_no_memory( path, error );
+    }
+    wisp_status status = record_copy_bodies( def->bodies, def->body_count, path, &recorder->bodies, error );
+    return status == WISP_OK ? recorder->format->open( recorder, error ) : status;
+}
+
+wisp_status wisp_recorder_open( const char* path, wisp_record_format format, const wisp_recorder_def* def,
+                                wisp_recorder** out, wisp_error* error )
+{
+    *out = NULL;
+    const record_format* found = NULL;
+    wisp_status status = find_format( path, format, &found, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !isfinite( def->step_seconds ) || def->step_seconds <= 0.0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %g seconds between two frames are not more than 0",
+                          io_short_name( path ), def->step_seconds );
+    }
+    status = record_check_bodies( def->bodies, def->body_count, path, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_recorder* recorder = calloc( 1, sizeof *recorder );
+    if ( recorder == NULL )
+    {
+        return record_no_memory( path, error );
+    }
+    recorder->format = found;
+    status = start( recorder, path, def, error );
+    if ( status != WISP_OK )
+    {
+        release_recorder( recorder );
+        return status;
+    }
+    *out = recorder;
+    return WISP_OK;
+}
+
+static wisp_status check_frame( const wisp_recorder* recorder, double time, const wisp_vec3* const* points,
+                                wisp_error* error )
+{
+    const char* name = io_short_name( recorder->path );
+    if ( recorder->frame_count == INT_MAX )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d frames are all that a recording can number", name, INT_MAX );
+    }
+    if ( !isfinite( time ) || ( recorder->frame_count > 0 && time <= recorder->last_time ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: its time of %.9g s is not after the %.9g s before",
+                          name, recorder->frame_count, time, recorder->last_time );
+    }
+    for ( int b = 0; b < recorder->bodies.count; ++b )
+    {
+        const wisp_record_body* body = &recorder->bodies.list[b];
+        int64_t found = record_find_not_finite( points[b], body->vertex_count );
+        if ( found >= 0 )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: body %s, vertex %d: %c is not finite", name,
+                              recorder->frame_count, body->name, (int)( found / 3 ), "xyz"[found % 3] );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash, const wisp_vec3* const* points,
+                                 wisp_error* error )
+{
+    if ( recorder->lost )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: an earlier frame could not be written",
+                          io_short_name( recorder->path ) );
+    }
+    wisp_status status = check_frame( recorder, time, points, error );
+    if ( status == WISP_OK )
+    {
+        record_frame frame = { time, hash, points };
+        status = recorder->format->frame( recorder, &frame, error );
+    }
+    if ( status == WISP_OK )
+    {
+        recorder->last_time = time;
+        ++recorder->frame_count;
+    }
+    return status;
+}
+
+wisp_status wisp_recorder_close( wisp_recorder* recorder, wisp_error* error )
+{
+    if ( recorder == NULL )
+    {
+        return WISP_OK;
+    }
+    wisp_status status = recorder->format->close( recorder, error );
+    if ( recorder->lost )
+    {
+        status = wisp_fail( error, WISP_IO_ERROR, "%s: the recording is not complete: a frame could not be written",
+                            io_short_name( recorder->path ) );
+    }
+    release_recorder( recorder );
+    return status;
+}

@@ -1,0 +1,256 @@
+// Bodies and their points: checks that writers and readers share, copies, bytes, checksums.
+#include "record_internal.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+
+// ---- checks ----------------------------------------------------------------------------------------------------
+
+static bool is_letter( char c )
+{
+    return ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' ) || ( c >= '0' && c <= '9' ) || c == '_' || c == '-';
+}
+
+// Names become parts of paths, so that a slash or a leading dot must not come through.
+static bool is_name( const char* text )
+{
+    size_t length = 0;
+    while ( length <= WISP_RECORD_MAX_NAME && is_letter( text[length] ) )
+    {
+        ++length;
+    }
+    return length >= 1 && length <= WISP_RECORD_MAX_NAME && text[length] == 0;
+}
+
+static wisp_status check_mesh( const wisp_record_body* body, const char* name, wisp_error* error )
+{
+    // Three corners a triangle must fit an int, because ParaView counts them.
+    if ( body->triangle_count < 0 || body->triangle_count > INT_MAX / 3 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it cannot have %d triangles", name, body->name,
+                          body->triangle_count );
+    }
+    if ( body->triangle_count > 0 && body->triangles == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: the list of its %d triangles is missing", name,
+                          body->name, body->triangle_count );
+    }
+    for ( int t = 0; t < body->triangle_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            int32_t vertex = body->triangles[3 * (size_t)t + (size_t)k];
+            if ( vertex < 0 || vertex >= body->vertex_count )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: triangle %d names vertex %d of %d", name,
+                                  body->name, t, vertex, body->vertex_count );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_strands( const wisp_record_body* body, const char* name, wisp_error* error )
+{
+    if ( body->strand_count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it has %d strands", name, body->name,
+                          body->strand_count );
+    }
+    if ( body->offsets[0] != 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: strand 0 starts at vertex %d instead of 0", name,
+                          body->name, body->offsets[0] );
+    }
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        if ( body->offsets[s + 1] < body->offsets[s] || body->offsets[s + 1] > body->vertex_count )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: strand %d runs from vertex %d to %d of %d", name,
+                              body->name, s, body->offsets[s], body->offsets[s + 1], body->vertex_count );
+        }
+    }
+    int end = body->offsets[body->strand_count];
+    return end == body->vertex_count
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: the strands end at vertex %d of %d", name,
+                            body->name, end, body->vertex_count );
+}
+
+static wisp_status check_body( const wisp_record_body* bodies, int b, const char* name, wisp_error* error )
+{
+    const wisp_record_body* body = &bodies[b];
+    if ( body->name == NULL || !is_name( body->name ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: body %d: its name is not 1 to %d of the characters A-Z a-z 0-9 _ -", name, b,
+                          WISP_RECORD_MAX_NAME );
+    }
+    for ( int other = 0; other < b; ++other )
+    {
+        if ( strcmp( bodies[other].name, body->name ) == 0 )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: bodies %d and %d are both called %s", name, other, b,
+                              body->name );
+        }
+    }
+    if ( body->vertex_count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it has %d vertices", name, body->name,
+                          body->vertex_count );
+    }
+    return body->offsets != NULL ? check_strands( body, name, error ) : check_mesh( body, name, error );
+}
+
+wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error )
+{
+    name = io_short_name( name );
+    if ( count < 1 || count > WISP_RECORD_MAX_BODIES )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: a recording has 1 to %d bodies, not %d", name,
+                          WISP_RECORD_MAX_BODIES, count );
+    }
+    int64_t vertices = 0;
+    for ( int b = 0; b < count; ++b )
+    {
+        wisp_status status = check_body( bodies, b, name, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        vertices += bodies[b].vertex_count;
+    }
+    // Formats that number the vertices of all bodies together use an int, and some count from 1.
+    return vertices < INT_MAX
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: %lld vertices are more than a recording can number", name,
+                            (long long)vertices );
+}
+
+// ---- memory ----------------------------------------------------------------------------------------------------
+
+static bool copy_numbers( const int32_t* from, size_t count, const int32_t** to )
+{
+    if ( from == NULL || count == 0 )
+    {
+        return true;
+    }
+    int32_t* copy = malloc( count * sizeof *copy );
+    if ( copy != NULL )
+    {
+        memcpy( copy, from, count * sizeof *copy );
+    }
+    *to = copy;
+    return copy != NULL;
+}
+
+static bool copy_body( const wisp_record_body* from, wisp_record_body* to )
+{
+    bool strands = from->offsets != NULL;
+    *to = ( wisp_record_body ){
+        .name = strdup( from->name ),
+        .vertex_count = from->vertex_count,
+        .triangle_count = strands ? 0 : from->triangle_count,
+        .strand_count = strands ? from->strand_count : 0,
+    };
+    return to->name != NULL && copy_numbers( from->triangles, 3 * (size_t)to->triangle_count, &to->triangles ) &&
+           copy_numbers( from->offsets, (size_t)to->strand_count + 1, &to->offsets );
+}
+
+wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
+                                wisp_error* error )
+{
+    *out = ( record_bodies ){ calloc( (size_t)count, sizeof *out->list ), count };
+    bool copied = out->list != NULL;
+    for ( int b = 0; copied && b < count; ++b )
+    {
+        copied = copy_body( &bodies[b], &out->list[b] );
+    }
+    if ( !copied )
+    {
+        record_release_bodies( out );
+        return record_no_memory( name, error );
+    }
+    return WISP_OK;
+}
+
+void record_release_bodies( record_bodies* bodies )
+{
+    for ( int b = 0; bodies->list != NULL && b < bodies->count; ++b )
+    {
+        // The struct is read-only for those who are handed it, and owned here.
+        free( (void*)(uintptr_t)bodies->list[b].name );
+        free( (void*)(uintptr_t)bodies->list[b].triangles );
+        free( (void*)(uintptr_t)bodies->list[b].offsets );
+    }
+    free( bodies->list );
+    *bodies = ( record_bodies ){ 0 };
+}
+
+// ---- points ----------------------------------------------------------------------------------------------------
+
+uint64_t record_point_bytes( const record_bodies* bodies )
+{
+    uint64_t vertices = 0;
+    for ( int b = 0; b < bodies->count; ++b )
+    {
+        vertices += (uint64_t)bodies->list[b].vertex_count;
+    }
+    return RECORD_POINT_SIZE * vertices;
+}
+
+int64_t record_find_not_finite( const wisp_vec3* points, int count )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        const float numbers[3] = { points[v].x, points[v].y, points[v].z };
+        for ( int k = 0; k < 3; ++k )
+        {
+            if ( !isfinite( numbers[k] ) )
+            {
+                return 3 * (int64_t)v + k;
+            }
+        }
+    }
+    return -1;
+}
+
+void record_get_points( const unsigned char* bytes, int count, wisp_vec3* points )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        points[v] = groom_get_vec3( bytes + RECORD_POINT_SIZE * (size_t)v );
+    }
+}
+
+void record_put_points( unsigned char* bytes, const wisp_vec3* points, int count )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        groom_put_vec3( bytes + RECORD_POINT_SIZE * (size_t)v, points[v] );
+    }
+}
+
+uint64_t record_checksum( uint64_t seed, const unsigned char* bytes, size_t size )
+{
+    uint64_t hash = seed ^ ( (uint64_t)size * 0x9e3779b97f4a7c15u );
+    for ( size_t at = 0; at < size; at += 8 )
+    {
+        uint64_t word = 0;
+        if ( size - at >= 8 )
+        {
+            word = record_get_u64( bytes + at );
+        }
+        else
+        {
+            for ( size_t i = at; i < size; ++i )
+            {
+                word |= (uint64_t)bytes[i] << ( 8 * ( i - at ) );
+            }
+        }
+        hash = ( hash ^ word ) * 0xff51afd7ed558ccdu;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}

@@ -1,0 +1,196 @@
+/// What the recording files share and nobody else sees.
+#pragma once
+
+#include "groom_internal.h"
+#include "io_file.h"
+#include "record.h"
+
+// ---- our own format ----
+//
+// Little-endian. A header, frames that are all equally long, the mark of the end:
+//
+//     header  "WISP\r\n\x1a\n", u32 version, u32 bodies, u64 header bytes, u64 frame bytes, f64 step seconds,
+//             bodies, u64 checksum of all before
+//     body    u32 kind, u32 letters of the name, u32 vertices, u32 triangles or strands,
+//             name with zeros up to a multiple of 4, i32 [triangles][3] or [strands + 1]
+//     frame   "WISPFRAM", u64 frame bytes, u64 index, f64 time, u64 world hash, f32 [vertices][3] of each body,
+//             u64 checksum of all before
+//     end     "WISPEND\n", u64 frames, u64 checksum of all before
+//
+// Checksums of frames and of the end start from the header's, so that a frame of another recording does not pass. The
+// line ends in the first bytes change when a transfer takes the file for text.
+
+enum
+{
+    RECORD_VERSION = 1,
+    RECORD_MAGIC_SIZE = 8,
+    RECORD_CHECKSUM_SIZE = 8,
+
+    RECORD_AT_VERSION = 8,
+    RECORD_AT_BODY_COUNT = 12,
+    RECORD_AT_HEADER_BYTES = 16,
+    RECORD_AT_FRAME_BYTES = 24,
+    RECORD_AT_STEP_SECONDS = 32,
+    RECORD_AT_BODIES = 40,
+
+    RECORD_BODY_SIZE = 16, // before the name
+    RECORD_MESH = 0,
+    RECORD_STRANDS = 1,
+
+    RECORD_FRAME_AT_BYTES = 8,
+    RECORD_FRAME_AT_INDEX = 16,
+    RECORD_FRAME_AT_TIME = 24,
+    RECORD_FRAME_AT_HASH = 32,
+    RECORD_FRAME_AT_POINTS = 40,
+
+    RECORD_END_AT_COUNT = 8,
+    RECORD_END_SIZE = 24,
+
+    RECORD_POINT_SIZE = 12,
+};
+
+#define RECORD_MAGIC "WISP\r\n\x1a\n"
+#define RECORD_FRAME_MAGIC "WISPFRAM"
+#define RECORD_END_MAGIC "WISPEND\n"
+
+static inline uint64_t record_get_u64( const unsigned char* bytes )
+{
+    return groom_get_u32( bytes ) | (uint64_t)groom_get_u32( bytes + 4 ) << 32;
+}
+
+static inline double record_get_double( const unsigned char* bytes )
+{
+    uint64_t bits = record_get_u64( bytes );
+    double value;
+    memcpy( &value, &bits, sizeof value );
+    return value;
+}
+
+static inline void record_put_u64( unsigned char* bytes, uint64_t value )
+{
+    groom_put_u32( bytes, (uint32_t)( value & 0xffffffffu ) );
+    groom_put_u32( bytes + 4, (uint32_t)( value >> 32 ) );
+}
+
+static inline void record_put_double( unsigned char* bytes, double value )
+{
+    uint64_t bits;
+    memcpy( &bits, &value, sizeof bits );
+    record_put_u64( bytes, bits );
+}
+
+/// Every step is a bijection of the hash and of the word, so that damage within one word never goes unseen.
+uint64_t record_checksum( uint64_t seed, const unsigned char* bytes, size_t size );
+
+/// Little-endian floats out of and into bytes.
+void record_get_points( const unsigned char* bytes, int count, wisp_vec3* points );
+void record_put_points( unsigned char* bytes, const wisp_vec3* points, int count );
+
+// ---- bodies ----
+
+/// Bodies that own what they point at.
+typedef struct record_bodies
+{
+    wisp_record_body* list;
+    int count;
+} record_bodies;
+
+/// All that record.h says of bodies.
+/// @param name what the sentence calls the file
+wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error );
+
+wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
+                                wisp_error* error );
+
+/// Release what was allocated so far; pointers that are null are allowed.
+void record_release_bodies( record_bodies* bodies );
+
+/// Bytes of the points of all bodies.
+uint64_t record_point_bytes( const record_bodies* bodies );
+
+/// The first number of a body that is not finite, or -1; three numbers a vertex.
+int64_t record_find_not_finite( const wisp_vec3* points, int count );
+
+// ---- writers ----
+
+typedef struct record_frame
+{
+    double time;
+    uint64_t hash;
+    const wisp_vec3* const* points;
+} record_frame;
+
+typedef struct record_format record_format;
+
+struct wisp_recorder
+{
+    const record_format* format;
+    record_bodies bodies;
+    char* path;
+    double step_seconds;
+    double last_time; ///< of the frame before, where there is one
+    int frame_count;
+    bool lost;  ///< a write failed that cannot be taken back
+    void* file; ///< the format's own
+};
+
+/// How a format is written. Frames come checked.
+struct record_format
+{
+    const char* extension;
+    /// Fill recorder->file; on failure nothing is left behind.
+    wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
+    wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );
+    /// Finish and free recorder->file, or discard it where recorder->lost.
+    wisp_status ( *close )( wisp_recorder* recorder, wisp_error* error );
+};
+
+extern const record_format record_format_wisp, record_format_pc2, record_format_pvd, record_format_obj,
+    record_format_usda;
+
+/// The path with `insert` before its extension: drape.pc2, _cloth -> drape_cloth.pc2.
+/// @return for free(); null without memory
+char* record_path_with( const char* path, const char* insert );
+
+/// Where the extension starts; the end of the path where it has none.
+size_t record_stem_length( const char* path );
+
+wisp_status record_no_memory( const char* name, wisp_error* error );
+
+/// The operating system said no, for the reason in errno.
+wisp_status record_refused( const char* path, const char* what, wisp_error* error );
+
+// ---- readers ----
+
+/// Bytes of a file or in memory, read from anywhere.
+typedef struct record_source
+{
+    const unsigned char* bytes; ///< null: of a file
+    unsigned char* buffer;      ///< of a file: what was read last
+    size_t buffer_size;
+    uint64_t size;
+    int descriptor;
+    char* name; ///< short, for sentences
+} record_source;
+
+/// @return WISP_IO_ERROR; WISP_BAD_INPUT not a regular file: only those can be read from anywhere; WISP_NO_MEMORY
+wisp_status record_source_open( const char* path, record_source* source, wisp_error* error );
+wisp_status record_source_open_memory( const void* bytes, size_t size, const char* name, record_source* source,
+                                       wisp_error* error );
+void record_source_close( record_source* source );
+
+/// @param at, size within the source
+/// @param view receives the bytes, valid until the next call
+wisp_status record_source_read( record_source* source, uint64_t at, size_t size, const unsigned char** view,
+                                wisp_error* error );
+
+// ---- printing ----
+
+/// The box around points; empty when zero-initialised.
+typedef struct record_bounds
+{
+    wisp_vec3 least, most;
+    bool filled;
+} record_bounds;
+
+void record_extend_bounds( record_bounds* bounds, const wisp_vec3* points, int count );

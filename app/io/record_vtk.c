@@ -1,0 +1,348 @@
+// ParaView: a .vtp file a body and frame, and a .pvd file that lists them with their times. Arrays are base64 inside
+// the XML: exact as raw bytes are, and still XML for every other reader. The array's length in bytes and its numbers
+// are one base64 stream, as VTK's own writer has it.
+#define _XOPEN_SOURCE 700
+
+#include "record_internal.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+// ---- base64 ----------------------------------------------------------------------------------------------------
+
+typedef struct base64
+{
+    FILE* out;
+    unsigned char pending[3];
+    int count;
+} base64;
+
+static void put_group( base64* stream )
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const unsigned char* p = stream->pending;
+    char group[4] = {
+        letters[p[0] >> 2],
+        letters[( p[0] & 3 ) << 4 | p[1] >> 4],
+        stream->count > 1 ? letters[( p[1] & 15 ) << 2 | p[2] >> 6] : '=',
+        stream->count > 2 ? letters[p[2] & 63] : '=',
+    };
+    fwrite( group, 1, sizeof group, stream->out );
+    stream->count = 0;
+    memset( stream->pending, 0, sizeof stream->pending );
+}
+
+static void put_bytes( base64* stream, const unsigned char* bytes, size_t size )
+{
+    for ( size_t i = 0; i < size; ++i )
+    {
+        stream->pending[stream->count++] = bytes[i];
+        if ( stream->count == 3 )
+        {
+            put_group( stream );
+        }
+    }
+}
+
+static void put_number( base64* stream, int value )
+{
+    unsigned char bytes[4];
+    groom_put_u32( bytes, (uint32_t)value );
+    put_bytes( stream, bytes, sizeof bytes );
+}
+
+// All numbers are 4 bytes wide.
+static base64 begin_array( FILE* out, const char* attributes, uint64_t number_count )
+{
+    fprintf( out, "        <DataArray %s format=\"binary\">", attributes );
+    base64 stream = { .out = out };
+    unsigned char bytes[8];
+    record_put_u64( bytes, 4 * number_count );
+    put_bytes( &stream, bytes, sizeof bytes );
+    return stream;
+}
+
+static void end_array( base64* stream )
+{
+    if ( stream->count > 0 )
+    {
+        put_group( stream );
+    }
+    fputs( "</DataArray>\n", stream->out );
+}
+
+// ---- .vtp ------------------------------------------------------------------------------------------------------
+
+static const char connectivity[] = "type=\"Int32\" Name=\"connectivity\"";
+static const char ends[] = "type=\"Int32\" Name=\"offsets\"";
+
+static void write_points( FILE* out, const wisp_vec3* points, int count )
+{
+    fputs( "      <Points>\n", out );
+    base64 stream =
+        begin_array( out, "type=\"Float32\" Name=\"Points\" NumberOfComponents=\"3\"", 3 * (uint64_t)count );
+    for ( int v = 0; v < count; ++v )
+    {
+        unsigned char bytes[RECORD_POINT_SIZE];
+        groom_put_vec3( bytes, points[v] );
+        put_bytes( &stream, bytes, sizeof bytes );
+    }
+    end_array( &stream );
+    fputs( "      </Points>\n", out );
+}
+
+static void write_triangles( FILE* out, const wisp_record_body* body )
+{
+    size_t corners = 3 * (size_t)body->triangle_count;
+    fputs( "      <Polys>\n", out );
+    base64 stream = begin_array( out, connectivity, corners );
+    for ( size_t i = 0; i < corners; ++i )
+    {
+        put_number( &stream, body->triangles[i] );
+    }
+    end_array( &stream );
+    stream = begin_array( out, ends, (uint64_t)body->triangle_count );
+    for ( int t = 0; t < body->triangle_count; ++t )
+    {
+        put_number( &stream, 3 * ( t + 1 ) );
+    }
+    end_array( &stream );
+    fputs( "      </Polys>\n", out );
+}
+
+// A polyline needs two vertices; the vertex of a shorter strand stays a point without a line.
+static bool is_line( const wisp_record_body* body, int s )
+{
+    return body->offsets[s + 1] - body->offsets[s] >= 2;
+}
+
+typedef struct line_counts
+{
+    int lines, vertices;
+} line_counts;
+
+static line_counts count_lines( const wisp_record_body* body )
+{
+    line_counts counts = { 0, 0 };
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        bool line = is_line( body, s );
+        counts.lines += line;
+        counts.vertices += line ? body->offsets[s + 1] - body->offsets[s] : 0;
+    }
+    return counts;
+}
+
+static void write_lines( FILE* out, const wisp_record_body* body, line_counts counts )
+{
+    fputs( "      <Lines>\n", out );
+    base64 stream = begin_array( out, connectivity, (uint64_t)counts.vertices );
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s]; is_line( body, s ) && v < body->offsets[s + 1]; ++v )
+        {
+            put_number( &stream, v );
+        }
+    }
+    end_array( &stream );
+    stream = begin_array( out, ends, (uint64_t)counts.lines );
+    for ( int s = 0, end = 0; s < body->strand_count; ++s )
+    {
+        if ( is_line( body, s ) )
+        {
+            end += body->offsets[s + 1] - body->offsets[s];
+            put_number( &stream, end );
+        }
+    }
+    end_array( &stream );
+    fputs( "      </Lines>\n", out );
+}
+
+static void write_vtp( FILE* out, const wisp_record_body* body, const wisp_vec3* points, double time )
+{
+    line_counts counts = count_lines( body );
+    fprintf( out,
+             "<?xml version=\"1.0\"?>\n"
+             "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+             "  <PolyData>\n"
+             "    <FieldData>\n"
+             "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%.17g"
+             "</DataArray>\n"
+             "    </FieldData>\n"
+             "    <Piece NumberOfPoints=\"%d\" NumberOfVerts=\"0\" NumberOfLines=\"%d\" NumberOfStrips=\"0\" "
+             "NumberOfPolys=\"%d\">\n",
+             time, body->vertex_count, counts.lines, body->triangle_count );
+    write_points( out, points, body->vertex_count );
+    if ( body->offsets != NULL )
+    {
+        write_lines( out, body, counts );
+    }
+    else
+    {
+        write_triangles( out, body );
+    }
+    fputs( "    </Piece>\n  </PolyData>\n</VTKFile>\n", out );
+}
+
+// ---- .pvd ------------------------------------------------------------------------------------------------------
+
+typedef struct pvd_file
+{
+    io_output list; // the .pvd
+    char* folder;   // of the .vtp files
+} pvd_file;
+
+static void write_escaped( FILE* out, const char* text )
+{
+    for ( ; *text != 0; ++text )
+    {
+        switch ( *text )
+        {
+            case '&':
+                fputs( "&amp;", out );
+                break;
+            case '<':
+                fputs( "&lt;", out );
+                break;
+            case '"':
+                fputs( "&quot;", out );
+                break;
+            default:
+                fputc( *text, out );
+        }
+    }
+}
+
+static wisp_status make_folder( const char* folder, wisp_error* error )
+{
+    struct stat info;
+    if ( mkdir( folder, 0777 ) == 0 || ( errno == EEXIST && stat( folder, &info ) == 0 && S_ISDIR( info.st_mode ) ) )
+    {
+        return WISP_OK;
+    }
+    return record_refused( folder, "make a folder", error );
+}
+
+static wisp_status pvd_start( const wisp_recorder* recorder, pvd_file* file, wisp_error* error )
+{
+    wisp_status status = io_output_open( recorder->path, &file->list, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = make_folder( file->folder, error );
+    if ( status != WISP_OK )
+    {
+        io_output_discard( &file->list );
+        return status;
+    }
+    fputs( "<?xml version=\"1.0\"?>\n"
+           "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
+           "  <Collection>\n",
+           file->list.stream );
+    return WISP_OK;
+}
+
+static wisp_status pvd_open( wisp_recorder* recorder, wisp_error* error )
+{
+    size_t stem = record_stem_length( recorder->path );
+    if ( recorder->path[stem] == 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: it needs an extension, because the name without it is the folder of the frames",
+                          io_short_name( recorder->path ) );
+    }
+    pvd_file* file = calloc( 1, sizeof *file );
+    wisp_status status = WISP_NO_MEMORY;
+    if ( file == NULL || ( file->folder = strndup( recorder->path, stem ) ) == NULL )
+    {
+        status = record_no_memory( recorder->path, error );
+    }
+    else
+    {
+        status = pvd_start( recorder, file, error );
+    }
+    if ( status != WISP_OK )
+    {
+        free( file != NULL ? file->folder : NULL );
+        free( file );
+        return status;
+    }
+    recorder->file = file;
+    return WISP_OK;
+}
+
+static wisp_status write_body( const char* path, const wisp_record_body* body, const wisp_vec3* points, double time,
+                               wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    write_vtp( output.stream, body, points, time );
+    return io_output_commit( &output, error );
+}
+
+static wisp_status write_bodies( const wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
+{
+    const pvd_file* file = recorder->file;
+    size_t room = strlen( file->folder ) + WISP_RECORD_MAX_NAME + 32;
+    char* path = malloc( room );
+    wisp_status status = path != NULL ? WISP_OK : record_no_memory( recorder->path, error );
+    for ( int b = 0; status == WISP_OK && b < recorder->bodies.count; ++b )
+    {
+        const wisp_record_body* body = &recorder->bodies.list[b];
+        snprintf( path, room, "%s/%s_%04d.vtp", file->folder, body->name, recorder->frame_count + 1 );
+        status = write_body( path, body, frame->points[b], frame->time, error );
+    }
+    free( path );
+    return status;
+}
+
+// Paths in the list are relative to it, so that both can move together.
+static void list_bodies( const wisp_recorder* recorder, const record_frame* frame )
+{
+    const pvd_file* file = recorder->file;
+    const char* slash = strrchr( file->folder, '/' );
+    for ( int b = 0; b < recorder->bodies.count; ++b )
+    {
+        const char* name = recorder->bodies.list[b].name;
+        FILE* out = file->list.stream;
+        fprintf( out, "    <DataSet timestep=\"%.17g\" group=\"\" part=\"%d\" name=\"%s\" file=\"", frame->time, b,
+                 name );
+        write_escaped( out, slash == NULL ? file->folder : slash + 1 );
+        fprintf( out, "/%s_%04d.vtp\"/>\n", name, recorder->frame_count + 1 );
+    }
+}
+
+static wisp_status pvd_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
+{
+    io_numbers numbers;
+    wisp_status status = io_numbers_begin( &numbers, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = write_bodies( recorder, frame, error );
+    if ( status == WISP_OK )
+    {
+        list_bodies( recorder, frame );
+    }
+    io_numbers_end( &numbers );
+    return status;
+}
+
+static wisp_status pvd_close( wisp_recorder* recorder, wisp_error* error )
+{
+    pvd_file* file = recorder->file;
+    fputs( "  </Collection>\n</VTKFile>\n", file->list.stream );
+    wisp_status status = io_output_commit( &file->list, error );
+    free( file->folder );
+    free( file );
+    return status;
+}
+
+const record_format record_format_pvd = { ".pvd", pvd_open, pvd_frame, pvd_close };

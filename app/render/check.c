@@ -1,0 +1,295 @@
+#include "check.h"
+
+#include "vec.h"
+
+#include <stdio.h>
+
+enum
+{
+    NAME_SHOWN = 80, // characters of a body's name that a sentence shows
+    BODIES_MAX = 1 << 20,
+};
+
+// How sentences call a body: mesh "flag", or mesh 3.
+typedef struct body_name
+{
+    char text[NAME_SHOWN + 24];
+} body_name;
+
+static body_name name_of( const char* kind, const char* name, int number )
+{
+    body_name out;
+    if ( name != NULL )
+    {
+        snprintf( out.text, sizeof( out.text ), "%s \"%.*s\"", kind, NAME_SHOWN, name );
+    }
+    else
+    {
+        snprintf( out.text, sizeof( out.text ), "%s %d", kind, number );
+    }
+    return out;
+}
+
+static bool is_finite( wisp_vec3 v )
+{
+    return isfinite( v.x ) && isfinite( v.y ) && isfinite( v.z );
+}
+
+static bool is_near( wisp_vec3 v )
+{
+    return fabsf( v.x ) <= RENDER_FARTHEST && fabsf( v.y ) <= RENDER_FARTHEST && fabsf( v.z ) <= RENDER_FARTHEST;
+}
+
+// Brighter than white is allowed: a body may be a little overexposed, not a sun.
+static bool is_colour( wisp_vec3 c )
+{
+    return c.x >= 0.0f && c.y >= 0.0f && c.z >= 0.0f && c.x <= 10.0f && c.y <= 10.0f && c.z <= 10.0f;
+}
+
+// ---- what meshes and curves share ------------------------------------------------------------------------------
+
+static wisp_status check_points( const body_name* body, const wisp_vec3* points, int count, wisp_error* error )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        wisp_vec3 p = points[v];
+        if ( !is_finite( p ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d is not finite (%g, %g, %g)", body->text, v,
+                              (double)p.x, (double)p.y, (double)p.z );
+        }
+        if ( !is_near( p ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: vertex %d at (%g, %g, %g) is more than %g m from the origin", body->text, v,
+                              (double)p.x, (double)p.y, (double)p.z, (double)RENDER_FARTHEST );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_colours( const body_name* body, wisp_vec3 colour, const wisp_vec3* colours, int count,
+                                  wisp_error* error )
+{
+    if ( !is_colour( colour ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: colour (%g, %g, %g) is not in 0 .. 10", body->text,
+                          (double)colour.x, (double)colour.y, (double)colour.z );
+    }
+    for ( int v = 0; v < count && colours != NULL; ++v )
+    {
+        if ( !is_colour( colours[v] ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: colour (%g, %g, %g) of vertex %d is not in 0 .. 10",
+                              body->text, (double)colours[v].x, (double)colours[v].y, (double)colours[v].z, v );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- meshes ----------------------------------------------------------------------------------------------------
+
+static wisp_status check_triangles( const body_name* body, const render_mesh* mesh, wisp_error* error )
+{
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            int32_t v = mesh->triangles[3 * (size_t)t + (size_t)k];
+            if ( v < 0 || v >= mesh->vertex_count )
+            {
+                return wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d names vertex %d of %d", body->text, t,
+                                  (int)v, mesh->vertex_count );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_mesh( const render_mesh* mesh, int number, wisp_error* error )
+{
+    body_name body = name_of( "mesh", mesh->name, number );
+    if ( mesh->vertex_count < 0 || mesh->triangle_count < 0 || ( mesh->vertex_count > 0 && mesh->points == NULL ) ||
+         ( mesh->triangle_count > 0 && mesh->triangles == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d vertices and %d triangles do not fit their arrays",
+                          body.text, mesh->vertex_count, mesh->triangle_count );
+    }
+    if ( (int)mesh->material < RENDER_SOLID || (int)mesh->material > RENDER_LATEX )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: material %d is none of solid, cloth and latex", body.text,
+                          (int)mesh->material );
+    }
+    wisp_status status = check_points( &body, mesh->points, mesh->vertex_count, error );
+    if ( status == WISP_OK )
+    {
+        status = check_colours( &body, mesh->colour, mesh->colours, mesh->vertex_count, error );
+    }
+    return status == WISP_OK ? check_triangles( &body, mesh, error ) : status;
+}
+
+// ---- curves ----------------------------------------------------------------------------------------------------
+
+static wisp_status check_offsets( const body_name* body, const render_curves* curves, wisp_error* error )
+{
+    if ( curves->strand_count < 0 || curves->offsets == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d strands do not fit their offsets", body->text,
+                          curves->strand_count );
+    }
+    if ( curves->offsets[0] != 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the first strand begins at vertex %d instead of 0", body->text,
+                          (int)curves->offsets[0] );
+    }
+    for ( int s = 0; s < curves->strand_count; ++s )
+    {
+        if ( curves->offsets[s + 1] < curves->offsets[s] )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d ends at vertex %d, before it begins at %d",
+                              body->text, s, (int)curves->offsets[s + 1], (int)curves->offsets[s] );
+        }
+    }
+    if ( curves->offsets[curves->strand_count] > 0 && curves->points == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d strands have no points", body->text, curves->strand_count );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_radii( const body_name* body, const render_curves* curves, wisp_error* error )
+{
+    if ( !( curves->radius >= 0.0f && curves->radius <= RENDER_FARTHEST ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: radius %g is not in 0 .. %g", body->text,
+                          (double)curves->radius, (double)RENDER_FARTHEST );
+    }
+    for ( int v = 0; v < curves->offsets[curves->strand_count] && curves->radii != NULL; ++v )
+    {
+        if ( !( curves->radii[v] >= 0.0f && curves->radii[v] <= RENDER_FARTHEST ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: radius %g of vertex %d is not in 0 .. %g", body->text,
+                              (double)curves->radii[v], v, (double)RENDER_FARTHEST );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_curves( const render_curves* curves, int number, wisp_error* error )
+{
+    body_name body = name_of( "curves", curves->name, number );
+    wisp_status status = check_offsets( &body, curves, error );
+    int count = status == WISP_OK ? curves->offsets[curves->strand_count] : 0;
+    if ( status == WISP_OK )
+    {
+        status = check_points( &body, curves->points, count, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_colours( &body, curves->colour, curves->colours, count, error );
+    }
+    return status == WISP_OK ? check_radii( &body, curves, error ) : status;
+}
+
+// ---- the whole -------------------------------------------------------------------------------------------------
+
+static wisp_status check_surroundings( const render_scene* scene, wisp_error* error )
+{
+    body_name background = { "background" };
+    wisp_status status = check_colours( &background, scene->background_top, &scene->background_bottom, 1, error );
+    if ( status == WISP_OK && scene->has_ground && !( fabsf( scene->ground_height ) <= RENDER_FARTHEST ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "ground: height %g is not in -%g .. %g",
+                          (double)scene->ground_height, (double)RENDER_FARTHEST, (double)RENDER_FARTHEST );
+    }
+    return status;
+}
+
+wisp_status check_scene( const render_scene* scene, wisp_error* error )
+{
+    if ( scene->mesh_count < 0 || scene->curves_count < 0 || scene->mesh_count > BODIES_MAX ||
+         scene->curves_count > BODIES_MAX || ( scene->mesh_count > 0 && scene->meshes == NULL ) ||
+         ( scene->curves_count > 0 && scene->curves == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "picture: %d meshes and %d sets of curves do not fit their arrays",
+                          scene->mesh_count, scene->curves_count );
+    }
+    wisp_status status = check_surroundings( scene, error );
+    for ( int i = 0; i < scene->mesh_count && status == WISP_OK; ++i )
+    {
+        status = check_mesh( &scene->meshes[i], i, error );
+    }
+    for ( int i = 0; i < scene->curves_count && status == WISP_OK; ++i )
+    {
+        status = check_curves( &scene->curves[i], i, error );
+    }
+    return status;
+}
+
+wisp_status check_camera( const render_camera* camera, wisp_error* error )
+{
+    if ( !is_finite( camera->eye ) || !is_finite( camera->target ) || !is_finite( camera->up ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "camera: eye, target or up is not finite" );
+    }
+    if ( !is_near( v3_scale( camera->eye, 1e-3f ) ) || !is_near( v3_scale( camera->target, 1e-3f ) ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "camera: eye or target is more than %g m from the origin",
+                          1e3 * (double)RENDER_FARTHEST );
+    }
+    if ( !( camera->fov_degrees >= 1.0f && camera->fov_degrees <= 150.0f ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "camera: the angle of view is %g degrees and must be in 1 .. 150",
+                          (double)camera->fov_degrees );
+    }
+    wisp_vec3 none = { 0.0f, 0.0f, 0.0f };
+    wisp_vec3 forward = v3_normalize_or( v3_sub( camera->target, camera->eye ), none );
+    wisp_vec3 up = v3_normalize_or( camera->up, none );
+    if ( v3_length( forward ) == 0.0f )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "camera: eye and target are the same point" );
+    }
+    if ( v3_length( v3_cross( forward, up ) ) < 1e-4f )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "camera: up has no length or lies along the view" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_range( const char* name, double value, double least, double most, wisp_error* error )
+{
+    // Written so that NaN fails.
+    if ( !( value >= least && value <= most ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "picture: %s is %g and must be in %g .. %g", name, value, least,
+                          most );
+    }
+    return WISP_OK;
+}
+
+wisp_status check_options( const render_options* options, wisp_error* error )
+{
+    const struct
+    {
+        const char* name;
+        double value, least, most;
+    } ranges[] = {
+        { "width", options->width, 1, RENDER_MAX_SIDE },
+        { "height", options->height, 1, RENDER_MAX_SIDE },
+        { "the number of samples", options->samples, 1, RENDER_MAX_SAMPLES },
+        { "the number of threads", options->threads, 1, WISP_MAX_WORKERS },
+        { "exposure", (double)options->exposure, 1e-3, 1e3 },
+        { "the tone", (double)(int)options->tone, RENDER_TONE_FILMIC, RENDER_TONE_SRGB },
+        { "the least width of curves", (double)options->least_curve_pixels, 0, 8 },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( ranges ) && status == WISP_OK; ++i )
+    {
+        status = check_range( ranges[i].name, ranges[i].value, ranges[i].least, ranges[i].most, error );
+    }
+    if ( status == WISP_OK && ( !is_finite( options->light ) || !is_near( options->light ) ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "picture: the direction of the light is not finite or too long" );
+    }
+    return status;
+}

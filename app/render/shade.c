@@ -1,0 +1,221 @@
+// Materials. Each adds three things: the key light, the light from all around, and what it mirrors.
+#include "shade.h"
+
+static wisp_vec3 sky_on( const stage* s, const surface* at, shade_sample sample )
+{
+    wisp_vec3 d = light_sky_direction( at->normal, sample );
+
+    // A smooth normal lets directions through that lead into the flat triangle; they are mirrored out of it.
+    float depth = v3_dot( d, at->face );
+    if ( depth < 0.0f && !at->is_curve )
+    {
+        d = v3_mul_add( d, -2.0f * depth, at->face );
+    }
+    trace_ray ray = { at->lifted, d, INFINITY };
+    return light_of_surroundings( s, &ray );
+}
+
+// Schlick 1994.
+static float fresnel( float base, float cosine )
+{
+    float away = 1.0f - clamp01( cosine );
+    float squared = away * away;
+    return base + ( 1.0f - base ) * squared * squared * away;
+}
+
+// What a gloss shows, spread over a disc as wide as the surface is rough.
+static wisp_vec3 mirror( const stage* s, const trace_ray* ray, const surface* at, float rough, shade_sample sample )
+{
+    float cosine = -v3_dot( ray->direction, at->normal );
+    wisp_vec3 back = v3_mul_add( ray->direction, 2.0f * cosine, at->normal );
+    sampler_point p = sampler_at( sample.pixel, sample.number, SAMPLER_MIRROR );
+    wisp_vec3 x, y;
+    wisp_vec3 other = fabsf( back.y ) > 0.9f ? ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } : ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
+    x = v3_normalize_or( v3_cross( other, back ), other );
+    y = v3_cross( back, x );
+    back = v3_mul_add( v3_mul_add( back, rough * ( 2.0f * p.x - 1.0f ), x ), rough * ( 2.0f * p.y - 1.0f ), y );
+    float depth = v3_dot( back, at->face );
+    if ( depth < 0.0f )
+    {
+        back = v3_mul_add( back, -2.0f * depth, at->face );
+    }
+    trace_ray out = { at->lifted, v3_normalize_or( back, at->normal ), INFINITY };
+    return light_in_mirror( s, &out );
+}
+
+// ---- meshes ----------------------------------------------------------------------------------------------------
+
+static wisp_vec3 shade_solid( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    wisp_vec3 towards = light_key_direction( s, sample );
+    float facing = v3_dot( at->normal, towards );
+    wisp_vec3 light = sky_on( s, at, sample );
+    if ( facing > 0.0f )
+    {
+        wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
+        light = v3_mul_add( light, facing, key );
+        wisp_vec3 half = v3_normalize_or( v3_sub( towards, ray->direction ), at->normal );
+        float gloss = 0.10f * powf( clamp01( v3_dot( half, at->normal ) ), 24.0f );
+        return v3_mul_add( rgb_mul( at->colour, light ), gloss * facing, key );
+    }
+    return rgb_mul( at->colour, light );
+}
+
+// Oren and Nayar's rough diffuse in Fujii's form, for a standard deviation of 0.5 radians: folds look soft because
+// light that grazes them is not lost.
+static float rough_diffuse( float facing, float seen, float between )
+{
+    float s = between - facing * seen;
+    float t = s > 0.0f ? fmaxf( facing, seen ) : 1.0f;
+    const float a = 0.80f, b = 0.38f;
+    return facing * ( a + b * s / fmaxf( t, 1e-3f ) );
+}
+
+static wisp_vec3 shade_cloth( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    wisp_vec3 towards = light_key_direction( s, sample );
+    float facing = v3_dot( at->normal, towards ), seen = clamp01( -v3_dot( at->normal, ray->direction ) );
+    wisp_vec3 sky = sky_on( s, at, sample );
+    wisp_vec3 sum = rgb_mul( at->colour, sky );
+    if ( facing > 0.0f )
+    {
+        wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
+        float amount = rough_diffuse( facing, seen, -v3_dot( towards, ray->direction ) );
+        sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, fmaxf( 0.0f, amount ) ) ) );
+    }
+    else
+    {
+        // The lamp is behind the cloth: the ray starts on the lit side, and a little of the light comes through.
+        wisp_vec3 behind = v3_mul_add( at->place, -2.0f * s->lift, at->face );
+        wisp_vec3 key = light_of_key( s, behind, towards, INFINITY );
+        sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, -0.14f * facing ) ) );
+    }
+    // Fuzz: fibres that stand up shine where they are seen from the side.
+    float rim = 1.0f - seen;
+    float fuzz = 0.22f * rim * rim * rim;
+    return v3_mul_add( sum, fuzz, rgb_mul( sky, rgb_mix( rgb_grey( 1.0f ), at->colour, 0.5f ) ) );
+}
+
+// Light goes into latex and comes out elsewhere: the shadow's edge is soft and the far side glows. At the rim the skin
+// is seen edge on, so its colour is deeper there.
+static wisp_vec3 shade_latex( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    wisp_vec3 towards = light_key_direction( s, sample );
+    float facing = v3_dot( at->normal, towards ), seen = clamp01( -v3_dot( at->normal, ray->direction ) );
+    float depth = 0.85f + 0.75f * ( 1.0f - seen ) * ( 1.0f - seen );
+    wisp_vec3 colour = { powf( at->colour.x, depth ), powf( at->colour.y, depth ), powf( at->colour.z, depth ) };
+
+    const float wrap = 0.35f;
+    float amount = clamp01( ( facing + wrap ) / ( 1.0f + wrap ) );
+    amount *= 0.35f + 0.65f * amount;
+    wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
+    wisp_vec3 sum = rgb_mul( colour, v3_mul_add( sky_on( s, at, sample ), amount, key ) );
+
+    // What shines through from behind, from the lamp on the other side and from the bright room.
+    float through = clamp01( 0.5f - 0.5f * facing );
+    wisp_vec3 glow = v3_scale( key, 0.30f * through );
+    glow = v3_add( glow, rgb_grey( 0.10f * light_sky_strength ) );
+    sum = v3_add( sum, rgb_mul( colour, glow ) );
+    return v3_mul_add( sum, fminf( fresnel( 0.045f, seen ), 0.45f ), mirror( s, ray, at, 0.035f, sample ) );
+}
+
+// ---- strands ---------------------------------------------------------------------------------------------------
+
+static float sine_to( wisp_vec3 tangent, wisp_vec3 direction )
+{
+    float cosine = v3_dot( tangent, direction );
+    return sqrtf( fmaxf( 0.0f, 1.0f - cosine * cosine ) );
+}
+
+// A highlight of Kajiya and Kay 1989 whose tangent is tilted, as the scales of a hair tilt it.
+static float strand_gloss( const surface* at, wisp_vec3 half, float tilt, float power )
+{
+    wisp_vec3 tilted = v3_normalize_or( v3_mul_add( at->tangent, tilt, at->normal ), at->tangent );
+    return powf( sine_to( tilted, half ), power );
+}
+
+// Diffuse of Kajiya and Kay, and two highlights after Marschner et al. 2003 in the form of Scheuermann 2004: white
+// light from the outside, tilted to the root, and light that went through the strand, coloured and tilted to the tip.
+// Light behind the strand comes through it forwards.
+static wisp_vec3 shade_strand( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    wisp_vec3 towards = light_key_direction( s, sample );
+    wisp_vec3 start = v3_mul_add( at->place, 2.0f * at->radius + s->lift, towards );
+    wisp_vec3 key = light_of_key( s, start, towards, INFINITY );
+    wisp_vec3 half = v3_normalize_or( v3_sub( towards, ray->direction ), at->normal );
+
+    float facing = v3_dot( at->normal, towards );
+    float diffuse = sine_to( at->tangent, towards ) * ( 0.45f + 0.55f * clamp01( 0.5f + 0.5f * facing ) );
+    float first = 0.22f * strand_gloss( at, half, -0.10f, 70.0f ) * clamp01( 0.3f + facing );
+    float second = 1.30f * strand_gloss( at, half, 0.12f, 14.0f ) * clamp01( 0.4f + facing );
+    float forward = clamp01( v3_dot( towards, ray->direction ) );
+    float through = 1.2f * forward * forward * forward * forward;
+
+    surface outer = *at;
+    outer.lifted = v3_mul_add( at->place, 2.0f * at->radius + s->lift, at->normal );
+    wisp_vec3 sum = rgb_mul( at->colour, v3_scale( sky_on( s, &outer, sample ), 1.15f ) );
+    sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, 0.75f * diffuse + second + through ) ) );
+    return v3_mul_add( sum, first, key );
+}
+
+wisp_vec3 shade_surface( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
+{
+    if ( at->is_curve )
+    {
+        return shade_strand( s, ray, at, sample );
+    }
+    switch ( at->material )
+    {
+        case RENDER_CLOTH:
+            return shade_cloth( s, ray, at, sample );
+        case RENDER_LATEX:
+            return shade_latex( s, ray, at, sample );
+        case RENDER_SOLID:
+            break;
+    }
+    return shade_solid( s, ray, at, sample );
+}
+
+// ---- ground ----------------------------------------------------------------------------------------------------
+
+static float checker( const stage* s, wisp_vec3 place )
+{
+    float x = floorf( place.x / s->ground.square ), z = floorf( place.z / s->ground.square );
+    return fmodf( fabsf( x + z ), 2.0f ) < 0.5f ? 1.0f : 0.95f;
+}
+
+// The share of all light that reaches a place of the ground.
+static wisp_vec3 ground_share( const stage* s, wisp_vec3 place, shade_sample sample )
+{
+    wisp_vec3 up = { 0.0f, 1.0f, 0.0f }, start = v3_mul_add( place, s->lift, up );
+    wisp_vec3 towards = light_key_direction( s, sample );
+    float facing = clamp01( towards.y );
+    wisp_vec3 key = v3_scale( light_of_key( s, start, towards, INFINITY ), facing );
+    trace_ray out = { start, light_sky_direction( up, sample ), INFINITY };
+    trace_hit hit;
+    wisp_vec3 sky = rgb_grey( light_sky_strength );
+    if ( trace_nearest( s->tree, &out, &hit ) )
+    {
+        sky = v3_scale( stage_colour( s, &hit ), 0.30f * light_sky_strength );
+    }
+    return v3_scale( v3_add( key, sky ), 1.0f / ( light_key_strength * facing + light_sky_strength ) );
+}
+
+// The ground has no colour of its own. It takes from the background what bodies keep from it, so that it runs out into
+// the background without an edge.
+wisp_vec3 shade_ground( const stage* s, const trace_ray* ray, float distance, wisp_vec3 background,
+                        shade_sample sample )
+{
+    wisp_vec3 place = v3_mul_add( ray->origin, distance, ray->direction );
+    place.y = s->ground.height;
+    wisp_vec3 aside = v3_sub( place, s->middle );
+    aside.y = 0.0f;
+    float share = v3_length( aside ) / s->ground.visible;
+    float shown = 1.0f - smooth_step( 0.25f, 1.0f, share );
+    if ( shown <= 0.0f )
+    {
+        return background;
+    }
+    wisp_vec3 lit = v3_scale( ground_share( s, place, sample ), checker( s, place ) );
+    return rgb_mix( background, rgb_mul( background, lit ), shown );
+}

@@ -1,0 +1,69 @@
+/// A scene made ready for rays: trees, normals, lamps, and the few lengths that everything else is measured by.
+#pragma once
+
+#include "rgb.h"
+#include "sampler.h"
+#include "trace.h"
+
+/// The lamps. The key light is far away and round; the rest is a sky with two soft boxes, seen in glossy bodies only.
+typedef struct stage_lamps
+{
+    wisp_vec3 key;          ///< direction towards the middle of the key light
+    wisp_vec3 key_x, key_y; ///< across it
+    wisp_vec3 rim;          ///< towards the narrow box behind the bodies
+    wisp_vec3 rim_x, rim_y; ///< across it
+} stage_lamps;
+
+/// What rays hit apart from bodies.
+typedef struct stage_ground
+{
+    bool is_there;
+    float height;  ///< m
+    float square;  ///< m, side of a square
+    float visible; ///< m, how far from the middle squares and shadows reach before they fade
+} stage_ground;
+
+typedef struct stage
+{
+    const render_scene* scene;
+    trace_tree* tree;
+    wisp_vec3** normals;     ///< [mesh_count] by vertex; null for faceted meshes
+    bool has_translucent;    ///< some body lets light through, so that shadows have colours
+    trace_widening widening; ///<
+    stage_lamps lamps;       ///<
+    stage_ground ground;     ///<
+    wisp_vec3 middle;        ///< m, of all bodies
+    float size;              ///< m, half the diagonal of all bodies
+    float lift;              ///< m, how far a ray starts above the surface that it leaves
+} stage;
+
+/// A point of a body, as light meets it.
+typedef struct surface
+{
+    wisp_vec3 place;   ///< m
+    wisp_vec3 lifted;  ///< where rays to the lamps begin: above the flat triangle where the body is meant to be round
+    wisp_vec3 face;    ///< the flat normal on the viewer's side
+    wisp_vec3 normal;  ///< the smooth one
+    wisp_vec3 tangent; ///< of a strand, from root to tip
+    wisp_vec3 colour;  ///< linear RGB
+    float radius;      ///< m, of a strand
+    int body;          ///<
+    bool is_curve;     ///<
+    render_material material;
+} surface;
+
+/// @param scene checked
+/// @param pixel_share what a pixel spans at a metre from the eye
+wisp_status stage_build( stage* out, const render_scene* scene, const render_camera* camera,
+                         const render_options* options, float pixel_share, wisp_error* error );
+
+/// A stage that is zero, or that failed to be built, is allowed.
+void stage_release( stage* s );
+
+/// The colour of a hit body there.
+wisp_vec3 stage_colour( const stage* s, const trace_hit* hit );
+
+/// Light that comes through the skin of a body, once; nothing for solids.
+wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour );
+
+surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hit );

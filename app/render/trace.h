@@ -1,0 +1,48 @@
+/// Rays against the bodies of a scene. The only door to Embree: behind it is one file. Whatever goes through is checked
+/// first, because a release of Embree with its asserts on ends the process at the first ray that is not finite.
+#pragma once
+
+#include "render.h"
+
+/// Trees over all bodies. Read-only once built: any number of threads may ask.
+typedef struct trace_tree trace_tree;
+
+typedef struct trace_ray
+{
+    wisp_vec3 origin;
+    wisp_vec3 direction; ///< unit length
+    float far;           ///< m, may be infinite
+} trace_ray;
+
+typedef struct trace_hit
+{
+    float distance;   ///< m
+    int body;         ///< meshes by their number, then curves
+    int primitive;    ///< triangle; for curves the first of the segment's two vertices
+    float u, v;       ///< weights of a triangle's second and third vertex; u along a segment
+    wisp_vec3 normal; ///< of the surface itself, unit length, either side
+} trace_hit;
+
+/// Where strands would be too thin to be seen, they are widened.
+typedef struct trace_widening
+{
+    wisp_vec3 eye;
+    float radius_share; ///< least radius a metre of distance from the eye
+} trace_widening;
+
+/// The radius that a strand's vertex is drawn with.
+float trace_radius( const trace_widening* widening, const render_curves* curves, int vertex );
+
+/// @param scene checked by render_check_scene()
+/// @return WISP_NO_MEMORY; WISP_CONFLICT Embree refused, with its reason
+wisp_status trace_build( const render_scene* scene, const trace_widening* widening, trace_tree** out,
+                         wisp_error* error );
+
+/// Null is allowed.
+void trace_release( trace_tree* tree );
+
+/// The nearest body on the ray. @return false if there is none, or the ray is no ray
+bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit );
+
+/// Is anything on the ray? Cheaper than to know what.
+bool trace_blocked( const trace_tree* tree, const trace_ray* ray );

@@ -1,0 +1,326 @@
+// The one file that knows Embree.
+#include "trace.h"
+
+#include "embree_compat.h"
+#include "vec.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Embree's own limit is 1.8e18; every distance of a scene that was checked lies far below.
+#define FARTHEST 1e18f
+
+struct trace_tree
+{
+    RTCDevice device;
+    RTCScene scene;
+    int mesh_count;
+    const unsigned** segments; // [curves_count] first vertex of each segment, in Embree's own index buffers
+    enum RTCError reason;      // of the first error since the device was made
+    char words[200];           // and what Embree said
+};
+
+// Embree keeps an error for whoever asks, by thread; the callback is the only place where all of them arrive.
+static void remember_error( void* user, enum RTCError code, const char* words )
+{
+    trace_tree* tree = user;
+    if ( tree->reason == RTC_ERROR_NONE )
+    {
+        tree->reason = code;
+        snprintf( tree->words, sizeof( tree->words ), "%s", words != NULL ? words : "" );
+    }
+}
+
+static wisp_status embree_fault( const trace_tree* tree, wisp_error* error )
+{
+    if ( tree->reason == RTC_ERROR_NONE )
+    {
+        return WISP_OK;
+    }
+    if ( tree->reason == RTC_ERROR_OUT_OF_MEMORY )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for the trees of the ray tracer" );
+    }
+    return wisp_fail( error, WISP_CONFLICT, "picture: the ray tracer refuses with error %d: %s", (int)tree->reason,
+                      tree->words );
+}
+
+// ---- geometry --------------------------------------------------------------------------------------------------
+
+// Buffers are Embree's own, which pads them: it reads a vertex of three floats as sixteen bytes, the last one too.
+static void* new_buffer( RTCGeometry geometry, enum RTCBufferType type, enum RTCFormat format, size_t stride,
+                         size_t count )
+{
+    return rtcSetNewGeometryBuffer( geometry, type, 0, format, stride, count );
+}
+
+// Takes the geometry over, whatever happens.
+static void attach( trace_tree* tree, RTCGeometry geometry, int body )
+{
+    embree_show_always( geometry );
+    rtcCommitGeometry( geometry );
+    rtcAttachGeometryByID( tree->scene, geometry, (unsigned)body );
+    rtcReleaseGeometry( geometry );
+}
+
+static wisp_status add_mesh( trace_tree* tree, const render_mesh* mesh, int body, wisp_error* error )
+{
+    if ( mesh->triangle_count == 0 )
+    {
+        return WISP_OK;
+    }
+    RTCGeometry geometry = rtcNewGeometry( tree->device, RTC_GEOMETRY_TYPE_TRIANGLE );
+    if ( geometry == NULL )
+    {
+        return embree_fault( tree, error );
+    }
+    size_t vertices = (size_t)mesh->vertex_count, triangles = (size_t)mesh->triangle_count;
+    void* points = new_buffer( geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof( wisp_vec3 ), vertices );
+    void* indices =
+        new_buffer( geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof( uint32_t ), triangles );
+    if ( points != NULL && indices != NULL )
+    {
+        memcpy( points, mesh->points, vertices * sizeof( wisp_vec3 ) );
+        memcpy( indices, mesh->triangles, triangles * 3 * sizeof( uint32_t ) );
+        attach( tree, geometry, body );
+    }
+    else
+    {
+        rtcReleaseGeometry( geometry );
+    }
+    return embree_fault( tree, error );
+}
+
+static size_t count_segments( const render_curves* curves )
+{
+    size_t count = 0;
+    for ( int s = 0; s < curves->strand_count; ++s )
+    {
+        int vertices = curves->offsets[s + 1] - curves->offsets[s];
+        count += vertices > 1 ? (size_t)( vertices - 1 ) : 0;
+    }
+    return count;
+}
+
+float trace_radius( const trace_widening* widening, const render_curves* curves, int vertex )
+{
+    float radius = curves->radii != NULL ? curves->radii[vertex] : curves->radius;
+    float distance = v3_length( v3_sub( curves->points[vertex], widening->eye ) );
+    return fmaxf( radius, widening->radius_share * distance );
+}
+
+typedef struct curve_buffers
+{
+    float* points;    // x, y, z, radius
+    unsigned* first;  // vertex of each segment
+    uint8_t* borders; // which ends of a segment have a neighbour, so that joints are round and ends are not doubled
+} curve_buffers;
+
+static void fill_curves( const render_curves* curves, const trace_widening* widening, const curve_buffers* out )
+{
+    int vertex_count = curves->offsets[curves->strand_count];
+    for ( int v = 0; v < vertex_count; ++v )
+    {
+        float* p = out->points + 4 * (size_t)v;
+        p[0] = curves->points[v].x;
+        p[1] = curves->points[v].y;
+        p[2] = curves->points[v].z;
+        p[3] = trace_radius( widening, curves, v );
+    }
+    size_t k = 0;
+    for ( int s = 0; s < curves->strand_count; ++s )
+    {
+        int begin = curves->offsets[s], last = curves->offsets[s + 1] - 1;
+        for ( int v = begin; v < last; ++v, ++k )
+        {
+            unsigned left = v > begin ? RTC_CURVE_FLAG_NEIGHBOR_LEFT : 0u;
+            unsigned right = v + 1 < last ? RTC_CURVE_FLAG_NEIGHBOR_RIGHT : 0u;
+            out->first[k] = (unsigned)v;
+            out->borders[k] = (uint8_t)( left | right );
+        }
+    }
+}
+
+static wisp_status add_curves( trace_tree* tree, const render_curves* curves, int number,
+                               const trace_widening* widening, wisp_error* error )
+{
+    size_t segments = count_segments( curves );
+    if ( segments == 0 )
+    {
+        return WISP_OK;
+    }
+    RTCGeometry geometry = rtcNewGeometry( tree->device, RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE );
+    if ( geometry == NULL )
+    {
+        return embree_fault( tree, error );
+    }
+    size_t vertices = (size_t)curves->offsets[curves->strand_count];
+    curve_buffers buffers = {
+        new_buffer( geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof( float ), vertices ),
+        new_buffer( geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT, sizeof( unsigned ), segments ),
+        new_buffer( geometry, RTC_BUFFER_TYPE_FLAGS, RTC_FORMAT_UCHAR, sizeof( uint8_t ), segments ),
+    };
+    if ( buffers.points != NULL && buffers.first != NULL && buffers.borders != NULL )
+    {
+        fill_curves( curves, widening, &buffers );
+        tree->segments[number] = buffers.first;
+        attach( tree, geometry, tree->mesh_count + number );
+    }
+    else
+    {
+        rtcReleaseGeometry( geometry );
+    }
+    return embree_fault( tree, error );
+}
+
+// ---- the tree --------------------------------------------------------------------------------------------------
+
+// One thread builds: trees that several threads build may differ, and where two surfaces meet so would the hits.
+static wisp_status open_device( trace_tree* tree, wisp_error* error )
+{
+    tree->device = rtcNewDevice( "threads=1" );
+    if ( tree->device == NULL )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "picture: the ray tracer does not start, error %d",
+                          (int)rtcGetDeviceError( NULL ) );
+    }
+    rtcSetDeviceErrorFunction( tree->device, remember_error, tree );
+    tree->scene = rtcNewScene( tree->device );
+    if ( tree->scene != NULL )
+    {
+        // Robust: without it rays slip through between two triangles that share an edge.
+        rtcSetSceneFlags( tree->scene, RTC_SCENE_FLAG_ROBUST );
+        rtcSetSceneBuildQuality( tree->scene, RTC_BUILD_QUALITY_MEDIUM );
+    }
+    return embree_fault( tree, error );
+}
+
+static wisp_status fill( trace_tree* tree, const render_scene* scene, const trace_widening* widening,
+                         wisp_error* error )
+{
+    wisp_status status = open_device( tree, error );
+    for ( int i = 0; i < scene->mesh_count && status == WISP_OK; ++i )
+    {
+        status = add_mesh( tree, &scene->meshes[i], i, error );
+    }
+    for ( int i = 0; i < scene->curves_count && status == WISP_OK; ++i )
+    {
+        status = add_curves( tree, &scene->curves[i], i, widening, error );
+    }
+    if ( status == WISP_OK )
+    {
+        rtcCommitScene( tree->scene );
+        status = embree_fault( tree, error );
+    }
+    return status;
+}
+
+wisp_status trace_build( const render_scene* scene, const trace_widening* widening, trace_tree** out,
+                         wisp_error* error )
+{
+    trace_tree* tree = calloc( 1, sizeof( trace_tree ) );
+    const unsigned** segments = calloc( (size_t)scene->curves_count + 1, sizeof( *segments ) );
+    if ( tree == NULL || segments == NULL )
+    {
+        free( tree );
+        free( segments );
+        return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for %d bodies",
+                          scene->mesh_count + scene->curves_count );
+    }
+    tree->segments = segments;
+    tree->mesh_count = scene->mesh_count;
+    wisp_status status = fill( tree, scene, widening, error );
+    if ( status != WISP_OK )
+    {
+        trace_release( tree );
+        return status;
+    }
+    *out = tree;
+    return WISP_OK;
+}
+
+void trace_release( trace_tree* tree )
+{
+    if ( tree == NULL )
+    {
+        return;
+    }
+    if ( tree->scene != NULL )
+    {
+        rtcReleaseScene( tree->scene );
+    }
+    if ( tree->device != NULL )
+    {
+        rtcReleaseDevice( tree->device );
+    }
+    free( tree->segments );
+    free( tree );
+}
+
+// ---- rays ------------------------------------------------------------------------------------------------------
+
+static bool is_within( wisp_vec3 v, float limit )
+{
+    return fabsf( v.x ) <= limit && fabsf( v.y ) <= limit && fabsf( v.z ) <= limit;
+}
+
+// Written so that NaN fails.
+static bool is_a_ray( const trace_ray* ray )
+{
+    return is_within( ray->origin, FARTHEST ) && is_within( ray->direction, 2.0f ) && ray->far > 0.0f;
+}
+
+static struct RTCRay embree_ray( const trace_ray* ray )
+{
+    return ( struct RTCRay ){
+        .org_x = ray->origin.x,
+        .org_y = ray->origin.y,
+        .org_z = ray->origin.z,
+        .dir_x = ray->direction.x,
+        .dir_y = ray->direction.y,
+        .dir_z = ray->direction.z,
+        .tfar = ray->far,
+        .mask = 0xFFFFFFFFu,
+    };
+}
+
+bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit )
+{
+    if ( !is_a_ray( ray ) )
+    {
+        return false;
+    }
+    struct RTCRayHit found = { .ray = embree_ray( ray ) };
+    found.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    found.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    embree_intersect( tree->scene, &found );
+    if ( found.hit.geomID == RTC_INVALID_GEOMETRY_ID )
+    {
+        return false;
+    }
+    int body = (int)found.hit.geomID;
+    bool is_curve = body >= tree->mesh_count;
+    *hit = ( trace_hit ){
+        .distance = found.ray.tfar,
+        .body = body,
+        .primitive =
+            is_curve ? (int)tree->segments[body - tree->mesh_count][found.hit.primID] : (int)found.hit.primID,
+        .u = found.hit.u,
+        .v = found.hit.v,
+        .normal = v3_normalize_or( ( wisp_vec3 ){ found.hit.Ng_x, found.hit.Ng_y, found.hit.Ng_z },
+                                   v3_scale( ray->direction, -1.0f ) ),
+    };
+    return true;
+}
+
+bool trace_blocked( const trace_tree* tree, const trace_ray* ray )
+{
+    if ( !is_a_ray( ray ) )
+    {
+        return false;
+    }
+    struct RTCRay shadow = embree_ray( ray );
+    embree_occluded( tree->scene, &shadow );
+    return shadow.tfar < 0.0f;
+}

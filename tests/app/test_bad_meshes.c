@@ -1,0 +1,192 @@
+// Every mesh file of bad_meshes.h is refused with the sentence that it was made for, and so is every good one that
+// was cut or damaged, unless it is still good.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "../bad/bad_meshes.h"
+#include "mesh.h"
+
+enum
+{
+    FEWEST_FILES = 45,
+};
+
+static bool is_ply( const char* name )
+{
+    return strstr( name, ".ply" ) != NULL;
+}
+
+// The block is exactly as long as the file, so that a checker sees a read past its end.
+static wisp_status read_exactly( const char* name, const char* bytes, size_t size, wisp_mesh* mesh,
+                                 wisp_error* error )
+{
+    char* exact = malloc( size + ( size == 0 ) );
+    assert_non_null( exact );
+    memcpy( exact, bytes, size );
+    wisp_status status = is_ply( name ) ? wisp_mesh_read_ply( exact, size, name, mesh, error )
+                                        : wisp_mesh_read_obj( exact, size, name, mesh, error );
+    free( exact );
+    return status;
+}
+
+static void demand_refusal( const bad_mesh* bad )
+{
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = read_exactly( bad->name, bad->bytes, bad->size, &mesh, &error );
+    if ( status != WISP_BAD_INPUT )
+    {
+        wisp_mesh_release( &mesh );
+        fail_msg( "%s: status is \"%s\" instead of \"bad input\"", bad->name, wisp_status_name( status ) );
+    }
+    assert_int_equal( error.status, WISP_BAD_INPUT );
+    if ( strncmp( error.sentence, bad->name, strlen( bad->name ) ) != 0 )
+    {
+        fail_msg( "%s: the sentence does not name the file: %s", bad->name, error.sentence );
+    }
+    if ( strstr( error.sentence, bad->words ) == NULL )
+    {
+        fail_msg( "%s: expected \"%s\" in: %s", bad->name, bad->words, error.sentence );
+    }
+    for ( const char* c = error.sentence; *c != 0; ++c )
+    {
+        assert_true( (unsigned char)*c >= 0x20 && *c != 0x7f );
+    }
+    assert_null( mesh.points );
+    assert_null( mesh.triangles );
+}
+
+static void every_bad_file_is_refused_for_the_reason_it_was_made_for( void** state )
+{
+    (void)state;
+    assert_true( WISP_COUNT( bad_meshes ) >= FEWEST_FILES );
+    for ( int i = 0; i < WISP_COUNT( bad_meshes ); ++i )
+    {
+        demand_refusal( &bad_meshes[i] );
+    }
+}
+
+static void the_files_that_are_cut_and_damaged_are_good( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
+    {
+        wisp_mesh mesh;
+        wisp_error error = { .status = WISP_OK };
+        const bad_mesh* good = &good_meshes[i];
+        if ( read_exactly( good->name, good->bytes, good->size, &mesh, &error ) != WISP_OK )
+        {
+            fail_msg( "%s", error.sentence );
+        }
+        wisp_mesh_release( &mesh );
+    }
+}
+
+// Either answer is right for a damaged file, with everything that belongs to it.
+static void demand_answer( const char* name, const char* bytes, size_t size )
+{
+    wisp_mesh mesh;
+    wisp_mesh_report report;
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = read_exactly( name, bytes, size, &mesh, &error );
+    if ( status == WISP_OK )
+    {
+        assert_int_equal( wisp_mesh_examine( &mesh, &report, NULL ), WISP_OK );
+    }
+    else
+    {
+        assert_int_equal( status, WISP_BAD_INPUT );
+        assert_true( strlen( error.sentence ) > strlen( name ) );
+        assert_null( mesh.points );
+        assert_null( mesh.triangles );
+    }
+    wisp_mesh_release( &mesh );
+}
+
+static void every_shorter_beginning_of_a_good_file_gets_an_answer( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
+    {
+        for ( size_t size = 0; size < good_meshes[i].size; ++size )
+        {
+            demand_answer( good_meshes[i].name, good_meshes[i].bytes, size );
+        }
+    }
+}
+
+static void a_binary_file_that_misses_its_last_byte_is_refused( void** state )
+{
+    (void)state;
+    for ( int i = 2; i < WISP_COUNT( good_meshes ); ++i )
+    {
+        wisp_mesh mesh;
+        const bad_mesh* good = &good_meshes[i];
+        assert_int_equal( read_exactly( good->name, good->bytes, good->size - 1, &mesh, NULL ), WISP_BAD_INPUT );
+    }
+}
+
+static void every_byte_of_a_good_file_may_be_anything( void** state )
+{
+    (void)state;
+    static const unsigned char telling[] = { 0x00, 0xff, 0x7f, 0x80, 0x01, '0',  '9', '-',
+                                             '.',  'e',  '/',  '#',  '\n', '\r', ' ' };
+    char damaged[1024];
+    for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
+    {
+        const bad_mesh* good = &good_meshes[i];
+        assert_true( good->size <= sizeof damaged );
+        for ( size_t at = 0; at < good->size; ++at )
+        {
+            for ( int k = 0; k < WISP_COUNT( telling ); ++k )
+            {
+                memcpy( damaged, good->bytes, good->size );
+                damaged[at] = (char)telling[k];
+                demand_answer( good->name, damaged, good->size );
+            }
+        }
+    }
+}
+
+static void a_face_of_more_corners_than_the_cap_is_refused( void** state )
+{
+    (void)state;
+    enum
+    {
+        CORNERS = WISP_MESH_CORNER_CAP + 1
+    };
+    static char text[16 + 2 * CORNERS];
+    memcpy( text, "v 0 0 0\nf ", 10 );
+    for ( int i = 0; i < CORNERS; ++i )
+    {
+        memcpy( text + 10 + 2 * i, "1 ", 2 );
+    }
+    wisp_mesh mesh;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * CORNERS, &mesh, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.sentence, "line 2: a face has more than 65536 corners" ) );
+    // one fewer is a fan
+    assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * ( CORNERS - 1 ), &mesh, &error ), WISP_OK );
+    assert_int_equal( mesh.triangle_count, WISP_MESH_CORNER_CAP - 2 );
+    wisp_mesh_release( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_bad_file_is_refused_for_the_reason_it_was_made_for ),
+        cmocka_unit_test( the_files_that_are_cut_and_damaged_are_good ),
+        cmocka_unit_test( every_shorter_beginning_of_a_good_file_gets_an_answer ),
+        cmocka_unit_test( a_binary_file_that_misses_its_last_byte_is_refused ),
+        cmocka_unit_test( every_byte_of_a_good_file_may_be_anything ),
+        cmocka_unit_test( a_face_of_more_corners_than_the_cap_is_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,494 @@
+// Our own recordings: what comes back, what a crash, a cut or a flipped bit leaves, and what a recorder refuses.
+#include "record_fixture.h"
+
+#include <math.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+static wisp_recording* open_good( const char* path )
+{
+    wisp_error error = { .status = WISP_OK };
+    wisp_recording* recording = NULL;
+    assert_good( wisp_recording_open( path, &recording, &error ), &error );
+    return recording;
+}
+
+static void assert_frame_is( wisp_recording* recording, int f )
+{
+    wisp_error error = { .status = WISP_OK };
+    fixture_frame found, expected = fixture_points( f );
+    memset( &found, 0xa5, sizeof found );
+    wisp_vec3* points[] = { found.cloth, found.hair };
+    double time = -1.0;
+    uint64_t hash = 0;
+    assert_good( wisp_recording_frame( recording, f, points, &time, &hash, &error ), &error );
+    assert_memory_equal( &found, &expected, sizeof found );
+    assert_true( time == fixture_time( f ) );
+    assert_true( hash == fixture_hash( f ) );
+}
+
+// ---- what comes back -------------------------------------------------------------------------------------------
+
+static void a_recording_comes_back_bit_for_bit_in_any_order( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.WISP" ), &def, 5 );
+    wisp_recording* recording = open_good( path_in( state, "a.WISP" ) );
+    wisp_recording_info info = wisp_recording_describe( recording );
+    assert_int_equal( info.frame_count, 5 );
+    assert_int_equal( info.body_count, FIXTURE_BODIES );
+    assert_true( info.step_seconds == def.step_seconds );
+    assert_true( info.complete );
+    assert_int_equal( info.tail_bytes, 0 );
+    static const int order[] = { 4, 0, 3, 1, 2, 2 };
+    for ( int i = 0; i < WISP_COUNT( order ); ++i )
+    {
+        assert_frame_is( recording, order[i] );
+    }
+    wisp_recording_close( recording );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+static void bodies_come_back_with_their_names_triangles_and_offsets( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.wisp" ), &def, 0 );
+    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    const wisp_record_body* cloth = wisp_recording_body( recording, 0 );
+    const wisp_record_body* hair = wisp_recording_body( recording, 1 );
+    assert_string_equal( cloth->name, "cloth" );
+    assert_string_equal( hair->name, "hair-2" );
+    assert_int_equal( cloth->vertex_count, CLOTH_VERTICES );
+    assert_int_equal( cloth->triangle_count, 2 );
+    assert_null( cloth->offsets );
+    assert_memory_equal( cloth->triangles, fixture_triangles, sizeof fixture_triangles );
+    assert_int_equal( hair->vertex_count, HAIR_VERTICES );
+    assert_int_equal( hair->strand_count, 2 );
+    assert_null( hair->triangles );
+    assert_memory_equal( hair->offsets, fixture_offsets, sizeof fixture_offsets );
+    wisp_recording_close( recording );
+}
+
+static void a_body_that_is_not_wanted_is_skipped( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.wisp" ), &def, 1 );
+    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    fixture_frame found, expected = fixture_points( 0 );
+    wisp_vec3* points[] = { NULL, found.hair };
+    assert_int_equal( wisp_recording_frame( recording, 0, points, NULL, NULL, NULL ), WISP_OK );
+    assert_memory_equal( found.hair, expected.hair, sizeof expected.hair );
+    wisp_recording_close( recording );
+}
+
+static void a_frame_that_is_not_there_is_refused_by_its_number( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.wisp" ), &def, 2 );
+    wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_recording_frame( recording, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: there is no frame 2, the recording has 2" );
+    assert_int_equal( wisp_recording_frame( recording, -1, NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
+    wisp_recording_close( recording );
+}
+
+// ---- crashes, cuts and damage ----------------------------------------------------------------------------------
+
+static void a_frame_is_in_the_file_when_the_call_returns( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    wisp_recorder* recorder = NULL;
+    char* path = path_in( state, "a.wisp" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
+    for ( int f = 0; f < 3; ++f )
+    {
+        assert_int_equal( fixture_add_frame( recorder, f, NULL ), WISP_OK );
+        wisp_recording* recording = open_good( path );
+        wisp_recording_info info = wisp_recording_describe( recording );
+        assert_int_equal( info.frame_count, f + 1 );
+        assert_int_equal( info.tail_bytes, 0 );
+        assert_false( info.complete );
+        assert_frame_is( recording, f );
+        wisp_recording_close( recording );
+    }
+    assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
+}
+
+static void a_killed_program_leaves_its_frames( void** state )
+{
+    char* path = path_in( state, "a.wisp" );
+    pid_t child = fork();
+    assert_true( child >= 0 );
+    if ( child == 0 )
+    {
+        wisp_recorder_def def = fixture_def();
+        wisp_recorder* recorder = NULL;
+        bool good = wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ) == WISP_OK &&
+                    fixture_add_frame( recorder, 0, NULL ) == WISP_OK &&
+                    fixture_add_frame( recorder, 1, NULL ) == WISP_OK;
+        raise( good ? SIGKILL : SIGTERM );
+    }
+    int result = 0;
+    assert_int_equal( waitpid( child, &result, 0 ), child );
+    assert_true( WIFSIGNALED( result ) && WTERMSIG( result ) == SIGKILL );
+    wisp_recording* recording = open_good( path );
+    assert_int_equal( wisp_recording_describe( recording ).frame_count, 2 );
+    assert_false( wisp_recording_describe( recording ).complete );
+    assert_frame_is( recording, 0 );
+    assert_frame_is( recording, 1 );
+    wisp_recording_close( recording );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+// A recording in memory, and where its parts are.
+typedef struct sample
+{
+    unsigned char* bytes;
+    size_t size, header, frame;
+    int count;
+} sample;
+
+static sample make_sample( void** state )
+{
+    sample s = { .count = 3 };
+    wisp_recorder_def def = fixture_def();
+    char* path = path_in( state, "sample.wisp" );
+    fixture_record( path, &def, s.count );
+    s.bytes = get_file( path, &s.size );
+    wisp_recording* recording = open_good( path );
+    s.header = (size_t)wisp_recording_describe( recording ).first_byte;
+    s.frame = (size_t)wisp_recording_describe( recording ).frame_bytes;
+    wisp_recording_close( recording );
+    return s;
+}
+
+// The block is exactly as long as the cut file, so that a checker sees a read past it.
+static void demand_cut( const sample* s, size_t size )
+{
+    unsigned char* bytes = malloc( size > 0 ? size : 1 );
+    assert_non_null( bytes );
+    memcpy( bytes, s->bytes, size );
+    wisp_error error = { .status = WISP_OK };
+    wisp_recording* recording = NULL;
+    wisp_status status = wisp_recording_open_memory( bytes, size, "cut", &recording, &error );
+    if ( size < s->header )
+    {
+        assert_int_equal( status, WISP_BAD_INPUT );
+        assert_one_sentence( &error, WISP_BAD_INPUT, "cut: " );
+        assert_null( recording );
+    }
+    else
+    {
+        assert_good( status, &error );
+        wisp_recording_info info = wisp_recording_describe( recording );
+        size_t frames = ( size - s->header ) / s->frame;
+        assert_int_equal( info.frame_count, frames );
+        assert_int_equal( info.complete, size == s->size );
+        assert_int_equal( info.tail_bytes, size == s->size ? 0 : size - s->header - frames * s->frame );
+        for ( int f = 0; f < info.frame_count; ++f )
+        {
+            assert_frame_is( recording, f );
+        }
+    }
+    wisp_recording_close( recording );
+    free( bytes );
+}
+
+static void a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_refused( void** state )
+{
+    sample s = make_sample( state );
+    for ( size_t size = 0; size <= s.size; ++size )
+    {
+        demand_cut( &s, size );
+    }
+    free( s.bytes );
+}
+
+// Exactly the part that was hit is refused, and all others come back.
+static void demand_flip( const sample* s, size_t at )
+{
+    wisp_error error = { .status = WISP_OK };
+    wisp_recording* recording = NULL;
+    wisp_status status = wisp_recording_open_memory( s->bytes, s->size, "flipped", &recording, &error );
+    if ( at < s->header )
+    {
+        assert_int_equal( status, WISP_BAD_INPUT );
+        assert_one_sentence( &error, WISP_BAD_INPUT, "flipped: byte " );
+        return;
+    }
+    assert_good( status, &error );
+    int hit = (int)( ( at - s->header ) / s->frame );
+    wisp_recording_info info = wisp_recording_describe( recording );
+    assert_int_equal( info.frame_count, s->count );
+    assert_int_equal( info.complete, hit < s->count );
+    assert_int_equal( info.tail_bytes > 0, hit == s->count );
+    for ( int f = 0; f < s->count; ++f )
+    {
+        if ( f != hit )
+        {
+            assert_frame_is( recording, f );
+            continue;
+        }
+        char words[100];
+        snprintf( words, sizeof words, "flipped: frame %d at byte %zu is damaged", f,
+                  s->header + (size_t)hit * s->frame );
+        fixture_frame untouched, found;
+        memset( &untouched, 0xa5, sizeof untouched );
+        found = untouched;
+        wisp_vec3* points[] = { found.cloth, found.hair };
+        assert_int_equal( wisp_recording_frame( recording, f, points, NULL, NULL, &error ), WISP_BAD_INPUT );
+        assert_one_sentence( &error, WISP_BAD_INPUT, words );
+        assert_memory_equal( &found, &untouched, sizeof found );
+    }
+    wisp_recording_close( recording );
+}
+
+static void a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame( void** state )
+{
+    sample s = make_sample( state );
+    for ( size_t at = 0; at < s.size; ++at )
+    {
+        for ( int bit = 0; bit < 8; ++bit )
+        {
+            s.bytes[at] ^= (unsigned char)( 1 << bit );
+            demand_flip( &s, at );
+            s.bytes[at] ^= (unsigned char)( 1 << bit );
+        }
+    }
+    free( s.bytes );
+}
+
+static void frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut( void** state )
+{
+    sample s = make_sample( state );
+    size_t size = s.header + 3 * s.frame + 10;
+    memset( s.bytes + s.header + s.frame, 0, 2 * s.frame + 10 );
+    wisp_recording* recording = NULL;
+    assert_int_equal( wisp_recording_open_memory( s.bytes, size, "zeros", &recording, NULL ), WISP_OK );
+    wisp_recording_info info = wisp_recording_describe( recording );
+    assert_int_equal( info.frame_count, 1 );
+    assert_int_equal( info.tail_bytes, 2 * s.frame + 10 );
+    assert_false( info.complete );
+    assert_frame_is( recording, 0 );
+    wisp_recording_close( recording );
+    free( s.bytes );
+}
+
+static void a_frame_of_another_recording_is_refused( void** state )
+{
+    sample s = make_sample( state );
+    wisp_recorder_def def = fixture_def();
+    def.step_seconds = 0.5;
+    char* path = path_in( state, "other.wisp" );
+    fixture_record( path, &def, 3 );
+    size_t size = 0;
+    unsigned char* other = get_file( path, &size );
+    assert_int_equal( size, s.size );
+    memcpy( s.bytes + s.header + s.frame, other + s.header + s.frame, s.frame );
+    wisp_recording* recording = NULL;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_recording_open_memory( s.bytes, s.size, "mixed", &recording, NULL ), WISP_OK );
+    assert_int_equal( wisp_recording_frame( recording, 1, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "mixed: frame 1 at byte" );
+    wisp_recording_close( recording );
+    free( other );
+    free( s.bytes );
+}
+
+// ---- what a recorder refuses -----------------------------------------------------------------------------------
+
+static void assert_refused_body( void** state, wisp_record_body body, const char* words )
+{
+    wisp_record_body bodies[] = { fixture_bodies[0], body };
+    wisp_recorder_def def = { bodies, 2, 0.1 };
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    char* path = path_in( state, "precious.wisp" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_null( recorder );
+    assert_one_sentence( &error, WISP_BAD_INPUT, words );
+}
+
+static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** state )
+{
+    static const int32_t beyond[] = { 0, 1, 2, 0, 1, 4 }, late[] = { 1, 5 }, falling[] = { 0, 4, 3, 5 };
+    static const int32_t early[] = { 0, 4 };
+    wisp_record_body mesh = { .name = "m", .triangles = beyond, .vertex_count = 4, .triangle_count = 2 };
+    wisp_record_body strands = { .name = "s", .offsets = late, .vertex_count = 5, .strand_count = 1 };
+    put_file( path_in( state, "precious.wisp" ), "precious", 8 );
+    assert_refused_body( state, mesh, "precious.wisp: body m: triangle 1 names vertex 4 of 4" );
+    mesh.triangles = NULL;
+    assert_refused_body( state, mesh, "body m: the list of its 2 triangles is missing" );
+    mesh.triangle_count = -1;
+    assert_refused_body( state, mesh, "body m: it cannot have -1 triangles" );
+    mesh.vertex_count = 0;
+    assert_refused_body( state, mesh, "body m: it has 0 vertices" );
+    mesh.name = "cloth";
+    assert_refused_body( state, mesh, "bodies 0 and 1 are both called cloth" );
+    mesh.name = "../m";
+    assert_refused_body( state, mesh, "body 1: its name is not" );
+    mesh.name = "";
+    assert_refused_body( state, mesh, "body 1: its name is not" );
+    mesh.name = "a2345678901234567890123456789012345678901234567890123456789012345";
+    assert_refused_body( state, mesh, "body 1: its name is not" );
+    assert_refused_body( state, strands, "body s: strand 0 starts at vertex 1" );
+    strands.offsets = falling;
+    strands.strand_count = 3;
+    assert_refused_body( state, strands, "body s: strand 1 runs from vertex 4 to 3 of 5" );
+    strands.offsets = early;
+    strands.strand_count = 1;
+    assert_refused_body( state, strands, "body s: the strands end at vertex 4 of 5" );
+    strands.strand_count = 0;
+    assert_refused_body( state, strands, "body s: it has 0 strands" );
+    size_t size = 0;
+    unsigned char* kept = get_file( path_in( state, "precious.wisp" ), &size );
+    assert_string_equal( (char*)kept, "precious" );
+    free( kept );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+static void a_definition_that_makes_no_sense_is_refused( void** state )
+{
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    wisp_recorder_def def = fixture_def();
+    char* path = path_in( state, "a.wisp" );
+    def.step_seconds = 0.0;
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: 0 seconds between two frames" );
+    def = fixture_def();
+    def.body_count = 0;
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a recording has 1 to 4096 bodies, not 0" );
+    def = fixture_def();
+    assert_int_equal(
+        wisp_recorder_open( path_in( state, "a.wisp.txt" ), WISP_RECORD_BY_NAME, &def, &recorder, &error ),
+        WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "written as .wisp, .pc2, .pvd, .obj or .usda" );
+    assert_int_equal( count_files( state ), 0 );
+}
+
+static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    char* path = path_in( state, "a.wisp" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
+    assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
+    assert_int_equal( fixture_add_frame( recorder, 0, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: frame 1: its time of" );
+
+    fixture_frame frame = fixture_points( 1 );
+    frame.hair[3].z = NAN;
+    const wisp_vec3* points[] = { frame.cloth, frame.hair };
+    assert_int_equal( wisp_recorder_frame( recorder, 1.0, 0, points, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "frame 1: body hair-2, vertex 3: z is not finite" );
+    frame.hair[3].z = 0.0f;
+    assert_int_equal( wisp_recorder_frame( recorder, NAN, 0, points, &error ), WISP_BAD_INPUT );
+
+    assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
+    assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
+    wisp_recording* recording = open_good( path );
+    assert_int_equal( wisp_recording_describe( recording ).frame_count, 2 );
+    assert_frame_is( recording, 1 );
+    wisp_recording_close( recording );
+}
+
+// ---- what the operating system refuses -------------------------------------------------------------------------
+
+static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    wisp_recorder* recorder = NULL;
+    char* path = path_in( state, "a.wisp" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
+    assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
+    struct stat info;
+    assert_int_equal( stat( path, &info ), 0 );
+
+    // Files may grow by 50 bytes more: the write fails in the middle of a frame, as on a full disk.
+    struct rlimit before;
+    assert_int_equal( getrlimit( RLIMIT_FSIZE, &before ), 0 );
+    struct rlimit small = { (rlim_t)info.st_size + 50, before.rlim_max };
+    void ( *old )( int ) = signal( SIGXFSZ, SIG_IGN );
+    assert_int_equal( setrlimit( RLIMIT_FSIZE, &small ), 0 );
+    wisp_error error = { .status = WISP_OK };
+    wisp_status status = fixture_add_frame( recorder, 1, &error );
+    assert_int_equal( setrlimit( RLIMIT_FSIZE, &before ), 0 );
+    signal( SIGXFSZ, old );
+
+    assert_int_equal( status, WISP_IO_ERROR );
+    assert_one_sentence( &error, WISP_IO_ERROR, "a.wisp: cannot write: " );
+    struct stat after;
+    assert_int_equal( stat( path, &after ), 0 );
+    assert_int_equal( after.st_size, info.st_size );
+
+    assert_int_equal( fixture_add_frame( recorder, 1, NULL ), WISP_OK );
+    assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
+    wisp_recording* recording = open_good( path );
+    assert_true( wisp_recording_describe( recording ).complete );
+    assert_frame_is( recording, 0 );
+    assert_frame_is( recording, 1 );
+    wisp_recording_close( recording );
+}
+
+static void a_path_that_cannot_be_written_or_read_is_a_sentence( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    wisp_recorder* recorder = NULL;
+    wisp_recording* recording = NULL;
+    wisp_error error = { .status = WISP_OK };
+    char* path = path_in( state, "none/a.wisp" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_IO_ERROR );
+    assert_one_sentence( &error, WISP_IO_ERROR, "none/a.wisp: cannot create a file beside it" );
+    assert_null( recorder );
+    assert_int_equal( wisp_recording_open( path, &recording, &error ), WISP_IO_ERROR );
+    assert_one_sentence( &error, WISP_IO_ERROR, "none/a.wisp: cannot open: " );
+    assert_int_equal( wisp_recording_open( path_in( state, "." ), &recording, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "this is a folder" );
+    char* pipe_path = path_in( state, "pipe.wisp" );
+    assert_int_equal( mkfifo( pipe_path, 0600 ), 0 );
+    assert_int_equal( wisp_recording_open( pipe_path, &recording, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "this is a device or a pipe" );
+    assert_null( recording );
+}
+
+static void a_file_that_shrinks_while_it_is_read_is_an_error( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    char* path = path_in( state, "a.wisp" );
+    fixture_record( path, &def, 2 );
+    wisp_recording* recording = open_good( path );
+    assert_int_equal( truncate( path, (off_t)wisp_recording_describe( recording ).first_byte + 20 ), 0 );
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), WISP_IO_ERROR );
+    assert_one_sentence( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
+    wisp_recording_close( recording );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        TEST_IN_FOLDER( a_recording_comes_back_bit_for_bit_in_any_order ),
+        TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets ),
+        TEST_IN_FOLDER( a_body_that_is_not_wanted_is_skipped ),
+        TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number ),
+        TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns ),
+        TEST_IN_FOLDER( a_killed_program_leaves_its_frames ),
+        TEST_IN_FOLDER( a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_refused ),
+        TEST_IN_FOLDER( a_flipped_bit_anywhere_is_seen_and_hurts_only_its_own_frame ),
+        TEST_IN_FOLDER( frames_that_a_power_cut_left_as_zeros_are_told_as_a_cut ),
+        TEST_IN_FOLDER( a_frame_of_another_recording_is_refused ),
+        TEST_IN_FOLDER( a_malformed_body_is_refused_by_name_and_leaves_the_old_file ),
+        TEST_IN_FOLDER( a_definition_that_makes_no_sense_is_refused ),
+        TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording ),
+        TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated ),
+        TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_sentence ),
+        TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,542 @@
+// Recordings for other programs: point caches, ParaView, OBJ, USD. Every format is read back here by a small reader
+// of its own, and every number must come back bit for bit.
+#include "record_fixture.h"
+
+#include <sys/stat.h>
+
+static uint32_t get_u32( const unsigned char* bytes )
+{
+    return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 | (uint32_t)bytes[3] << 24;
+}
+
+static float get_float( const unsigned char* bytes )
+{
+    uint32_t bits = get_u32( bytes );
+    float value;
+    memcpy( &value, &bits, sizeof value );
+    return value;
+}
+
+static void assert_bits( float found, float expected )
+{
+    assert_memory_equal( &found, &expected, sizeof found );
+}
+
+static void assert_point( const float* found, wisp_vec3 expected )
+{
+    assert_bits( found[0], expected.x );
+    assert_bits( found[1], expected.y );
+    assert_bits( found[2], expected.z );
+}
+
+static int count_of( const char* text, const char* words )
+{
+    int count = 0;
+    for ( const char* at = strstr( text, words ); at != NULL; at = strstr( at + 1, words ) )
+    {
+        ++count;
+    }
+    return count;
+}
+
+// ---- .pc2 ------------------------------------------------------------------------------------------------------
+
+static void a_point_cache_has_the_layout_of_its_format( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    def.body_count = 1;
+    fixture_record( path_in( state, "a.pc2" ), &def, 3 );
+    size_t size = 0;
+    unsigned char* bytes = get_file( path_in( state, "a.pc2" ), &size );
+    assert_int_equal( size, 32 + 3 * CLOTH_VERTICES * 12 );
+    assert_memory_equal( bytes, "POINTCACHE2\0", 12 );
+    assert_int_equal( get_u32( bytes + 12 ), 1 );
+    assert_int_equal( get_u32( bytes + 16 ), CLOTH_VERTICES );
+    assert_bits( get_float( bytes + 20 ), 0.0f );
+    assert_bits( get_float( bytes + 24 ), 1.0f );
+    assert_int_equal( get_u32( bytes + 28 ), 3 );
+    const unsigned char* at = bytes + 32;
+    for ( int f = 0; f < 3; ++f )
+    {
+        fixture_frame expected = fixture_points( f );
+        for ( int v = 0; v < CLOTH_VERTICES; ++v, at += 12 )
+        {
+            const float point[] = { get_float( at ), get_float( at + 4 ), get_float( at + 8 ) };
+            assert_point( point, expected.cloth[v] );
+        }
+    }
+    free( bytes );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.pc2" ), &def, 2 );
+    assert_int_equal( count_files( state ), 2 );
+    wisp_pc2* cache = NULL;
+    wisp_error error = { .status = WISP_OK };
+    assert_good( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), &error );
+    wisp_pc2_info info = wisp_pc2_describe( cache );
+    assert_int_equal( info.point_count, HAIR_VERTICES );
+    assert_int_equal( info.frame_count, 2 );
+    for ( int f = 1; f >= 0; --f )
+    {
+        wisp_vec3 points[HAIR_VERTICES];
+        fixture_frame expected = fixture_points( f );
+        assert_good( wisp_pc2_frame( cache, f, points, &error ), &error );
+        assert_memory_equal( points, expected.hair, sizeof points );
+    }
+    assert_int_equal( wisp_pc2_frame( cache, 2, NULL, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a_hair-2.pc2: there is no frame 2, the cache has 2" );
+    wisp_pc2_close( cache );
+    assert_good( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), &error );
+    wisp_pc2_close( cache );
+}
+
+// ---- .pvd and .vtp ---------------------------------------------------------------------------------------------
+
+// Every element that opens closes, in order; attributes are quoted. Texts here hold no other angle brackets.
+static void assert_xml( const char* text )
+{
+    char open[16][32];
+    int depth = 0;
+    assert_int_equal( strncmp( text, "<?xml version=\"1.0\"?>", 21 ), 0 );
+    for ( const char* at = strchr( text + 21, '<' ); at != NULL; at = strchr( at + 1, '<' ) )
+    {
+        const char* end = strchr( at, '>' );
+        assert_non_null( end );
+        int quotes = 0;
+        for ( const char* c = at; c < end; ++c )
+        {
+            quotes += *c == '"';
+        }
+        assert_int_equal( quotes % 2, 0 );
+        char name[32] = { 0 };
+        bool closing = at[1] == '/';
+        assert_int_equal( sscanf( at + 1 + closing, "%31[A-Za-z]", name ), 1 );
+        if ( closing )
+        {
+            assert_true( depth > 0 );
+            assert_string_equal( open[--depth], name );
+        }
+        else if ( end[-1] != '/' )
+        {
+            assert_true( depth < 16 );
+            strcpy( open[depth++], name );
+        }
+    }
+    assert_int_equal( depth, 0 );
+}
+
+static int base64_value( char c )
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char* found = strchr( letters, c );
+    assert_true( c != 0 && found != NULL );
+    return (int)( found - letters );
+}
+
+// The numbers of an array, 4 bytes each, whose stream starts with their size in 8 bytes.
+static int decode_array( const char* text, const char* name, unsigned char* bytes, size_t room )
+{
+    char words[64];
+    snprintf( words, sizeof words, "Name=\"%s\"", name );
+    const char* at = strstr( text, words );
+    assert_non_null( at );
+    at = strchr( at, '>' ) + 1;
+    unsigned char stream[1024];
+    size_t size = 0;
+    for ( ; *at != '<'; at += 4 )
+    {
+        int filled = 2 + ( at[2] != '=' ) + ( at[3] != '=' ) - 1;
+        int group = base64_value( at[0] ) << 18 | base64_value( at[1] ) << 12;
+        group |= at[2] != '=' ? base64_value( at[2] ) << 6 : 0;
+        group |= at[3] != '=' ? base64_value( at[3] ) : 0;
+        for ( int i = 0; i < filled; ++i )
+        {
+            assert_true( size < sizeof stream );
+            stream[size++] = (unsigned char)( group >> ( 16 - 8 * i ) & 255 );
+        }
+    }
+    assert_true( size >= 8 && size - 8 <= room );
+    assert_int_equal( get_u32( stream ), size - 8 );
+    assert_int_equal( get_u32( stream + 4 ), 0 );
+    memcpy( bytes, stream + 8, size - 8 );
+    return (int)( ( size - 8 ) / 4 );
+}
+
+static void assert_numbers( const char* text, const char* name, const int32_t* expected, int count )
+{
+    unsigned char bytes[256];
+    assert_int_equal( decode_array( text, name, bytes, sizeof bytes ), count );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_int_equal( get_u32( bytes + 4 * i ), expected[i] );
+    }
+}
+
+static void assert_vtp_points( const char* text, const wisp_vec3* expected, int count )
+{
+    unsigned char bytes[256];
+    assert_int_equal( decode_array( text, "Points", bytes, sizeof bytes ), 3 * count );
+    for ( int v = 0; v < count; ++v )
+    {
+        const unsigned char* at = bytes + 12 * v;
+        const float point[] = { get_float( at ), get_float( at + 4 ), get_float( at + 8 ) };
+        assert_point( point, expected[v] );
+    }
+}
+
+static void paraview_finds_triangles_lines_and_points_in_every_frame( void** state )
+{
+    static const int32_t ends[] = { 3, 6 }, line[] = { 0, 1, 2, 3, 4 }, line_ends[] = { 3, 5 };
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.pvd" ), &def, 2 );
+    assert_int_equal( count_files( state ), 2 );
+    assert_int_equal( walk_folder( path_in( state, "a" ), false ), 4 );
+    for ( int f = 0; f < 2; ++f )
+    {
+        fixture_frame expected = fixture_points( f );
+        size_t size = 0;
+        char* text = (char*)get_file( path_in( state, f == 0 ? "a/cloth_0001.vtp" : "a/cloth_0002.vtp" ), &size );
+        assert_xml( text );
+        assert_contains( text, "NumberOfPoints=\"4\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+                               "NumberOfPolys=\"2\"" );
+        assert_vtp_points( text, expected.cloth, CLOTH_VERTICES );
+        assert_numbers( text, "connectivity", fixture_triangles, 6 );
+        assert_numbers( text, "offsets", ends, 2 );
+        free( text );
+        text = (char*)get_file( path_in( state, f == 0 ? "a/hair-2_0001.vtp" : "a/hair-2_0002.vtp" ), &size );
+        assert_xml( text );
+        assert_contains( text, "NumberOfLines=\"2\"" );
+        assert_vtp_points( text, expected.hair, HAIR_VERTICES );
+        assert_numbers( text, "connectivity", line, 5 );
+        assert_numbers( text, "offsets", line_ends, 2 );
+        free( text );
+    }
+}
+
+static void the_list_of_frames_has_their_times_and_paths_beside_it( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a&b.pvd" ), &def, 2 );
+    size_t size = 0;
+    char* text = (char*)get_file( path_in( state, "a&b.pvd" ), &size );
+    assert_xml( text );
+    assert_int_equal( count_of( text, "<DataSet " ), 4 );
+    for ( int f = 0; f < 2; ++f )
+    {
+        char words[200];
+        snprintf( words, sizeof words,
+                  "timestep=\"%.17g\" group=\"\" part=\"1\" name=\"hair-2\" file=\"a&amp;b/hair-2_000%d.vtp\"",
+                  fixture_time( f ), f + 1 );
+        assert_contains( text, words );
+    }
+    free( text );
+}
+
+static void a_strand_without_a_segment_is_no_line( void** state )
+{
+    static const int32_t offsets[] = { 0, 1, 1, 5 }, line[] = { 1, 2, 3, 4 }, ends[] = { 4 };
+    wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[1] };
+    bodies[1].offsets = offsets;
+    bodies[1].strand_count = 3;
+    wisp_recorder_def def = { bodies, 2, 0.1 };
+    fixture_record( path_in( state, "a.pvd" ), &def, 1 );
+    size_t size = 0;
+    char* text = (char*)get_file( path_in( state, "a/hair-2_0001.vtp" ), &size );
+    assert_contains( text, "NumberOfPoints=\"5\" NumberOfVerts=\"0\" NumberOfLines=\"1\"" );
+    assert_numbers( text, "connectivity", line, 4 );
+    assert_numbers( text, "offsets", ends, 1 );
+    free( text );
+
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    char* path = path_in( state, "a.usda" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.usda: body hair-2: strand 0 has 1 vertices" );
+}
+
+// ---- .obj ------------------------------------------------------------------------------------------------------
+
+// Reads vertices in order; elements are compared as lines.
+static void assert_obj( char* text, int f )
+{
+    fixture_frame expected = fixture_points( f );
+    int vertex = 0;
+    char elements[200] = "";
+    for ( char* line = strtok( text, "\n" ); line != NULL; line = strtok( NULL, "\n" ) )
+    {
+        if ( strncmp( line, "v ", 2 ) == 0 )
+        {
+            char* at = line + 2;
+            const float x = strtof( at, &at ), y = strtof( at, &at ), z = strtof( at, &at );
+            const float point[] = { x, y, z };
+            assert_true( *at == 0 && vertex < CLOTH_VERTICES + HAIR_VERTICES );
+            assert_point( point,
+                          vertex < CLOTH_VERTICES ? expected.cloth[vertex] : expected.hair[vertex - CLOTH_VERTICES] );
+            ++vertex;
+        }
+        else if ( line[0] != '#' )
+        {
+            strcat( strcat( elements, line ), ";" );
+        }
+    }
+    assert_int_equal( vertex, CLOTH_VERTICES + HAIR_VERTICES );
+    assert_string_equal( elements, "o cloth;f 1 2 3;f 3 2 4;o hair-2;l 5 6;l 6 7;l 8 9;" );
+}
+
+static void obj_frames_are_numbered_from_1_and_come_back( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    fixture_record( path_in( state, "a.obj" ), &def, 2 );
+    assert_int_equal( count_files( state ), 2 );
+    for ( int f = 0; f < 2; ++f )
+    {
+        size_t size = 0;
+        char* text = (char*)get_file( path_in( state, f == 0 ? "a_0001.obj" : "a_0002.obj" ), &size );
+        assert_obj( text, f );
+        free( text );
+    }
+}
+
+// ---- .usda -----------------------------------------------------------------------------------------------------
+
+// Brackets of all kinds close in order; quoted text does not count.
+static void assert_balanced( const char* text )
+{
+    char open[64];
+    int depth = 0;
+    bool quoted = false;
+    for ( const char* c = text; *c != 0; ++c )
+    {
+        quoted = *c == '"' ? !quoted : quoted;
+        if ( !quoted && strchr( "([{", *c ) != NULL )
+        {
+            assert_true( depth < 64 );
+            open[depth++] = *c;
+        }
+        else if ( !quoted && strchr( ")]}", *c ) != NULL )
+        {
+            assert_true( depth > 0 );
+            char expected = *c == ')' ? '(' : *c == ']' ? '[' : '{';
+            assert_int_equal( open[--depth], expected );
+        }
+    }
+    assert_int_equal( depth, 0 );
+    assert_false( quoted );
+}
+
+// A list of points in brackets; returns what follows it.
+static char* assert_usda_points( char* at, const wisp_vec3* expected, int count )
+{
+    assert_int_equal( *at, '[' );
+    ++at;
+    for ( int v = 0; v < count; ++v )
+    {
+        at += strspn( at, ", " );
+        assert_int_equal( *at, '(' );
+        float point[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            point[k] = strtof( at + 1, &at );
+            assert_int_equal( *at, k < 2 ? ',' : ')' );
+        }
+        ++at;
+        assert_point( point, expected[v] );
+    }
+    assert_int_equal( *at, ']' );
+    return at + 1;
+}
+
+// All samples of a body, at the codes 1, 2, 3 that the fixture's times are.
+static void assert_samples( char* text, const char* prim, int body, int frame_count )
+{
+    char* at = strstr( text, prim );
+    assert_non_null( at );
+    at = strstr( at, "point3f[] points.timeSamples = {" );
+    assert_non_null( at );
+    at = strchr( at, '{' ) + 1;
+    for ( int f = 0; f < frame_count; ++f )
+    {
+        assert_int_equal( strtol( at, &at, 10 ), f + 1 );
+        assert_int_equal( strncmp( at, ": ", 2 ), 0 );
+        fixture_frame expected = fixture_points( f );
+        at = body == 0 ? assert_usda_points( at + 2, expected.cloth, CLOTH_VERTICES )
+                       : assert_usda_points( at + 2, expected.hair, HAIR_VERTICES );
+        assert_int_equal( *at, ',' );
+        ++at;
+    }
+    at += strspn( at, " \n" );
+    assert_int_equal( *at, '}' );
+}
+
+static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    def.step_seconds = (double)( 1.0f / 60.0f );
+    fixture_record( path_in( state, "a.usda" ), &def, 0 );
+    def = fixture_def();
+    fixture_record( path_in( state, "a.usda" ), &def, 3 );
+    assert_int_equal( count_files( state ), 1 );
+    size_t size = 0;
+    char* text = (char*)get_file( path_in( state, "a.usda" ), &size );
+    assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
+    assert_balanced( text );
+    assert_contains( text, "    startTimeCode = 1\n    timeCodesPerSecond = 60\n" );
+    assert_contains( text, "    endTimeCode = 3\n    framesPerSecond = 60\n" );
+    assert_contains( text,
+                     "int[] faceVertexCounts = [3, 3]\n        int[] faceVertexIndices = [0, 1, 2, 2, 1, 3]\n" );
+    assert_contains( text, "int[] curveVertexCounts = [3, 2]\n" );
+    assert_int_equal( count_of( text, "float3[] extent.timeSamples" ), 2 );
+    assert_samples( text, "def Mesh \"cloth\"", 0, 3 );
+    assert_samples( text, "def BasisCurves \"hair_2\"", 1, 3 );
+    free( text );
+}
+
+static void a_recording_without_frames_is_still_a_file( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    def.step_seconds = (double)( 1.0f / 60.0f );
+    fixture_record( path_in( state, "a.usda" ), &def, 0 );
+    fixture_record( path_in( state, "a.pvd" ), &def, 0 );
+    fixture_record( path_in( state, "a.pc2" ), &def, 0 );
+    size_t size = 0;
+    char* text = (char*)get_file( path_in( state, "a.usda" ), &size );
+    assert_balanced( text );
+    // a float's sixtieth is not a sixtieth, and USD wants a rate that programs know
+    assert_contains( text, "timeCodesPerSecond = 60\n" );
+    free( text );
+    text = (char*)get_file( path_in( state, "a.pvd" ), &size );
+    assert_xml( text );
+    free( text );
+    wisp_pc2* cache = NULL;
+    assert_int_equal( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, NULL ), WISP_OK );
+    assert_int_equal( wisp_pc2_describe( cache ).frame_count, 0 );
+    wisp_pc2_close( cache );
+}
+
+static void names_that_usd_cannot_tell_apart_are_refused( void** state )
+{
+    wisp_record_body bodies[] = { fixture_bodies[0], fixture_bodies[0] };
+    bodies[0].name = "a-b";
+    bodies[1].name = "a_b";
+    wisp_recorder_def def = { bodies, 2, 0.1 };
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    char* path = path_in( state, "a.usda" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "bodies a-b and a_b would both be called a_b in USD" );
+    assert_int_equal( count_files( state ), 0 );
+}
+
+// ---- what the operating system refuses -------------------------------------------------------------------------
+
+static void files_that_cannot_be_read_half_written_appear_when_they_are_finished( void** state )
+{
+    static const char* const names[] = { "a.usda", "a.pvd", "a.pc2" };
+    wisp_recorder_def def = fixture_def();
+    def.body_count = 1;
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        char* path = path_in( state, names[i] );
+        put_file( path, "precious", 8 );
+        wisp_recorder* recorder = NULL;
+        assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
+        assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
+        size_t size = 0;
+        char* text = (char*)get_file( path, &size );
+        assert_string_equal( text, "precious" );
+        free( text );
+        assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
+        text = (char*)get_file( path, &size );
+        assert_true( size > 8 );
+        free( text );
+    }
+}
+
+// The first failure, wherever it comes: opening, a frame, or closing.
+static wisp_status record_until_it_fails( const char* path, wisp_error* error )
+{
+    wisp_recorder_def def = fixture_def();
+    def.body_count = 1;
+    wisp_recorder* recorder = NULL;
+    wisp_status status = wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, error );
+    for ( int f = 0; f < 200 && status == WISP_OK; ++f )
+    {
+        status = fixture_add_frame( recorder, f, error );
+    }
+    wisp_status closed = wisp_recorder_close( recorder, status == WISP_OK ? error : NULL );
+    return status == WISP_OK ? closed : status;
+}
+
+static void a_full_disk_is_a_sentence_in_every_format( void** state )
+{
+    static const char* const names[] = { "full.wisp", "full.pc2", "full.pvd", "full.usda", "full_0001.obj" };
+    struct stat info;
+    if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
+    {
+        skip();
+    }
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        char* path = path_in( state, names[i] );
+        assert_int_equal( symlink( "/dev/full", path ), 0 );
+        bool obj = strstr( path, ".obj" ) != NULL;
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( record_until_it_fails( obj ? path_in( state, "full.obj" ) : path, &error ), WISP_IO_ERROR );
+        assert_one_sentence( &error, WISP_IO_ERROR, "cannot write: " );
+        assert_contains( error.sentence, "full" );
+    }
+    // the links, and the folder of the .vtp files, which are not on the full disk
+    assert_int_equal( count_files( state ), WISP_COUNT( names ) + 1 );
+}
+
+static void a_folder_that_is_not_there_is_a_sentence_in_every_format( void** state )
+{
+    static const char* const names[] = { "none/a.pc2", "none/a.pvd", "none/a.usda", "none/a.obj" };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( record_until_it_fails( path_in( state, names[i] ), &error ), WISP_IO_ERROR );
+        assert_one_sentence( &error, WISP_IO_ERROR, "none/a" );
+    }
+    assert_int_equal( count_files( state ), 0 );
+}
+
+static void a_file_in_the_place_of_the_folder_of_frames_is_a_sentence( void** state )
+{
+    wisp_recorder_def def = fixture_def();
+    wisp_recorder* recorder = NULL;
+    wisp_error error = { .status = WISP_OK };
+    put_file( path_in( state, "a" ), "precious", 8 );
+    char* path = path_in( state, "a.pvd" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_IO_ERROR );
+    assert_one_sentence( &error, WISP_IO_ERROR, "/a: cannot make a folder: " );
+    assert_int_equal( count_files( state ), 1 );
+    path = path_in( state, "b" );
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_PVD, &def, &recorder, &error ), WISP_BAD_INPUT );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "b: it needs an extension" );
+    assert_int_equal( count_files( state ), 1 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        TEST_IN_FOLDER( a_point_cache_has_the_layout_of_its_format ),
+        TEST_IN_FOLDER( several_bodies_are_a_point_cache_each_and_come_back ),
+        TEST_IN_FOLDER( paraview_finds_triangles_lines_and_points_in_every_frame ),
+        TEST_IN_FOLDER( the_list_of_frames_has_their_times_and_paths_beside_it ),
+        TEST_IN_FOLDER( a_strand_without_a_segment_is_no_line ),
+        TEST_IN_FOLDER( obj_frames_are_numbered_from_1_and_come_back ),
+        TEST_IN_FOLDER( usd_has_every_frame_of_every_body_as_a_time_sample ),
+        TEST_IN_FOLDER( a_recording_without_frames_is_still_a_file ),
+        TEST_IN_FOLDER( names_that_usd_cannot_tell_apart_are_refused ),
+        TEST_IN_FOLDER( files_that_cannot_be_read_half_written_appear_when_they_are_finished ),
+        TEST_IN_FOLDER( a_full_disk_is_a_sentence_in_every_format ),
+        TEST_IN_FOLDER( a_folder_that_is_not_there_is_a_sentence_in_every_format ),
+        TEST_IN_FOLDER( a_file_in_the_place_of_the_folder_of_frames_is_a_sentence ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

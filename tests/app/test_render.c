@@ -1,0 +1,620 @@
+// Pictures: what is where in them, and that nothing but scene, camera and options decides it.
+#include "render_fixture.h"
+
+#include "sampler.h"
+
+// ---- a scene with one of everything ----
+
+typedef struct everything
+{
+    fixture_ball balls[3];
+    render_mesh meshes[3];
+    render_curves curves;
+    render_scene scene;
+} everything;
+
+static const wisp_vec3 strand_points[] = {
+    { -0.9f, 1.9f, 0.6f }, { -0.3f, 1.5f, 0.9f }, { 0.3f, 1.6f, 0.9f }, { 0.9f, 1.2f, 0.8f },
+    { -0.8f, 0.4f, 1.0f }, { 0.0f, 0.6f, 1.2f },  { 0.7f, 0.3f, 1.0f },
+};
+static const int32_t strand_offsets[] = { 0, 4, 4, 7 };
+
+static void make_everything( everything* e )
+{
+    *e = ( everything ){ .scene = render_default_scene() };
+    for ( int i = 0; i < 3; ++i )
+    {
+        e->balls[i] = fixture_ball_make( ( wisp_vec3 ){ 1.1f * (float)( i - 1 ), 0.7f, 0.0f }, 0.5f );
+        e->meshes[i] = fixture_mesh( &e->balls[i], (render_material)i );
+    }
+    e->meshes[0].is_faceted = true;
+    e->curves = render_default_curves();
+    e->curves.points = strand_points;
+    e->curves.offsets = strand_offsets;
+    e->curves.strand_count = 3;
+    e->curves.radius = 0.02f;
+    e->scene.meshes = e->meshes;
+    e->scene.mesh_count = 3;
+    e->scene.curves = &e->curves;
+    e->scene.curves_count = 1;
+    e->scene.has_ground = true;
+}
+
+static void free_everything( everything* e )
+{
+    for ( int i = 0; i < 3; ++i )
+    {
+        fixture_ball_free( &e->balls[i] );
+    }
+}
+
+static void assert_same_picture( const image* a, const image* b )
+{
+    assert_int_equal( a->width, b->width );
+    assert_int_equal( a->height, b->height );
+    assert_memory_equal( a->rgb, b->rgb, 3 * (size_t)a->width * (size_t)a->height );
+}
+
+static void the_number_of_threads_changes_no_byte( void** state )
+{
+    (void)state;
+    everything e;
+    make_everything( &e );
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    image one = fixture_picture( &e.scene, &camera, &options );
+    for ( int threads = 2; threads <= 3; ++threads )
+    {
+        options.threads = threads;
+        image many = fixture_picture( &e.scene, &camera, &options );
+        assert_same_picture( &one, &many );
+        image_release( &many );
+    }
+    image_release( &one );
+    free_everything( &e );
+}
+
+static void backwards( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    int* calls = user;
+    for ( int block = block_count - 1; block >= 0; --block )
+    {
+        run( context, block, block % 5 );
+    }
+    *calls += 1;
+}
+
+static void a_host_that_draws_backwards_gets_the_same_bytes( void** state )
+{
+    (void)state;
+    everything e;
+    make_everything( &e );
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    image ours = fixture_picture( &e.scene, &camera, &options );
+    int calls = 0;
+    options.parallel_for = backwards;
+    options.parallel_user = &calls;
+    image theirs = fixture_picture( &e.scene, &camera, &options );
+    assert_int_equal( calls, 1 );
+    assert_same_picture( &ours, &theirs );
+    image_release( &ours );
+    image_release( &theirs );
+    free_everything( &e );
+}
+
+static void another_seed_has_other_noise( void** state )
+{
+    (void)state;
+    everything e;
+    make_everything( &e );
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    image first = fixture_picture( &e.scene, &camera, &options );
+    options.seed = 2;
+    image second = fixture_picture( &e.scene, &camera, &options );
+    assert_true( fixture_count_differing( &first, &second ) > 0 );
+    image_release( &first );
+    image_release( &second );
+    free_everything( &e );
+}
+
+// ---- the background ----
+
+static void an_empty_scene_is_its_background( void** state )
+{
+    (void)state;
+    render_scene scene = render_default_scene();
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    options.tone = RENDER_TONE_SRGB;
+    image picture = fixture_picture( &scene, &camera, &options );
+    for ( int y = 0; y < picture.height; ++y )
+    {
+        for ( int x = 1; x < picture.width; ++x )
+        {
+            assert_memory_equal( fixture_pixel( &picture, x, y ), fixture_pixel( &picture, 0, y ), 3 );
+        }
+    }
+    // Half a row below the upper edge the gradient has moved by less than a byte's step.
+    const uint8_t *top = fixture_pixel( &picture, 0, 0 ), *bottom = fixture_pixel( &picture, 0, picture.height - 1 );
+    assert_in_range( top[0] + 1 - image_byte_of_linear( scene.background_top.x ), 0, 2 );
+    assert_in_range( top[2] + 1 - image_byte_of_linear( scene.background_top.z ), 0, 2 );
+    assert_in_range( bottom[0] + 1 - image_byte_of_linear( scene.background_bottom.x ), 0, 2 );
+    assert_in_range( bottom[2] + 1 - image_byte_of_linear( scene.background_bottom.z ), 0, 2 );
+    image_release( &picture );
+}
+
+static void the_ground_runs_out_into_the_background( void** state )
+{
+    (void)state;
+    everything e;
+    make_everything( &e );
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    image with = fixture_picture( &e.scene, &camera, &options );
+    e.scene.has_ground = false;
+    image without = fixture_picture( &e.scene, &camera, &options );
+
+    // The eye looks level, so the horizon is half way down; the bodies leave the left edge free.
+    int horizon = options.height / 2;
+    assert_false( fixture_differs( &with, &without, 0, horizon - 1 ) );
+    assert_false( fixture_differs( &with, &without, 0, horizon + 1 ) );
+    assert_true( fixture_count_differing( &with, &without ) > options.width );
+    image_release( &with );
+    image_release( &without );
+    free_everything( &e );
+}
+
+// ---- where things are ----
+
+typedef struct ball_view
+{
+    image with, without;
+} ball_view;
+
+static ball_view view_ball( wisp_vec3 centre, float radius, const render_options* options )
+{
+    fixture_ball ball = fixture_ball_make( centre, radius );
+    render_mesh mesh = fixture_mesh( &ball, RENDER_SOLID );
+    render_scene scene = render_default_scene();
+    render_camera camera = fixture_camera();
+    ball_view out = { .without = fixture_picture( &scene, &camera, options ) };
+    scene.meshes = &mesh;
+    scene.mesh_count = 1;
+    out.with = fixture_picture( &scene, &camera, options );
+    fixture_ball_free( &ball );
+    return out;
+}
+
+static void release_view( ball_view* v )
+{
+    image_release( &v->with );
+    image_release( &v->without );
+}
+
+static void a_ball_covers_the_disc_that_the_camera_says( void** state )
+{
+    (void)state;
+    render_options options = fixture_options();
+    const float radius = 0.8f, away = 5.0f;
+    ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, radius, &options );
+    assert_true( fixture_differs( &v.with, &v.without, 48, 36 ) );
+    assert_false( fixture_differs( &v.with, &v.without, 0, 0 ) );
+    assert_false( fixture_differs( &v.with, &v.without, 95, 71 ) );
+
+    // The edge of a ball is seen under asin( r / d ).
+    double edge = tan( asin( (double)( radius / away ) ) ) * 0.5 * options.height / tan( 20.0 * 3.14159265 / 180.0 );
+    double count = fixture_count_differing( &v.with, &v.without );
+    // A ball of 24 rings is at most 1 % smaller than a sphere; a pixel gathers from one pixel around its middle, so
+    // those that are touched lie up to 1.5 pixels outside.
+    assert_true( count > 3.14159265 * edge * edge * 0.98 );
+    assert_true( count < 3.14159265 * ( edge + 1.5 ) * ( edge + 1.5 ) );
+    release_view( &v );
+}
+
+static void right_is_right_and_up_is_up( void** state )
+{
+    (void)state;
+    render_options options = fixture_options();
+    render_camera camera = fixture_camera();
+    wisp_vec3 centre = { 1.2f, 1.9f, -0.5f };
+    ball_view v = view_ball( centre, 0.15f, &options );
+    fixture_place place = fixture_project( &camera, &options, centre );
+    assert_true( place.x > 48.0 && place.y < 36.0 );
+    assert_true( fixture_differs( &v.with, &v.without, (int)place.x, (int)place.y ) );
+    assert_false( fixture_differs( &v.with, &v.without, (int)place.x, 71 - (int)place.y ) );
+    assert_false( fixture_differs( &v.with, &v.without, 95 - (int)place.x, (int)place.y ) );
+    release_view( &v );
+}
+
+static image picture_of_triangle( const int32_t* triangle, render_material material )
+{
+    static const wisp_vec3 points[] = { { -1.0f, 0.2f, 0.0f }, { 1.0f, 0.2f, 0.0f }, { 0.0f, 2.2f, 0.0f } };
+    static const wisp_vec3 colours[] = { { 0.6f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.6f }, { 0.0f, 0.6f, 0.0f } };
+    render_mesh mesh = render_default_mesh( material );
+    mesh.points = points;
+    mesh.colours = colours;
+    mesh.vertex_count = 3;
+    mesh.triangles = triangle;
+    mesh.triangle_count = triangle == NULL ? 0 : 1;
+    render_scene scene = render_default_scene();
+    scene.meshes = &mesh;
+    scene.mesh_count = 1;
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    return fixture_picture( &scene, &camera, &options );
+}
+
+static void cloth_is_the_same_from_both_sides( void** state )
+{
+    (void)state;
+    const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
+    image a = picture_of_triangle( front, RENDER_CLOTH ), b = picture_of_triangle( back, RENDER_CLOTH );
+    image none = picture_of_triangle( NULL, RENDER_CLOTH );
+    assert_true( fixture_differs( &a, &none, 48, 40 ) );
+    // Only the order of two additions tells them apart.
+    assert_int_equal( fixture_count_differing( &a, &b ), 0 );
+    image_release( &a );
+    image_release( &b );
+    image_release( &none );
+}
+
+static void colours_of_vertices_run_into_each_other( void** state )
+{
+    (void)state;
+    const int32_t front[] = { 0, 1, 2 };
+    image picture = picture_of_triangle( front, RENDER_SOLID );
+    const uint8_t *left = fixture_pixel( &picture, 36, 50 ), *right = fixture_pixel( &picture, 60, 50 );
+    const uint8_t *middle = fixture_pixel( &picture, 48, 50 ), *top = fixture_pixel( &picture, 48, 20 );
+    assert_true( left[0] > left[2] + 40 && right[2] > right[0] + 40 );
+    assert_true( top[1] > top[0] + 40 && top[1] > top[2] + 40 );
+    assert_true( middle[0] < left[0] && middle[2] < right[2] && middle[0] > right[0] );
+    image_release( &picture );
+}
+
+// ---- strands ----
+
+static image picture_of_strand( float radius, float least_pixels )
+{
+    static const wisp_vec3 points[] = { { -1.0f, 1.0f, 0.0f }, { 0.1f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
+    static const int32_t offsets[] = { 0, 3 };
+    render_curves curves = render_default_curves();
+    curves.points = points;
+    curves.offsets = offsets;
+    curves.strand_count = 1;
+    curves.radius = radius;
+    render_scene scene = render_default_scene();
+    scene.curves = &curves;
+    scene.curves_count = 1;
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    options.height = 73; // a row of pixels, and not an edge between two, is where the strand is
+    options.samples = 16;
+    options.least_curve_pixels = least_pixels;
+    return fixture_picture( &scene, &camera, &options );
+}
+
+static void a_strand_is_seen_along_its_whole_length( void** state )
+{
+    (void)state;
+    image none = picture_of_strand( 0.0f, 0.0f );
+    image thick = picture_of_strand( 0.04f, 0.0f );
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    options.height = 73;
+    int begin = (int)fixture_project( &camera, &options, ( wisp_vec3 ){ -1.0f, 1.0f, 0.0f } ).x;
+    int end = (int)fixture_project( &camera, &options, ( wisp_vec3 ){ 1.0f, 1.0f, 0.0f } ).x;
+    for ( int x = begin + 1; x < end; ++x )
+    {
+        assert_true( fixture_differs( &thick, &none, x, 36 ) );
+    }
+    assert_false( fixture_differs( &thick, &none, begin - 4, 36 ) );
+    assert_false( fixture_differs( &thick, &none, end + 4, 36 ) );
+    assert_false( fixture_differs( &thick, &none, 48, 30 ) );
+    image_release( &none );
+    image_release( &thick );
+}
+
+static void a_hair_thinner_than_a_pixel_is_widened( void** state )
+{
+    (void)state;
+    image none = picture_of_strand( 0.0f, 0.0f );
+    image thin = picture_of_strand( 4e-5f, 0.0f );
+    image widened = picture_of_strand( 4e-5f, 1.0f );
+    assert_true( fixture_count_differing( &widened, &none ) >= 40 );
+    assert_true( fixture_count_differing( &thin, &none ) * 4 < fixture_count_differing( &widened, &none ) );
+    image_release( &none );
+    image_release( &thin );
+    image_release( &widened );
+}
+
+// ---- light ----
+
+// A ball above the ground, the key light straight above it, the eye high up in front.
+static image picture_with_shadow( render_material material, const render_camera* camera,
+                                  const render_options* options )
+{
+    fixture_ball ball = fixture_ball_make( ( wisp_vec3 ){ 0.0f, 1.5f, 0.0f }, 0.5f );
+    render_mesh mesh = fixture_mesh( &ball, material );
+    mesh.colour = ( wisp_vec3 ){ 0.7f, 0.05f, 0.05f };
+    render_scene scene = render_default_scene();
+    scene.background_bottom = scene.background_top = ( wisp_vec3 ){ 0.5f, 0.5f, 0.5f };
+    scene.has_ground = true;
+    scene.meshes = &mesh;
+    scene.mesh_count = 1;
+    image out = fixture_picture( &scene, camera, options );
+    fixture_ball_free( &ball );
+    return out;
+}
+
+static const render_camera above = { { 0.0f, 2.0f, 6.0f }, { 0.0f, 0.7f, 0.0f }, { 0.0f, 1.0f, 0.0f }, 40.0f };
+
+static render_options under_a_lamp( void )
+{
+    render_options options = fixture_options();
+    options.samples = 64;
+    options.light = ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f };
+    return options;
+}
+
+static void the_ground_under_a_ball_is_darker_than_beside_it( void** state )
+{
+    (void)state;
+    render_options options = under_a_lamp();
+    image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
+    fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    fixture_place left = fixture_project( &above, &options, ( wisp_vec3 ){ -1.5f, 0.0f, 0.0f } );
+    fixture_place right = fixture_project( &above, &options, ( wisp_vec3 ){ 1.5f, 0.0f, 0.0f } );
+    int dark = fixture_brightness( &picture, (int)under.x, (int)under.y );
+    // The squares of the ground differ by a twentieth, a shadow takes more than half.
+    assert_true( dark * 10 < 8 * fixture_brightness( &picture, (int)left.x, (int)left.y ) );
+    assert_true( dark * 10 < 8 * fixture_brightness( &picture, (int)right.x, (int)right.y ) );
+    image_release( &picture );
+}
+
+// The brightness of the ground at a distance from under the ball, along a diagonal, where all squares are alike.
+static int ground_at( const image* picture, const render_options* options, float distance )
+{
+    wisp_vec3 p = { distance * 0.70710678f, 0.0f, distance * 0.70710678f };
+    fixture_place place = fixture_project( &above, options, p );
+    return fixture_brightness( picture, (int)place.x, (int)place.y );
+}
+
+static void a_shadow_has_a_soft_edge( void** state )
+{
+    (void)state;
+    render_options options = under_a_lamp();
+    options.width = 320;
+    options.height = 240;
+    image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
+    int whole = ground_at( &picture, &options, 0.75f ) - ground_at( &picture, &options, 0.25f );
+    int edge = ground_at( &picture, &options, 0.55f ) - ground_at( &picture, &options, 0.45f );
+
+    // The lamp is 0.24 wide for each metre of distance and the ball 1.5 m above the ground, so the edge of the shadow
+    // spans 0.32 .. 0.68 m. A hard edge would be crossed whole between 0.45 and 0.55 m.
+    assert_true( whole > 100 );
+    assert_true( edge > 0 && edge * 10 < whole * 6 );
+    image_release( &picture );
+}
+
+static void latex_colours_its_shadow( void** state )
+{
+    (void)state;
+    render_options options = under_a_lamp();
+    image latex = picture_with_shadow( RENDER_LATEX, &above, &options );
+    image solid = picture_with_shadow( RENDER_SOLID, &above, &options );
+    fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const uint8_t* red = fixture_pixel( &latex, (int)under.x, (int)under.y );
+    const uint8_t* grey = fixture_pixel( &solid, (int)under.x, (int)under.y );
+    assert_true( red[0] > grey[0] + 20 );
+    assert_true( red[0] - red[1] > grey[0] - grey[1] + 20 );
+    image_release( &latex );
+    image_release( &solid );
+}
+
+static void light_from_the_left_lights_the_left( void** state )
+{
+    (void)state;
+    render_options options = fixture_options();
+    options.light = ( wisp_vec3 ){ -1.0f, 0.2f, 0.5f };
+    ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.8f, &options );
+    assert_true( fixture_brightness( &v.with, 38, 36 ) > fixture_brightness( &v.with, 58, 36 ) + 60 );
+    release_view( &v );
+}
+
+static void film_rolls_off_what_plain_output_cuts( void** state )
+{
+    (void)state;
+    render_scene scene = render_default_scene();
+    scene.background_top = scene.background_bottom = ( wisp_vec3 ){ 1.5f, 0.3f, 0.3f };
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    image film = fixture_picture( &scene, &camera, &options );
+    options.tone = RENDER_TONE_SRGB;
+    image plain = fixture_picture( &scene, &camera, &options );
+    assert_int_equal( fixture_pixel( &plain, 5, 5 )[0], 255 );
+    assert_int_equal( fixture_pixel( &plain, 5, 5 )[1], image_byte_of_linear( 0.3f ) );
+    assert_in_range( fixture_pixel( &film, 5, 5 )[0], 235, 254 );
+    image_release( &film );
+    image_release( &plain );
+
+    scene.background_top = scene.background_bottom = ( wisp_vec3 ){ 0.7f, 0.3f, 0.1f };
+    options.tone = RENDER_TONE_FILMIC;
+    film = fixture_picture( &scene, &camera, &options );
+    assert_int_equal( fixture_pixel( &film, 5, 5 )[0], image_byte_of_linear( 0.7f ) );
+    assert_int_equal( fixture_pixel( &film, 5, 5 )[2], image_byte_of_linear( 0.1f ) );
+    image_release( &film );
+}
+
+// ---- the automatic camera ----
+
+static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
+{
+    (void)state;
+    render_bounds box = { { -0.3f, 0.1f, -1.2f }, { 1.4f, 0.9f, 0.7f }, true };
+    render_options options = fixture_options();
+    for ( int angle = 0; angle < 360; angle += 30 )
+    {
+        render_view view = render_default_view();
+        view.azimuth_degrees = (float)angle;
+        view.margin = 0.1f;
+        render_camera camera;
+        assert_int_equal( render_frame_camera( &box, &view, 96.0f / 72.0f, &camera, NULL ), WISP_OK );
+        double nearest = 1e9;
+        for ( int k = 0; k < 8; ++k )
+        {
+            wisp_vec3 p = { k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
+                            k & 4 ? box.low.z : box.high.z };
+            fixture_place at = fixture_project( &camera, &options, p );
+            double x = fmin( at.x, 96.0 - at.x ) / 96.0, y = fmin( at.y, 72.0 - at.y ) / 72.0;
+            nearest = fmin( nearest, fmin( x, y ) );
+        }
+        // The camera is computed in single precision from a box of 2 m.
+        assert_true( fabs( nearest - 0.1 ) < 1e-4 );
+    }
+}
+
+static void a_turntable_keeps_its_distance( void** state )
+{
+    (void)state;
+    render_bounds box = { { -1.0f, 0.0f, -0.2f }, { 1.0f, 0.5f, 0.2f }, true };
+    render_view view = render_default_view();
+    view.is_turntable = true;
+    float first = 0.0f;
+    for ( int angle = 0; angle < 360; angle += 15 )
+    {
+        render_camera camera;
+        view.azimuth_degrees = (float)angle;
+        assert_int_equal( render_frame_camera( &box, &view, 1.5f, &camera, NULL ), WISP_OK );
+        float x = camera.eye.x - camera.target.x, y = camera.eye.y - camera.target.y;
+        float distance =
+            sqrtf( x * x + y * y + ( camera.eye.z - camera.target.z ) * ( camera.eye.z - camera.target.z ) );
+        first = angle == 0 ? distance : first;
+        // The circle is 32 points, which the view meets at up to 5.6 degrees beside them: cosine 0.995.
+        assert_true( fabsf( distance - first ) < 0.006f * first );
+    }
+}
+
+static void an_empty_box_still_has_a_camera( void** state )
+{
+    (void)state;
+    render_bounds none = { .is_filled = false };
+    render_view view = render_default_view();
+    render_scene scene = render_default_scene();
+    scene.has_ground = true;
+    render_options options = fixture_options();
+    render_camera camera;
+    assert_int_equal( render_frame_camera( &none, &view, 1.0f, &camera, NULL ), WISP_OK );
+    image picture = fixture_picture( &scene, &camera, &options );
+    image_release( &picture );
+}
+
+static void bounds_hold_what_is_drawn_and_join( void** state )
+{
+    (void)state;
+    everything e;
+    make_everything( &e );
+    render_bounds bounds;
+    assert_int_equal( render_scene_bounds( &e.scene, &bounds, NULL ), WISP_OK );
+    assert_true( bounds.is_filled );
+    assert_true( fabsf( bounds.low.x + 1.6f ) < 1e-3f && fabsf( bounds.high.x - 1.6f ) < 1e-3f );
+    assert_true( fabsf( bounds.high.y - 1.92f ) < 1e-6f ); // the highest point of a strand and its radius
+    render_bounds none = { .is_filled = false };
+    render_bounds both = render_bounds_union( none, bounds );
+    assert_memory_equal( &both.low, &bounds.low, sizeof( both.low ) );
+    both = render_bounds_union( bounds, ( render_bounds ){ { 0.0f, -3.0f, 0.0f }, { 0.0f, 0.0f, 9.0f }, true } );
+    assert_true( both.low.y == -3.0f && both.high.z == 9.0f && both.low.x == bounds.low.x );
+    free_everything( &e );
+}
+
+// ---- progress ----
+
+typedef struct listener
+{
+    int calls;
+    double last;
+} listener;
+
+static void listen( void* user, double share )
+{
+    listener* l = user;
+    assert_true( share >= l->last && share <= 1.0 );
+    l->last = share;
+    l->calls += 1;
+}
+
+static void progress_rises_to_one( void** state )
+{
+    (void)state;
+    render_scene scene = render_default_scene();
+    render_camera camera = fixture_camera();
+    render_options options = fixture_options();
+    for ( int threads = 1; threads <= 2; ++threads )
+    {
+        listener l = { 0, 0.0 };
+        options.threads = threads;
+        options.progress = listen;
+        options.progress_user = &l;
+        image picture = fixture_picture( &scene, &camera, &options );
+        assert_true( l.last == 1.0 );
+        assert_true( threads > 1 || l.calls > 20 ); // 30 tiles
+        image_release( &picture );
+    }
+}
+
+// ---- samples ----
+
+// Of N = 2^m points, every box of 2^-a x 2^-(m-a) holds exactly one: that is what a (0,m,2)-net means.
+static void the_samples_of_a_pixel_are_a_net( void** state )
+{
+    (void)state;
+    wisp_random_key key = wisp_random_make_key( 3, 1, 4 );
+    for ( int pixel = 0; pixel < 20; ++pixel )
+    {
+        sampler s = sampler_of_pixel( key, pixel, 7 * pixel, 64 );
+        for ( int a = 0; a <= 6; ++a )
+        {
+            int hits[64] = { 0 };
+            for ( int k = 0; k < 64; ++k )
+            {
+                sampler_point p = sampler_at( &s, k, SAMPLER_SKY );
+                int column = (int)( p.x * (float)( 1 << a ) ), row = (int)( p.y * (float)( 1 << ( 6 - a ) ) );
+                hits[( row << a ) + column] += 1;
+            }
+            for ( int k = 0; k < 64; ++k )
+            {
+                assert_int_equal( hits[k], 1 );
+            }
+        }
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_number_of_threads_changes_no_byte ),
+        cmocka_unit_test( a_host_that_draws_backwards_gets_the_same_bytes ),
+        cmocka_unit_test( another_seed_has_other_noise ),
+        cmocka_unit_test( an_empty_scene_is_its_background ),
+        cmocka_unit_test( the_ground_runs_out_into_the_background ),
+        cmocka_unit_test( a_ball_covers_the_disc_that_the_camera_says ),
+        cmocka_unit_test( right_is_right_and_up_is_up ),
+        cmocka_unit_test( cloth_is_the_same_from_both_sides ),
+        cmocka_unit_test( colours_of_vertices_run_into_each_other ),
+        cmocka_unit_test( a_strand_is_seen_along_its_whole_length ),
+        cmocka_unit_test( a_hair_thinner_than_a_pixel_is_widened ),
+        cmocka_unit_test( the_ground_under_a_ball_is_darker_than_beside_it ),
+        cmocka_unit_test( a_shadow_has_a_soft_edge ),
+        cmocka_unit_test( latex_colours_its_shadow ),
+        cmocka_unit_test( light_from_the_left_lights_the_left ),
+        cmocka_unit_test( film_rolls_off_what_plain_output_cuts ),
+        cmocka_unit_test( the_whole_box_is_in_the_picture_and_fills_it ),
+        cmocka_unit_test( a_turntable_keeps_its_distance ),
+        cmocka_unit_test( an_empty_box_still_has_a_camera ),
+        cmocka_unit_test( bounds_hold_what_is_drawn_and_join ),
+        cmocka_unit_test( progress_rises_to_one ),
+        cmocka_unit_test( the_samples_of_a_pixel_are_a_net ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
