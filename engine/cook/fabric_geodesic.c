@@ -2,8 +2,12 @@
 
 #include <math.h>
 
-// Distances closer than this are the same: single precision of the lengths is no better, and corrections must end.
-#define TOLERANCE 1e-7
+// Distances closer than this are the same: a few roundings of lengths in single precision are no better.
+#define TOLERANCE 1e-6
+// Where the mesh is curved, triangles around a node may go on correcting each other by less and less. A node passes its
+// corrections on if they are worth it, and not for ever.
+#define WORTH_IT 1e-6
+#define MOST_VISITS 4
 
 #define HEAP_ARITY 4
 
@@ -145,6 +149,7 @@ static int32_t take_nearest( geodesic_march* m )
         sink( m, 0, m->heap[m->heap_count] );
     }
     m->node[nearest].place = -1;
+    m->node[nearest].visits += 1;
     return nearest;
 }
 
@@ -195,7 +200,13 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
     {
         m->reached[m->reached_count++] = v;
     }
+    bool worth_it =
+        node->visits == 0 || ( node->visits < MOST_VISITS && distance < node->distance * ( 1.0 - WORTH_IT ) );
     node->distance = distance;
+    if ( worth_it == false && node->place < 0 )
+    {
+        return;
+    }
     rise( m, node->place >= 0 ? node->place : m->heap_count++, v );
 }
 

@@ -37,6 +37,7 @@ typedef struct geodesic_node
     double straight; ///< m, through space
     int32_t march;   ///< number of the march that wrote this
     int32_t place;   ///< in the heap, -1 outside
+    int32_t visits;  ///< how often it left the heap
 } geodesic_node;
 
 /// Room for one march after another. Init once a net.
@@ -61,7 +62,7 @@ bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric
 ///
 /// Where a triangle knows the distances of two corners, the source is unfolded into its plane, and the third corner is
 /// as far as the straight line, if that crosses the edge between the two; if not, the way goes along an edge. Nodes are
-/// corrected when a better way turns up later, as it does at obtuse corners. Distances come from above and are exact
+/// corrected when a better way turns up later, as it does at obtuse corners, a few times at most. Distances come from above and are exact
 /// where the mesh between is flat.
 /// @param radius m
 /// @param bound [net->count] m, nodes farther than that are left out; may be null

@@ -3,40 +3,87 @@
 
 #include <math.h>
 
-static double distance_in( const level_maker* m, int32_t at, int32_t to )
+// In spacings, the radius of the circle around a triangle of the net.
+#define LARGEST_CIRCLE 1.5
+
+static level_near* find( const level_maker* m, int32_t at, int32_t to )
 {
-    const level_near* near = m->near + (size_t)at * LEVEL_NEAR;
+    level_near* near = m->near + (size_t)at * LEVEL_NEAR;
     for ( int i = 0; i < m->near_count[at]; ++i )
     {
         if ( near[i].rank == to )
         {
-            return near[i].distance;
+            return near + i;
         }
     }
-    return INFINITY;
+    return NULL;
 }
 
-// Both must remember each other, so that nobody has more neighbours than it remembers; the shorter way counts.
 double level_distance( const level_maker* m, int32_t rank_a, int32_t rank_b )
 {
-    double there = distance_in( m, rank_a, rank_b ), back = distance_in( m, rank_b, rank_a );
-    if ( there == (double)INFINITY || back == (double)INFINITY )
+    const level_near* found = find( m, rank_a, rank_b );
+    return found != NULL ? (double)found->distance : (double)INFINITY;
+}
+
+static void meet_neighbours( level_maker* m, int32_t a )
+{
+    level_near* near = m->near + (size_t)a * LEVEL_NEAR;
+    for ( int i = 0; i < m->near_count[a]; ++i )
     {
-        return INFINITY;
+        level_near* back = find( m, near[i].rank, a );
+        if ( back == NULL )
+        {
+            near[i].distance = INFINITY;
+        }
+        else if ( back->distance < near[i].distance )
+        {
+            near[i].distance = back->distance;
+        }
+        else
+        {
+            back->distance = near[i].distance;
+        }
     }
-    return there < back ? there : back;
+}
+
+static void forget_strangers( level_maker* m, int32_t a )
+{
+    level_near* near = m->near + (size_t)a * LEVEL_NEAR;
+    int count = 0;
+    for ( int i = 0; i < m->near_count[a]; ++i )
+    {
+        if ( near[i].distance < INFINITY )
+        {
+            near[count++] = near[i];
+        }
+    }
+    m->near_count[a] = (uint8_t)count;
+}
+
+void level_agree( level_maker* m )
+{
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int32_t a = 0; a < m->fine_count; ++a )
+        {
+            if ( m->chosen[a] && pass == 0 )
+            {
+                meet_neighbours( m, a );
+            }
+            else if ( m->chosen[a] )
+            {
+                forget_strangers( m, a );
+            }
+        }
+    }
 }
 
 // ---- links ----
 
 // Two attachments need no link: neither gives way.
-static double link_length( const level_maker* m, int32_t a, int32_t b )
+static bool is_link( const level_maker* m, int32_t a, int32_t b )
 {
-    if ( m->turn[m->fine[a]] == LEVEL_ATTACHED && m->turn[m->fine[b]] == LEVEL_ATTACHED )
-    {
-        return INFINITY;
-    }
-    return level_distance( m, a, b );
+    return m->turn[m->fine[a]] != LEVEL_ATTACHED || m->turn[m->fine[b]] != LEVEL_ATTACHED;
 }
 
 int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* linked )
@@ -50,9 +97,9 @@ int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* li
         for ( int i = 0; i < m->near_count[a] && m->chosen[a]; ++i )
         {
             int32_t b = near[i].rank;
-            double length = link_length( m, a, b );
-            any = any || length < (double)INFINITY;
-            if ( b < a || length == (double)INFINITY )
+            bool link = is_link( m, a, b );
+            any = any || link;
+            if ( b < a || link == false )
             {
                 continue;
             }
@@ -60,7 +107,7 @@ int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* li
             {
                 slots[2 * count] = m->fine[a];
                 slots[2 * count + 1] = m->fine[b];
-                rest[count] = (float)length;
+                rest[count] = near[i].distance;
             }
             count += 1;
         }
@@ -102,42 +149,46 @@ bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_
 
 // ---- the net of a level ----
 
-// Corners of a chosen vertex: every triangle of neighbours that know each other, and the edges without one. Triangles
-// may overlap; a way over any of them is a way on the mesh.
+// Does the triangle fit into a circle of little more than the spacing? All of Delaunay's do, but for some at borders.
+// Larger ones cost time, and where the mesh is curved they cut through it.
+static bool is_compact( double a, double b, double c, double spacing )
+{
+    double half = 0.5 * ( a + b + c );
+    double squared_area = half * ( half - a ) * ( half - b ) * ( half - c );
+    return a * a * b * b * c * c <= 16.0 * squared_area * LARGEST_CIRCLE * LARGEST_CIRCLE * spacing * spacing;
+}
+
+// Corners of a chosen vertex: every compact triangle of neighbours that know each other, and the edges without one.
+// Triangles may overlap; a way over any of them is a way on the mesh.
 // @param node_of [fine_count]
 // @param corner may be null to count only
 static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of, geodesic_corner* corner )
 {
     const level_near* near = m->near + (size_t)a * LEVEL_NEAR;
     bool has_triangle[LEVEL_NEAR] = { false };
-    double length[LEVEL_NEAR];
     int count = 0, near_count = m->near_count[a];
     for ( int i = 0; i < near_count; ++i )
     {
-        length[i] = level_distance( m, a, near[i].rank );
-    }
-    for ( int i = 0; i < near_count; ++i )
-    {
-        for ( int j = i + 1; j < near_count && length[i] < (double)INFINITY; ++j )
+        for ( int j = i + 1; j < near_count; ++j )
         {
             double across = level_distance( m, near[i].rank, near[j].rank );
-            if ( length[j] < (double)INFINITY && across < (double)INFINITY )
+            if ( across < (double)INFINITY && is_compact( near[i].distance, near[j].distance, across, m->spacing ) )
             {
                 has_triangle[i] = has_triangle[j] = true;
                 if ( corner != NULL )
                 {
-                    corner[count] = geodesic_corner_of_sides( node_of[near[i].rank], node_of[near[j].rank], length[i],
-                                                              length[j], across );
+                    corner[count] = geodesic_corner_of_sides( node_of[near[i].rank], node_of[near[j].rank],
+                                                              near[i].distance, near[j].distance, across );
                 }
                 count += 1;
             }
         }
-        if ( has_triangle[i] == false && length[i] < (double)INFINITY )
+        if ( has_triangle[i] == false )
         {
             if ( corner != NULL )
             {
                 int32_t node = node_of[near[i].rank];
-                corner[count] = geodesic_corner_of_sides( node, node, length[i], length[i], 0.0 );
+                corner[count] = geodesic_corner_of_sides( node, node, near[i].distance, near[i].distance, 0.0 );
             }
             count += 1;
         }

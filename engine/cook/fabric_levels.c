@@ -7,17 +7,20 @@
 #include <math.h>
 #include <string.h>
 
-// Numbers found by measuring the hanging cloth of 64 and 128 rows, regular and irregular, one substep with tethers and
+// Numbers found by measuring a hanging sheet of 64 and 128 rows, regular and irregular, one substep with tethers and
 // levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every other
 // vertex, an irregular mesh about as many.
 #define SPACING_FACTOR 0.72
 // A level of fewer linked vertices does harm: its vertices drag more than they reach.
 #define FEWEST_VERTICES 9
-// In mean edges: a triangle passes a distance on only where two corners have it, so that marches go beyond the reach.
+// In edges of the net: a triangle passes a distance on only where two corners have it, so that marches go beyond the
+// reach.
 #define MARGIN 0.75
+// Edges of the net over a level are about so many spacings long.
+#define NET_EDGE 1.3
 // Marches run over the finest net of at most so many nodes, or, while the levels have more, over the next finer level.
 // Distances over a coarse net are less exact where the mesh is curved.
-#define NET_NODES 32768
+#define NET_NODES 16384
 #define COVERED ( 1.0 - 1e-6 )
 
 // Coarse vertices as the next level's fine ones.
@@ -29,7 +32,8 @@ typedef struct level_state
     fabric_pool members[2]; // of the list of fine vertices, and of the next one
     wisp_fabric_level made[WISP_FABRIC_MAX_LEVELS];
     int made_count;
-    double mean_edge; // m
+    double mean_edge; // m, of the mesh
+    double net_edge;  // m, of the net
 } level_state;
 
 static double straight_distance( wisp_vec3 a, wisp_vec3 b )
@@ -194,6 +198,7 @@ static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count 
         fabric_pool_release( &s->pools[s->pool] );
         s->pool = 1 - s->pool;
         s->net = net;
+        s->net_edge = NET_EDGE * m->spacing;
     }
     m->fine = chosen;
     m->fine_count = count;
@@ -207,6 +212,7 @@ static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabri
     {
         return false;
     }
+    level_agree( m );
     int linked, links = level_list_links( m, NULL, NULL, &linked );
     if ( linked < FEWEST_VERTICES )
     {
@@ -314,7 +320,7 @@ static bool make_levels( const fabric_parts* parts, int limit, level_state* s, l
         fabric_pool own = { .allocator = parts->allocator };
         m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l );
         m->reach = LEVEL_REACH * m->spacing;
-        m->margin = MARGIN * s->mean_edge;
+        m->margin = MARGIN * s->net_edge;
         done = make_level( s, m, parts->keep, &own, &ended );
         fabric_pool_release( &own );
     }
@@ -329,6 +335,7 @@ bool fabric_cook_levels( const fabric_parts* parts, int limit, wisp_fabric* fabr
                           .members = { { .allocator = a }, { .allocator = a } },
                           .mean_edge = mean_edge( fabric ) };
     level_maker maker = { .fabric = fabric };
+    state.net_edge = state.mean_edge;
     bool done = make_levels( parts, limit, &state, &maker, &scratch );
     for ( int i = 0; i < 2; ++i )
     {

@@ -43,7 +43,11 @@ typedef struct level_maker
     bool* idle;          ///< [vertex_count] by slot: in every level, without a part in it
 } level_maker;
 
-/// The distance between two chosen vertices, endless when they are not near each other.
+/// Let chosen vertices know each other both ways or not at all, so that nobody has more neighbours than it remembers,
+/// and agree on the shorter distance.
+void level_agree( level_maker* maker );
+
+/// The distance between two chosen vertices that agreed, endless when they do not know each other.
 double level_distance( const level_maker* maker, int32_t rank_a, int32_t rank_b );
 
 /// Links between chosen vertices that know each other.

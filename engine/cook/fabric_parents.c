@@ -1,5 +1,5 @@
 // Which coarse vertices a vertex follows, and how much. Where three coarse vertices surround it, the weights are its
-// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of flat cloth is
+// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of a flat mesh is
 // prolonged as it is.
 #include "fabric.h"
 #include "fabric_levels.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 
 // Parents are looked for among so many of the nearest.
-#define CANDIDATES 8
+#define CANDIDATES 7
 // A triangle whose area is smaller than this part of the square over its longest side says nothing about directions.
 #define FLATTEST 0.02
 // Coordinates that are negative by rounding only.
@@ -35,11 +35,11 @@ static double least( const double* w )
 // @param side distances pq, pr, qr
 // @param away distances to p, q, r
 // @param radius receives the square of the circumscribed circle's radius
-// @return false when the triangle is too thin
+// @return false when the triangle is too thin, or a side endless
 static bool locate( const double side[3], const double away[3], double weight[3], double* radius )
 {
     double c = side[0], longest = fmax( c, fmax( side[1], side[2] ) );
-    if ( c <= 0.0 )
+    if ( c <= 0.0 || longest == (double)INFINITY )
     {
         return false;
     }
@@ -72,18 +72,24 @@ static bool is_better( double inside, double radius, double best_inside, double 
 
 static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )
 {
+    double between[CANDIDATES][CANDIDATES];
+    for ( int j = 0; j < count; ++j )
+    {
+        for ( int k = j + 1; k < count; ++k )
+        {
+            between[j][k] = level_distance( m, near[j].rank, near[k].rank );
+        }
+    }
     double best_inside = -INFINITY, best_radius = INFINITY;
     bool found = false;
     for ( int j = 1; j < count; ++j )
     {
-        double pq = level_distance( m, near[0].rank, near[j].rank );
-        for ( int k = j + 1; k < count && pq < (double)INFINITY; ++k )
+        for ( int k = j + 1; k < count; ++k )
         {
-            double side[3] = { pq, level_distance( m, near[0].rank, near[k].rank ),
-                               level_distance( m, near[j].rank, near[k].rank ) };
+            double side[3] = { between[0][j], between[0][k], between[j][k] };
             double away[3] = { near[0].distance, near[j].distance, near[k].distance };
             double weight[3], radius;
-            if ( side[1] < (double)INFINITY && side[2] < (double)INFINITY && locate( side, away, weight, &radius ) &&
+            if ( locate( side, away, weight, &radius ) &&
                  is_better( least( weight ), radius, best_inside, best_radius ) )
             {
                 *out = ( parents ){ 3,

@@ -1,12 +1,15 @@
 // Distances along the mesh to the attachments. A shell of few attachments has tethers to all of them, or the nearest.
 // Where many hang side by side, as on a pinned border, the four nearest would say four times the same; there a vertex
-// is tethered to the nearest of all, and to the nearest of sixteen that are spread over the attachments of its shell.
+// is tethered to the nearest of all, and to the nearest of eight that are spread over the attachments of its shell.
 #include "fabric_geodesic.h"
 
 #include <math.h>
 #include <string.h>
 
-#define SPREAD 16
+#define SPREAD 8
+// The nearest of all must be this much nearer than a spread one, or it says nothing new. Far from a pinned border they
+// all are equally far, and marching from each of them would cost as much as the border is long.
+#define NEARER 0.98f
 
 // An attachment with its distance.
 typedef struct tether
@@ -140,7 +143,7 @@ static void find_margins( tether_maker* m )
             const geodesic_corner* c = m->net.corner + i;
             longest = fmaxf( longest, fmaxf( c->va, c->vb ) );
         }
-        m->margin[v] = 2.0f * longest;
+        m->margin[v] = longest;
     }
 }
 
@@ -177,6 +180,12 @@ static void march_spread( tether_maker* m, int32_t attachment )
     }
 }
 
+static float nearer_bound( const tether_maker* m, int v )
+{
+    const tether* t = m->nearest + v;
+    return t->slot < 0 ? INFINITY : NEARER * (float)t->distance + m->margin[v];
+}
+
 static void march_nearest( tether_maker* m, int32_t attachment )
 {
     geodesic_march_run( &m->march, attachment, INFINITY, m->bound );
@@ -184,7 +193,7 @@ static void march_nearest( tether_maker* m, int32_t attachment )
     {
         int32_t v = m->march.reached[i];
         insert( m->nearest + v, 1, ( tether ){ m->march.node[v].distance, attachment } );
-        m->bound[v] = bound_of( m, v, m->nearest + v );
+        m->bound[v] = nearer_bound( m, v );
     }
 }
 
@@ -232,7 +241,7 @@ static void march_all( tether_maker* m, double* away )
     for ( int v = 0; v < m->net.count; ++v )
     {
         m->nearest[v] = m->spread[(size_t)v * (size_t)m->count];
-        m->bound[v] = bound_of( m, v, m->nearest + v );
+        m->bound[v] = nearer_bound( m, v );
     }
     for ( int s = 0, begin = 0; s < m->shell_count; begin = m->shell_end[s++] )
     {

@@ -1,103 +1,116 @@
 // Distances between two particles, eight at a time. No two of a group share a particle (the schedule checks it when it is
 // cooked), so there are no conflicts, and the result does not depend on how the range is cut.
 //
-// Stores are the limit of this kernel, not arithmetic (bench case "cloth"): particles are read as quads, only their
-// difference is transposed, and the fourth number of that difference carries the sum of the inverse masses.
+// What limits this kernel is the number of instructions, not memory (bench case "links"): particles are read as quads, and
+// only their difference is transposed. The fourth number of that difference carries the sum of the inverse masses.
 #include "kernel_isa.h"
 
-static const int32_t XYZ_MASK[8] = { -1, -1, -1, 0, -1, -1, -1, 0 };
 static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_MIN, INT32_MIN, INT32_MIN, 0 };
+
+// The least squared length times inverse mass, m^2/kg, that is divided by. Below it a link gives way more slowly, down to
+// nothing at length 0; and a pinned pair, which no step moves, has a finite step up to lengths of 1e6 m.
+#define LEAST_DENOMINATOR 1e-18f
 
 // Eight pairs of particles as rows of quads, and what a constraint wants to know of them.
 typedef struct pairs
 {
+    int32_t a4[8]; // a copy: no store can change it, so it stays in registers until particles are stored
     lane8 a[4], b[4];
-    lane8 along[4]; // a - b as rows, 0 behind
+    lane8 along[4]; // a - b as rows, wa + wb behind
+    lane8 squared;  // m^2
     lane8 length;   // m
     lane8 weight;   // wa + wb, 1/kg
 } pairs;
 
 LANE_INLINE pairs load_pairs( const wisp_link_job* job, int link )
 {
-    const lane8i mask = lane8i_loadu( XYZ_MASK ), sign = lane8i_loadu( XYZ_SIGN );
+    const lane8i sign = lane8i_loadu( XYZ_SIGN );
     pairs p;
     lane8 d[4];
-    lane8_load_quads( job->position, job->a4 + link, p.a );
+    for ( int l = 0; l < 8; ++l )
+    {
+        p.a4[l] = job->a4[link + l];
+    }
+    lane8_load_quads( job->position, p.a4, p.a );
     lane8_load_quads( job->position, job->b4 + link, p.b );
     for ( int r = 0; r < 4; ++r )
     {
-        d[r] = lane8_add( p.a[r], lane8_cast_float( lane8i_xor( lane8_cast_int( p.b[r] ), sign ) ) );
-        p.along[r] = lane8_cast_float( lane8i_and( lane8_cast_int( d[r] ), mask ) );
+        p.along[r] = d[r] = lane8_add( p.a[r], lane8_cast_float( lane8i_xor( lane8_cast_int( p.b[r] ), sign ) ) );
     }
     lane8_transpose_quads( d );
-    p.length = lane8v_length( ( lane8v ){ d[0], d[1], d[2] } );
+    const lane8v between = { d[0], d[1], d[2] };
+    p.squared = lane8v_dot( between, between );
+    p.length = lane8_sqrt( p.squared );
     p.weight = d[3];
     return p;
 }
 
-// a -= wa step (a - b), b += wb step (a - b)
+// error / (length weight). The quotient waits for the square only, so that it runs beside the root.
+LANE_INLINE lane8 step_of( const pairs* p, lane8 error, lane8 weight )
+{
+    lane8 denominator = lane8_max( lane8_mul( p->squared, weight ), lane8_set1( LEAST_DENOMINATOR ) );
+    return lane8_mul( error, lane8_mul( p->length, lane8_div( lane8_set1( 1.0f ), denominator ) ) );
+}
+
+// a -= wa step (a - b), b += wb step (a - b). Nothing is added to the inverse masses behind.
 LANE_INLINE void move_pairs( const wisp_link_job* job, int link, pairs* p, lane8 step )
 {
     lane8 steps[4];
-    lane8_spread( step, steps );
+    lane8_spread_xyz( step, steps );
     for ( int r = 0; r < 4; ++r )
     {
-        lane8 of_a = lane8_mul( lane8_spread_last( p->a[r] ), steps[r] );
-        lane8 of_b = lane8_mul( lane8_spread_last( p->b[r] ), steps[r] );
-        p->a[r] = lane8_sub( p->a[r], lane8_mul( of_a, p->along[r] ) );
-        p->b[r] = lane8_add( p->b[r], lane8_mul( of_b, p->along[r] ) );
+        lane8 move = lane8_mul( steps[r], p->along[r] );
+        p->a[r] = lane8_sub( p->a[r], lane8_mul( lane8_spread_last( p->a[r] ), move ) );
+        p->b[r] = lane8_add( p->b[r], lane8_mul( lane8_spread_last( p->b[r] ), move ) );
     }
-    lane8_store_quads( job->position, job->a4 + link, p->a );
+    lane8_store_quads( job->position, p->a4, p->a );
     lane8_store_quads( job->position, job->b4 + link, p->b );
-}
-
-// A length times an inverse mass, m/kg, so small that a quotient by it could overflow.
-#define SMALLEST_DENOMINATOR 1e-30f
-
-// numerator / denominator, and 0 where the denominator is: two pinned ends, or coincident ones whose direction is
-// undefined.
-LANE_INLINE lane8 divide_or_zero( lane8 numerator, lane8 denominator )
-{
-    lane8m usable = lane8_ge( denominator, lane8_set1( SMALLEST_DENOMINATOR ) );
-    return lane8_select( usable, lane8_div( numerator, lane8_select( usable, denominator, lane8_set1( 1.0f ) ) ),
-                         lane8_zero() );
 }
 
 // s = k (length - rest) / (length (wa + wb))
 void KERNEL( link_pbd )( const wisp_link_job* job, int begin, int end )
 {
+    const wisp_link_job mine = *job;
     for ( int link = begin; link < end; link += 8 )
     {
-        pairs p = load_pairs( job, link );
-        lane8 error = lane8_sub( p.length, lane8_loadu( job->rest + link ) );
-        lane8 softened = lane8_mul( lane8_loadu( job->stiffness + link ), error );
-        move_pairs( job, link, &p, divide_or_zero( softened, lane8_mul( p.length, p.weight ) ) );
+        pairs p = load_pairs( &mine, link );
+        lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
+        error = lane8_mul( error, lane8_loadu( mine.stiffness + link ) );
+        move_pairs( &mine, link, &p, step_of( &p, error, p.weight ) );
     }
 }
 
 // C = length - rest, a = compliance / dt^2, change of lambda = -(C + a lambda) / (wa + wb + a); particles move by it.
-void KERNEL( link_xpbd )( const wisp_link_job* job, int begin, int end )
+LANE_INLINE void project_compliant( const wisp_link_job mine, int begin, int end, bool keeps_lambda )
 {
-    const lane8 inverse_dt2 = lane8_set1( job->inverse_dt2 );
+    const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 );
     for ( int link = begin; link < end; link += 8 )
     {
-        pairs p = load_pairs( job, link );
-        lane8 alpha = lane8_mul( lane8_loadu( job->compliance + link ), inverse_dt2 );
-        lane8 error = lane8_sub( p.length, lane8_loadu( job->rest + link ) );
-        lane8 lambda = lane8_zero();
-        if ( job->lambda != NULL )
+        pairs p = load_pairs( &mine, link );
+        lane8 alpha = lane8_mul( lane8_loadu( mine.compliance + link ), inverse_dt2 );
+        lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
+        lane8 lambda = keeps_lambda ? lane8_loadu( mine.lambda + link ) : lane8_zero();
+        error = keeps_lambda ? lane8_mul_add( alpha, lambda, error ) : error;
+        lane8 step = step_of( &p, error, lane8_add( p.weight, alpha ) );
+        if ( keeps_lambda )
         {
-            lambda = lane8_loadu( job->lambda + link );
-            error = lane8_mul_add( alpha, lambda, error );
+            // a pair of pinned particles would answer a compliance: it must not
+            step = lane8_select( lane8_lt( lane8_zero(), p.weight ), step, lane8_zero() );
+            lane8_storeu( mine.lambda + link, lane8_sub( lambda, lane8_mul( step, p.length ) ) );
         }
-        // a pair of pinned particles would answer a compliance: it must not
-        lane8 weight = lane8_select( lane8_lt( lane8_zero(), p.weight ), lane8_add( p.weight, alpha ), lane8_zero() );
-        lane8 step = divide_or_zero( error, lane8_mul( p.length, weight ) );
-        if ( job->lambda != NULL )
-        {
-            lane8_storeu( job->lambda + link, lane8_sub( lambda, lane8_mul( step, p.length ) ) );
-        }
-        move_pairs( job, link, &p, step );
+        move_pairs( &mine, link, &p, step );
+    }
+}
+
+void KERNEL( link_xpbd )( const wisp_link_job* job, int begin, int end )
+{
+    if ( job->lambda != NULL )
+    {
+        project_compliant( *job, begin, end, true );
+    }
+    else
+    {
+        project_compliant( *job, begin, end, false );
     }
 }
 
@@ -107,14 +120,11 @@ void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end )
     for ( int link = begin; link < end; link += 8 )
     {
         pairs p = load_pairs( job, link );
-        lane8 error = lane8_sub( p.length, lane8_loadu( job->rest + link ) );
-        lane8m stretched = lane8_lt( lane8_zero(), error );
-        if ( lane8m_any( stretched ) == false )
+        lane8 error = lane8_max( lane8_sub( p.length, lane8_loadu( job->rest + link ) ), lane8_zero() );
+        if ( lane8m_any( lane8_lt( lane8_zero(), error ) ) )
         {
-            continue;
+            move_pairs( job, link, &p, step_of( &p, error, p.weight ) );
         }
-        lane8 step = divide_or_zero( error, lane8_mul( p.length, p.weight ) );
-        move_pairs( job, link, &p, lane8_select( stretched, step, lane8_zero() ) );
     }
 }
 
@@ -128,10 +138,9 @@ void KERNEL( link_limit )( const wisp_link_job* job, int begin, int end )
         lane8 rest = lane8_loadu( job->rest + link );
         lane8 allowed = lane8_min( lane8_max( p.length, lane8_mul( rest, minimum ) ), lane8_mul( rest, maximum ) );
         lane8 error = lane8_sub( p.length, allowed );
-        if ( lane8m_any( lane8m_not( lane8_eq( error, lane8_zero() ) ) ) == false )
+        if ( lane8m_all( lane8_eq( error, lane8_zero() ) ) == false )
         {
-            continue;
+            move_pairs( job, link, &p, step_of( &p, error, p.weight ) );
         }
-        move_pairs( job, link, &p, divide_or_zero( error, lane8_mul( p.length, p.weight ) ) );
     }
 }

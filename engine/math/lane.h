@@ -41,7 +41,7 @@
 ///   lane8_load_quads( quads, index, q )                 four rows: q[r] holds the quads of lanes r and r + 4
 ///   lane8_store_quads( quads, index, q )
 ///   lane8_transpose_quads( q )                          rows to x, y, z, w in lanes, and back
-///   lane8_spread( a, q )                                rows: lane r of a four times, lane r + 4 four times
+///   lane8_spread_xyz( a, q )                            rows: lane r of a three times and 0, lane r + 4 likewise
 ///   lane8_spread_last( row )                            the fourth number of each quad, four times
 ///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;
 ///                                                       out has room for eight, the rest may be overwritten

@@ -176,14 +176,14 @@ LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const la
     }
 }
 
-LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
+LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            q[r].v[k] = a.v[r];
-            q[r].v[k + 4] = a.v[r + 4];
+            q[r].v[k] = k < 3 ? a.v[r] : 0.0f;
+            q[r].v[k + 4] = k < 3 ? a.v[r + 4] : 0.0f;
         }
     }
 }

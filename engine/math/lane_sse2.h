@@ -301,12 +301,17 @@ LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const la
     }
 }
 
-LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
+LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
+    const lane4 xyz = _mm_castsi128_ps( _mm_setr_epi32( -1, -1, -1, 0 ) );
     q[0] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x00 ), _mm_shuffle_ps( a.high, a.high, 0x00 ) };
     q[1] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x55 ), _mm_shuffle_ps( a.high, a.high, 0x55 ) };
     q[2] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xaa ), _mm_shuffle_ps( a.high, a.high, 0xaa ) };
     q[3] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xff ), _mm_shuffle_ps( a.high, a.high, 0xff ) };
+    for ( int r = 0; r < 4; ++r )
+    {
+        q[r] = ( lane8 ){ _mm_and_ps( q[r].low, xyz ), _mm_and_ps( q[r].high, xyz ) };
+    }
 }
 
 LANE_INLINE lane8 lane8_spread_last( lane8 row )

@@ -198,12 +198,17 @@ LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const la
     }
 }
 
-LANE_INLINE void lane8_spread( lane8 a, lane8 q[4] )
+// Bytes move within their half; a negative number makes a zero.
+LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
-    q[0] = _mm256_permute_ps( a, 0x00 );
-    q[1] = _mm256_permute_ps( a, 0x55 );
-    q[2] = _mm256_permute_ps( a, 0xaa );
-    q[3] = _mm256_permute_ps( a, 0xff );
+    const __m256i bytes = _mm256_castps_si256( a );
+    const __m256i first =
+        _mm256_setr_epi32( 0x03020100, 0x03020100, 0x03020100, -1, 0x03020100, 0x03020100, 0x03020100, -1 );
+    for ( int r = 0; r < 4; ++r )
+    {
+        const __m256i from = _mm256_or_si256( first, _mm256_set1_epi32( 0x04040404 * r ) );
+        q[r] = _mm256_castsi256_ps( _mm256_shuffle_epi8( bytes, from ) );
+    }
 }
 
 LANE_INLINE lane8 lane8_spread_last( lane8 row )

@@ -1,5 +1,5 @@
 // The guard: after the substeps, an entity whose particles are not finite or out of bounds is put back to its last good
-// state and frozen, alone. Everything that a step derives is derived after that, so nobody else ever sees a NaN.
+// state and halted, alone. Everything that a step derives is derived after that, so nobody else ever sees a NaN.
 #include "passes.h"
 
 #include "wisp/components.h"
@@ -56,13 +56,13 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
     char sentence[300];
     snprintf( sentence, sizeof( sentence ),
               "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to the step "
-              "before and frozen",
+              "before and halted",
               entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
               (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
     size_t bytes = (size_t)loop->slot_count * 4 * sizeof( float );
     memcpy( loop->position, loop->good_position, bytes );
     memcpy( loop->velocity, loop->good_velocity, bytes );
-    wisp_frame_freeze( frame, entity, sentence );
+    wisp_frame_halt( frame, entity, sentence );
 }
 
 static void guard( wisp_frame* frame, const wisp_span* span, void* user )

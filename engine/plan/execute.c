@@ -73,13 +73,13 @@ int wisp_frame_iterations( const wisp_frame* frame )
     return frame->iterations;
 }
 
-void wisp_frame_freeze( wisp_frame* frame, wisp_entity entity, const char* sentence )
+void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence )
 {
-    entity_of( frame, entity )->frozen = 1; // only passes that run on the entity freeze it, one at a time
-    wisp_frame_count( frame, WISP_COUNT_FROZEN, 1 );
-    if ( atomic_flag_test_and_set( &frame->freezing ) == false )
+    entity_of( frame, entity )->halted = 1; // only passes that run on the entity halt it, one at a time
+    wisp_frame_count( frame, WISP_COUNT_HALTED, 1 );
+    if ( atomic_flag_test_and_set( &frame->halting ) == false )
     {
-        snprintf( frame->frozen_sentence, sizeof( frame->frozen_sentence ), "%s", sentence );
+        snprintf( frame->halted_sentence, sizeof( frame->halted_sentence ), "%s", sentence );
     }
 }
 
@@ -150,8 +150,8 @@ static bool is_due( wisp_frame* frame, int number, int slot )
 static uint16_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
 {
     unsigned due = 0;
-    const bool frozen = frame->registry->store->entities[target->slot].frozen != 0;
-    for ( int i = 0; i < node->pass_count && frozen == false; ++i )
+    const bool halted = frame->registry->store->entities[target->slot].halted != 0;
+    for ( int i = 0; i < node->pass_count && halted == false; ++i )
     {
         bool live = ( target->passes >> i & 1 ) != 0;
         due |= live && is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;

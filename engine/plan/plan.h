@@ -148,8 +148,8 @@ struct wisp_frame
     atomic_flag failing;
     _Atomic bool failed;
     wisp_error error;
-    atomic_flag freezing;
-    char frozen_sentence[300]; // of the first entity that was frozen in this step
+    atomic_flag halting;
+    char halted_sentence[300]; // of the first entity that was halted in this step
 };
 
 /// Samples of a worker: seconds that passes of fused nodes took on the first item of its blocks.

@@ -88,7 +88,7 @@ static inline void triangle_at_line( triangle_nearest* n, const triangle_corners
     }
 }
 
-/// Regions as in Ericson 2005, "Real-Time Collision Detection", 5.1.5.
+/// Regions as in Ericson 2005, section 5.1.5.
 static inline void triangle_find_nearest( triangle_nearest* n, const triangle_corners* t, double3 p )
 {
     double3 ab = double3_sub( t->at[1], t->at[0] ), ac = double3_sub( t->at[2], t->at[0] );

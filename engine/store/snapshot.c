@@ -33,7 +33,7 @@ uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return hash;
 }
 
-// Calls visit for every living entity in slot order: what waits to be done on it, whether it is frozen, then every column range in component
+// Calls visit for every living entity in slot order: what waits to be done on it, whether it is halted, then every column range in component
 // and column order.
 typedef void visit_fn( void* context, void* rows, size_t bytes );
 
@@ -45,7 +45,7 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
         if ( e->alive )
         {
             visit( context, &e->dirty, sizeof( e->dirty ) );
-            visit( context, &e->frozen, sizeof( e->frozen ) );
+            visit( context, &e->halted, sizeof( e->halted ) );
         }
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {

@@ -32,7 +32,7 @@ typedef struct store_entity
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands; // null without strands
     const wisp_fabric* fabric;           // null without particles
-    uint64_t frozen;                     // 1: left out of every pass
+    uint64_t halted;                     // 1: left out of every pass
     uint64_t dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 

@@ -225,8 +225,8 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     wisp_frame* frame = &world->frame;
     atomic_flag_clear( &frame->failing );
     atomic_store( &frame->failed, false );
-    atomic_flag_clear( &frame->freezing );
-    frame->frozen_sentence[0] = '\0';
+    atomic_flag_clear( &frame->halting );
+    frame->halted_sentence[0] = '\0';
     frame->seconds = seconds / (float)frame->substeps;
     if ( world->plan.node_count > 0 )
     {
@@ -236,9 +236,9 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     frame->step += 1;
     wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );
     world->seconds = wisp_clock_seconds() - begin;
-    if ( frame->frozen_sentence[0] != '\0' )
+    if ( frame->halted_sentence[0] != '\0' )
     {
-        base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->frozen_sentence );
+        base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->halted_sentence );
     }
     if ( atomic_load( &frame->failed ) )
     {
@@ -263,7 +263,7 @@ const char* wisp_counter_name( wisp_counter counter )
 {
     static const char* const NAMES[WISP_COUNTER_COUNT] = {
         "steps",           "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
-        "frozen entities",
+        "halted entities",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

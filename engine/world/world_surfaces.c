@@ -408,13 +408,13 @@ wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_qua
     return WISP_OK;
 }
 
-bool wisp_is_frozen( const wisp_world* world, wisp_entity entity )
+bool wisp_is_halted( const wisp_world* world, wisp_entity entity )
 {
     const store_entity* e = store_find( &world->store, entity );
-    return e != NULL && e->frozen != 0;
+    return e != NULL && e->halted != 0;
 }
 
-wisp_status wisp_thaw( wisp_world* world, wisp_entity entity )
+wisp_status wisp_resume( wisp_world* world, wisp_entity entity )
 {
     store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
@@ -422,7 +422,7 @@ wisp_status wisp_thaw( wisp_world* world, wisp_entity entity )
         return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
                                 entity.index, entity.generation );
     }
-    e->frozen = 0;
+    e->halted = 0;
     return WISP_OK;
 }
 

@@ -116,7 +116,7 @@ static void only_pinned_vertices_can_be_carried( void** state )
     assert_int_equal( wisp_pin( h->world, e, &beyond, 1 ), WISP_BAD_INPUT );
 }
 
-static void a_nan_freezes_its_entity_alone( void** state )
+static void a_nan_halts_its_entity_alone( void** state )
 {
     hosted* h = *state;
     wisp_entity bad = add_plane( h, 5, NULL, 0 ), good = add_plane( h, 5, NULL, 0 );
@@ -133,9 +133,9 @@ static void a_nan_freezes_its_entity_alone( void** state )
     float* velocity = wisp_world_column( h->world, bad, WISP_PARTICLE_VELOCITY, 0 );
     velocity[4] = NAN;
     run( h->world, 1 );
-    assert_true( wisp_is_frozen( h->world, bad ) );
-    assert_false( wisp_is_frozen( h->world, good ) );
-    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_FROZEN ), 1 );
+    assert_true( wisp_is_halted( h->world, bad ) );
+    assert_false( wisp_is_halted( h->world, good ) );
+    assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_HALTED ), 1 );
     assert_int_equal( hash_of( h->world, bad, WISP_SURFACE_POINTS ), before );
     run( h->world, 2 );
 
@@ -154,7 +154,7 @@ static void a_nan_freezes_its_entity_alone( void** state )
     assert_int_equal( hash_of( mixed, good, WISP_SURFACE_POINTS ), expected );
 }
 
-static void a_thawed_entity_goes_on_from_its_last_good_state( void** state )
+static void a_resumed_entity_goes_on_from_its_last_good_state( void** state )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 4, NULL, 0 );
@@ -164,13 +164,13 @@ static void a_thawed_entity_goes_on_from_its_last_good_state( void** state )
     float* position = wisp_world_column( h->world, e, WISP_PARTICLE_POSITION, 0 );
     position[0] = INFINITY;
     run( h->world, 1 );
-    assert_true( wisp_is_frozen( h->world, e ) );
+    assert_true( wisp_is_halted( h->world, e ) );
     run( h->world, 1 );
     assert_true( point( h, e, 0 ).y == height );
-    assert_int_equal( wisp_thaw( h->world, e ), WISP_OK );
+    assert_int_equal( wisp_resume( h->world, e ), WISP_OK );
     run( h->world, 1 );
     assert_true( point( h, e, 0 ).y < height );
-    assert_false( wisp_is_frozen( h->world, e ) );
+    assert_false( wisp_is_halted( h->world, e ) );
 }
 
 static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
@@ -269,8 +269,8 @@ int main( void )
         WORLD_TEST( pinned_vertices_stay_and_carried_ones_arrive_with_the_step ),
         WORLD_TEST( a_vertex_that_is_let_go_falls_again ),
         WORLD_TEST( only_pinned_vertices_can_be_carried ),
-        WORLD_TEST( a_nan_freezes_its_entity_alone ),
-        WORLD_TEST( a_thawed_entity_goes_on_from_its_last_good_state ),
+        WORLD_TEST( a_nan_halts_its_entity_alone ),
+        WORLD_TEST( a_resumed_entity_goes_on_from_its_last_good_state ),
         WORLD_TEST( rigid_motion_keeps_momentum_energy_and_shape ),
         WORLD_TEST( speed_strain_and_normals_are_in_the_users_order ),
         WORLD_TEST( an_instance_starts_at_rest_with_the_same_masses ),

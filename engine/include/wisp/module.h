@@ -164,7 +164,7 @@ WISP_API int wisp_frame_substeps( const wisp_frame* frame );
 WISP_API int wisp_frame_iteration( const wisp_frame* frame );
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the sentence. Thread-safe.
-WISP_API void wisp_frame_freeze( wisp_frame* frame, wisp_entity entity, const char* sentence );
+WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
 /// All workers in an entity pass that runs alone; only the calling worker where many small entities share a wave.
 WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span );

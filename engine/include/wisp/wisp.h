@@ -99,7 +99,7 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 typedef enum wisp_solver
 {
     WISP_SOLVER_XPBD, ///< a compliance in SI units: the answer does not depend on iterations or the step (once converged)
-    WISP_SOLVER_PBD,  ///< a stiffness in [0, 1]: the share of an error taken away at once, as the sources have it
+    WISP_SOLVER_PBD, ///< a stiffness in [0, 1]: the share of an error taken away at once, as the sources have it
     WISP_SOLVER_COUNT,
 } wisp_solver;
 
@@ -165,9 +165,9 @@ WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface,
 
 /// An entity whose state stopped being finite, or left its bounds, was put back to its last good state and takes no part
 /// in steps any more.
-WISP_API bool wisp_is_frozen( const wisp_world* world, wisp_entity entity );
-/// Let a frozen entity take part again.
-WISP_API wisp_status wisp_thaw( wisp_world* world, wisp_entity entity );
+WISP_API bool wisp_is_halted( const wisp_world* world, wisp_entity entity );
+/// Let a halted entity take part again.
+WISP_API wisp_status wisp_resume( wisp_world* world, wisp_entity entity );
 
 /// Add an entity that shares the topology of another and starts at its rest shape.
 WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
@@ -223,7 +223,7 @@ typedef enum wisp_counter
     WISP_COUNT_CAPPED,       ///< queries that ran into the neighbour limit
     WISP_COUNT_COARSE_GRIDS, ///< grids whose cells were widened because the scene is too sparse for its radius
     WISP_COUNT_SEARCHES,     ///< neighbour searches
-    WISP_COUNT_FROZEN,       ///< entities put back to their last good state and frozen
+    WISP_COUNT_HALTED,       ///< entities put back to their last good state and halted
     WISP_COUNTER_COUNT,
 } wisp_counter;
 
