@@ -332,6 +332,7 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
         .vertex_count = f->vertex_count,
         .tile_size = f->tile_size,
         .sweep = def->sweep,
+        .last_slots = f->attachment_count,
     };
     fabric_links lanes;
     if ( fabric_schedule_build( &constraints, &cooked->keep, &f->link_order ) == false ||
@@ -355,6 +356,7 @@ static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
         .vertex_count = f->vertex_count,
         .tile_size = f->tile_size,
         .sweep = def->sweep,
+        .last_slots = f->attachment_count,
     };
     return fabric_schedule_build( &constraints, &cooked->keep, &f->hinge_order ) &&
            fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot4 );

@@ -4,10 +4,9 @@
 
 // Distances closer than this are the same: a few roundings of lengths in single precision are no better.
 #define TOLERANCE 1e-6
-// Where the mesh is curved, triangles around a node may go on correcting each other by less and less. A node passes its
-// corrections on if they are worth it, and not for ever.
-#define WORTH_IT 1e-6
-#define MOST_VISITS 4
+// Where the mesh is curved, triangles around a node may go on correcting each other by less and less. So often a node
+// passes its distance on, corrections included.
+#define MOST_VISITS 64
 
 #define HEAP_ARITY 4
 
@@ -200,10 +199,8 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
     {
         m->reached[m->reached_count++] = v;
     }
-    bool worth_it =
-        node->visits == 0 || ( node->visits < MOST_VISITS && distance < node->distance * ( 1.0 - WORTH_IT ) );
     node->distance = distance;
-    if ( worth_it == false && node->place < 0 )
+    if ( node->visits == MOST_VISITS )
     {
         return;
     }

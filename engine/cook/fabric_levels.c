@@ -10,7 +10,14 @@
 // Numbers found by measuring a hanging sheet of 64 and 128 rows, regular and irregular, one substep with tethers and
 // levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every other
 // vertex, an irregular mesh about as many.
-#define SPACING_FACTOR 0.72
+#ifndef SPF
+#define SPF .64
+#endif
+#ifndef RMY
+#define RMY 1.15
+#endif
+#define SPACING_FACTOR SPF
+#define ROOMY RMY
 // A level of fewer linked vertices does harm: its vertices drag more than they reach.
 #define FEWEST_VERTICES 9
 // In edges of the net: a triangle passes a distance on only where two corners have it, so that marches go beyond the
@@ -77,29 +84,46 @@ static void choose( level_maker* m, int32_t rank, geodesic_march* march, const i
         if ( other >= 0 && other != rank && distance <= m->reach )
         {
             remember( m, other, rank, distance );
-            m->covered[other] = m->covered[other] || distance < COVERED * m->spacing;
         }
     }
 }
 
-// An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
-// be as dense in the coarsest level as in the mesh.
+static bool is_covered( const level_maker* m, int32_t rank, double spacing )
+{
+    return m->near_count[rank] > 0 && (double)m->near[(size_t)rank * LEVEL_NEAR].distance < COVERED * spacing;
+}
+
+// Those whose turn it is, unless a chosen vertex is nearer than the spacing.
+static void choose_turn( level_maker* m, int turn, double spacing, geodesic_march* march, const int32_t* rank_of,
+                         const int32_t* node_of )
+{
+    for ( int32_t r = 0; r < m->fine_count; ++r )
+    {
+        if ( m->turn[m->fine[r]] == turn && m->chosen[r] == false && is_covered( m, r, spacing ) == false )
+        {
+            choose( m, r, march, rank_of, node_of[r] );
+        }
+    }
+}
+
+// First everybody with room to spare, then whoever still fits: where two packings meet, the first round leaves seams of
+// nearly twice the spacing, over which nothing would be linked.
 static void choose_all( level_maker* m, geodesic_march* march, const int32_t* rank_of, const int32_t* node_of )
 {
     for ( int turn = 0; turn < LEVEL_TURNS; ++turn )
     {
-        for ( int32_t r = 0; r < m->fine_count; ++r )
-        {
-            int32_t slot = m->fine[r];
-            if ( m->turn[slot] == turn && m->covered[r] == false )
-            {
-                choose( m, r, march, rank_of, node_of[r] );
-            }
-            else if ( m->turn[slot] == turn && turn == LEVEL_ATTACHED )
-            {
-                m->idle[slot] = true;
-            }
-        }
+        choose_turn( m, turn, ROOMY * m->spacing, march, rank_of, node_of );
+    }
+    for ( int turn = LEVEL_ATTACHED + 1; turn < LEVEL_TURNS; ++turn )
+    {
+        choose_turn( m, turn, m->spacing, march, rank_of, node_of );
+    }
+
+    // An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
+    // be as dense in the coarsest level as in the mesh.
+    for ( int32_t r = 0; r < m->fine_count; ++r )
+    {
+        m->idle[m->fine[r]] = m->turn[m->fine[r]] == LEVEL_ATTACHED && m->chosen[r] == false;
     }
 }
 
@@ -108,13 +132,12 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
     fabric_pool own = { .allocator = scratch->allocator };
     size_t count = (size_t)m->fine_count;
     m->chosen = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
-    m->covered = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
     m->near = fabric_pool_push( scratch, count * LEVEL_NEAR, sizeof( level_near ) );
     m->near_count = fabric_pool_push_zeroed( scratch, count, sizeof( uint8_t ) );
     int32_t* rank_of = fabric_pool_push( &own, (size_t)net->count, sizeof( int32_t ) );
     int32_t* node_of = fabric_pool_push( &own, count, sizeof( int32_t ) );
     geodesic_march march;
-    bool done = m->chosen != NULL && m->covered != NULL && m->near != NULL && m->near_count != NULL &&
+    bool done = m->chosen != NULL && m->near != NULL && m->near_count != NULL &&
                 rank_of != NULL && node_of != NULL && geodesic_march_init( &march, net, &own );
     if ( done )
     {

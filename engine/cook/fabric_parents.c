@@ -81,27 +81,27 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
         }
     }
     double best_inside = -INFINITY, best_radius = INFINITY;
-    bool found = false;
-    for ( int j = 1; j < count; ++j )
+
+    // The nearest is nearly always one of the three; the others are looked at when none with it surrounds the vertex.
+    for ( int i = 0; i < count && best_inside < -EDGE_TOLERANCE; ++i )
     {
-        for ( int k = j + 1; k < count; ++k )
+        for ( int j = i + 1; j < count; ++j )
         {
-            double side[3] = { between[0][j], between[0][k], between[j][k] };
-            double away[3] = { near[0].distance, near[j].distance, near[k].distance };
-            double weight[3], radius;
-            if ( locate( side, away, weight, &radius ) &&
-                 is_better( least( weight ), radius, best_inside, best_radius ) )
+            for ( int k = j + 1; k < count; ++k )
             {
-                *out = ( parents ){ 3,
-                                    { near[0].rank, near[j].rank, near[k].rank },
-                                    { weight[0], weight[1], weight[2] } };
-                best_inside = least( weight );
-                best_radius = radius;
-                found = true;
+                double side[3] = { between[i][j], between[i][k], between[j][k] };
+                double away[3] = { near[i].distance, near[j].distance, near[k].distance };
+                double w[3], radius;
+                if ( locate( side, away, w, &radius ) && is_better( least( w ), radius, best_inside, best_radius ) )
+                {
+                    *out = ( parents ){ 3, { near[i].rank, near[j].rank, near[k].rank }, { w[0], w[1], w[2] } };
+                    best_inside = least( w );
+                    best_radius = radius;
+                }
             }
         }
     }
-    return found;
+    return best_inside > -(double)INFINITY;
 }
 
 // Between the two nearest where there is no triangle, as in a ribbon.

@@ -54,6 +54,7 @@ typedef struct fabric_constraints
     /// its own in which no two constraints share a vertex, so that it may be cut between any two groups.
     int tile_size;
     wisp_sweep sweep; ///< within tiles; ignored without tiles
+    int last_slots;   ///< sweep by colour: what touches one of the first so many slots comes last in its tile
 } fabric_constraints;
 
 /// Every constraint once, in groups of WISP_FABRIC_LANES that share no vertex; -1 pads, never a tile's first slot.

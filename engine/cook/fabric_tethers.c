@@ -143,7 +143,7 @@ static void find_margins( tether_maker* m )
             const geodesic_corner* c = m->net.corner + i;
             longest = fmaxf( longest, fmaxf( c->va, c->vb ) );
         }
-        m->margin[v] = longest;
+        m->margin[v] = 2.0f * longest;
     }
 }
 
@@ -183,7 +183,7 @@ static void march_spread( tether_maker* m, int32_t attachment )
 static float nearer_bound( const tether_maker* m, int v )
 {
     const tether* t = m->nearest + v;
-    return t->slot < 0 ? INFINITY : NEARER * (float)t->distance + m->margin[v];
+    return t->slot < 0 ? INFINITY : NEARER * (float)t->distance + 0.5f * m->margin[v];
 }
 
 static void march_nearest( tether_maker* m, int32_t attachment )

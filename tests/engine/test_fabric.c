@@ -301,20 +301,53 @@ static void the_same_mesh_has_the_same_hash_and_another_has_another( void** stat
     test_mesh_free( &mesh );
 }
 
-static void tiles_hold_1024_vertices_or_256_below_eight_of_those( void** state )
+static void there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256( void** state )
 {
     (void)state;
-    test_mesh mesh = test_mesh_make( 7 * 1024 + 1, 0 );
+    static const struct
+    {
+        int vertices, tile_size, tiles;
+    } cases[] = {
+        { 3 * 1024 + 1, 1024, 4 }, { 3 * 1024, 512, 6 }, { 3 * 512 + 1, 512, 4 }, { 3 * 512, 256, 6 }, { 300, 256, 2 }
+    };
+    for ( int i = 0; i < WISP_COUNT( cases ); ++i )
+    {
+        test_mesh mesh = test_mesh_make( cases[i].vertices, 0 );
+        wisp_fabric_def def = test_fabric_def( &mesh );
+        wisp_fabric* fabric = test_fabric_cook( &def );
+        assert_int_equal( fabric->tile_size, cases[i].tile_size );
+        assert_int_equal( fabric->tile_count, cases[i].tiles );
+        wisp_fabric_release( fabric );
+        test_mesh_free( &mesh );
+    }
+}
+
+static void what_hangs_on_an_attachment_comes_last_in_its_tile( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_plane( 20, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
-    wisp_fabric* large = test_fabric_cook( &def );
-    def.vertex_count = 7 * 1024;
-    wisp_fabric* small = test_fabric_cook( &def );
-    assert_int_equal( large->tile_size, 1024 );
-    assert_int_equal( large->tile_count, 8 );
-    assert_int_equal( small->tile_size, 256 );
-    assert_int_equal( small->tile_count, 28 );
-    wisp_fabric_release( large );
-    wisp_fabric_release( small );
+    const int32_t corners[2] = { 0, 19 };
+    def.attachments = corners;
+    def.attachment_count = 2;
+    wisp_fabric* fabric = test_fabric_cook( &def );
+    const wisp_schedule* order = &fabric->link_order;
+    for ( int tile = 0; tile < order->tile_count; ++tile )
+    {
+        bool seen = false;
+        for ( int group = order->tile_begin[tile] / 8; group < order->tile_begin[tile + 1] / 8; ++group )
+        {
+            bool attached = false;
+            for ( int slot = 8 * group; slot < 8 * group + 8; ++slot )
+            {
+                bool real = order->constraint[slot] >= 0;
+                attached = attached || ( real && ( fabric->link_a4[slot] < 8 || fabric->link_b4[slot] < 8 ) );
+            }
+            assert_false( seen && attached == false );
+            seen = seen || attached;
+        }
+    }
+    wisp_fabric_release( fabric );
     test_mesh_free( &mesh );
 }
 
@@ -518,7 +551,8 @@ int main( void )
         cmocka_unit_test( components_come_one_after_another_attached_ones_first ),
         cmocka_unit_test( a_shuffled_plane_is_ordered_as_narrow_as_its_rings ),
         cmocka_unit_test( the_same_mesh_has_the_same_hash_and_another_has_another ),
-        cmocka_unit_test( tiles_hold_1024_vertices_or_256_below_eight_of_those ),
+        cmocka_unit_test( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 ),
+        cmocka_unit_test( what_hangs_on_an_attachment_comes_last_in_its_tile ),
         cmocka_unit_test( cloth_wastes_few_lanes_and_crowded_poles_few_more ),
         cmocka_unit_test( without_tiles_a_colour_is_a_tile_that_shares_no_vertex ),
         cmocka_unit_test( triangles_without_area_keep_their_edges ),

@@ -42,7 +42,7 @@ typedef struct wisp_fabric_def
     bool tethers;     ///< default false: distances along the mesh to the nearest attachments
     int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
     wisp_sweep sweep; ///< default WISP_SWEEP_COLOUR
-    int tile_size;    ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, or 256 below 8 such tiles
+    int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
     uint32_t made_by_default;
 } wisp_fabric_def;
 
