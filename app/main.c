@@ -11,23 +11,23 @@ typedef struct program_verb
 } program_verb;
 
 static const program_verb verbs[] = {
-    { "run", verb_run },
-    { "plan", verb_plan },
-    { "bench", verb_bench },
-    { "info", verb_info },
+    { "run", verb_run },   { "plan", verb_plan },     { "bench", verb_bench },
+    { "info", verb_info }, { "render", verb_render },
 };
 
 const char* argp_program_version = "wisp " WISP_VERSION_STRING;
 
-static const char program_doc[] = "Wisp simulates thin things: cloth, balloons, hair.\n"
-                                  "\n"
-                                  "Verbs:\n"
-                                  "  run SCENE      simulate a scene and write what it asks for\n"
-                                  "  plan SCENE     the passes that a scene needs, and why\n"
-                                  "  bench [CASE]   measure, with the error beside every time\n"
-                                  "  info FILE      what is in a groom, scene or result, and what is wrong with it\n"
-                                  "\v"
-                                  "'wisp VERB --help' tells more about a verb.\n" STATUS_HELP;
+static const char program_doc[] =
+    "Wisp simulates thin things: cloth, balloons, hair.\n"
+    "\n"
+    "Verbs:\n"
+    "  run SCENE      simulate a scene and write what it asks for\n"
+    "  plan SCENE     the passes that a scene needs, and why\n"
+    "  bench [CASE]   measure, with the error beside every time\n"
+    "  info FILE      what is in a mesh, groom, scene, recording or result, and what is wrong with it\n"
+    "  render FILE    pictures of a scene, recording, mesh or groom\n"
+    "\v"
+    "'wisp VERB --help' tells more about a verb.\n" STATUS_HELP;
 
 // Options before the verb belong to the program; everything from the verb on belongs to the verb.
 static error_t parse_program( int key, char* argument, struct argp_state* state )
@@ -40,7 +40,7 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which verb? one of run, plan, bench, info" );
+            argp_error( state, "which verb? one of run, plan, bench, info, render" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -61,7 +61,7 @@ static int unknown_verb( const char* word )
     }
     else
     {
-        fprintf( stderr, "wisp: there is no verb '%s', only run, plan, bench and info\n", word );
+        fprintf( stderr, "wisp: there is no verb '%s', only run, plan, bench, info and render\n", word );
     }
     return STATUS_USAGE;
 }

@@ -30,6 +30,7 @@ enum
     KEY_QUICK = 'q',
     KEY_LIST = 'l',
     KEY_SECONDS = 256,
+    KEY_PICTURES,
 };
 
 static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
@@ -44,6 +45,7 @@ static const struct argp_option option_list[] = {
     { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
+    { "pictures", KEY_PICTURES, "FOLDER", 0, "Write pictures of the case `figures` to FOLDER and link them", 0 },
     { 0 },
 };
 
@@ -87,6 +89,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_OUTPUT:
             arguments->output = argument;
+            return 0;
+        case KEY_PICTURES:
+            arguments->options.pictures = argument;
             return 0;
         case ARGP_KEY_ARG:
             choose_case( state, arguments, argument );

@@ -1,16 +1,19 @@
 #include "verbs.h"
 
+#include "file_kind.h"
 #include "info_results.h"
+#include "record.h"
 #include "world_from_scene.h"
 
-#include <errno.h>
-#include <string.h>
-#include <strings.h>
-
-static const char doc[] =
-    "Tell what is in a groom (.hair, .tfx), a scene (.yaml, .yml, .json) or a result (.json), and "
-    "what is wrong with it.\n"
-    "\v" STATUS_HELP;
+static const char doc[] = "Tell what is in a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, .json), "
+                          "a recording (.wisp, .pc2) "
+                          "or a result (.json), and what is wrong with it.\n"
+                          "\v"
+                          "A mesh is examined edge by edge: open borders, wrong winding, shells that are inside out, "
+                          "triangles without area and "
+                          "more, each by its number. A mesh with such flaws is a mesh (status 0); one that cannot be "
+                          "read, or names a vertex "
+                          "that it does not have, is bad input.\n" STATUS_HELP;
 
 static error_t parse( int key, char* argument, struct argp_state* state )
 {
@@ -30,55 +33,6 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         default:
             return ARGP_ERR_UNKNOWN;
     }
-}
-
-// ---- what kind of file ----
-
-typedef enum file_kind
-{
-    KIND_UNKNOWN,
-    KIND_GROOM,
-    KIND_SCENE,
-    KIND_RESULTS,
-} file_kind;
-
-static bool ends_in( const char* path, const char* extension )
-{
-    size_t length = strlen( path ), tail = strlen( extension );
-    return length > tail && strcasecmp( path + length - tail, extension ) == 0;
-}
-
-// Names decide, except that a groom may be called anything as long as it begins like one, and that scenes and results
-// can both be JSON.
-static wisp_status find_kind( const char* path, file_kind* kind, wisp_error* error )
-{
-    FILE* file = fopen( path, "rb" );
-    if ( !file )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
-    }
-    char head[4096];
-    size_t size = fread( head, 1, sizeof( head ), file );
-    bool failed = ferror( file ) != 0;
-    int cause = errno;
-    fclose( file );
-    if ( failed )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( cause ) );
-    }
-
-    bool is_hair = size >= 4 && memcmp( head, "HAIR", 4 ) == 0;
-    bool is_json = ends_in( path, ".json" );
-    *kind = is_hair || ends_in( path, ".hair" ) || ends_in( path, ".tfx" )   ? KIND_GROOM
-            : is_json && info_is_results( head, size )                       ? KIND_RESULTS
-            : is_json || ends_in( path, ".yaml" ) || ends_in( path, ".yml" ) ? KIND_SCENE
-                                                                             : KIND_UNKNOWN;
-    return *kind != KIND_UNKNOWN
-               ? WISP_OK
-               : wisp_fail(
-                     error, WISP_BAD_INPUT,
-                     "%s: neither a groom (.hair, .tfx), nor a scene (.yaml, .yml, .json), nor a result (.json)",
-                     path );
 }
 
 // ---- grooms ----
@@ -107,6 +61,51 @@ static wisp_status info_groom( const char* path, wisp_error* error )
         wisp_fail( error, status, "%s: it cannot be described (%s)", path, wisp_status_name( status ) );
     }
     wisp_groom_release( &groom );
+    return status;
+}
+
+// ---- meshes ----
+
+static wisp_status info_mesh( const char* path, wisp_error* error )
+{
+    wisp_mesh mesh;
+    wisp_status status = wisp_mesh_read( path, &mesh, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_mesh_info( stdout, &mesh, path );
+    if ( status != WISP_OK )
+    {
+        wisp_fail( error, status, "%s: it cannot be examined (%s)", path, wisp_status_name( status ) );
+    }
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+// ---- recordings ----
+
+static wisp_status info_recording( const char* path, wisp_error* error )
+{
+    wisp_recording* recording = NULL;
+    wisp_status status = wisp_recording_open( path, &recording, error );
+    if ( status == WISP_OK )
+    {
+        status = wisp_recording_print( stdout, recording, path, error );
+    }
+    wisp_recording_close( recording );
+    return status;
+}
+
+static wisp_status info_cache( const char* path, wisp_error* error )
+{
+    wisp_pc2* cache = NULL;
+    wisp_status status = wisp_pc2_open( path, &cache, error );
+    if ( status == WISP_OK )
+    {
+        status = wisp_pc2_print( stdout, cache, path, error );
+    }
+    wisp_pc2_close( cache );
     return status;
 }
 
@@ -155,7 +154,90 @@ static void print_strands( const wisp_scene_strands* entry, const wisp_groom* gr
     }
 }
 
+static const char* source_of( const wisp_scene_mesh* mesh )
+{
+    return mesh->is_made ? "made" : mesh->file;
+}
+
+static void print_surface( const wisp_scene* scene, const wisp_scene_surface* entry, const wisp_mesh* mesh )
+{
+    printf( "  %s (line %d): %d vertices, %d triangles, ", entry->name, entry->line, mesh->vertex_count,
+            mesh->triangle_count );
+    if ( entry->instance_of >= 0 )
+    {
+        printf( "instance of %s\n", scene->surfaces[entry->instance_of].name );
+    }
+    else
+    {
+        printf( "%s\n", source_of( &entry->mesh ) );
+    }
+    if ( entry->has_cloth || entry->has_balloon )
+    {
+        printf( "    %s\n", entry->has_cloth ? "cloth" : "balloon" );
+    }
+}
+
+static wisp_status info_surfaces( const wisp_scene* scene, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    printf( "surfaces: %d\n", scene->surface_count );
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        wisp_mesh mesh;
+        status = scene_surface_mesh( scene, i, &mesh, error );
+        if ( status == WISP_OK )
+        {
+            print_surface( scene, &scene->surfaces[i], &mesh );
+            wisp_mesh_release( &mesh );
+        }
+    }
+    return status;
+}
+
+static void print_colliders( const wisp_scene* scene )
+{
+    static const char* const kinds[] = {
+        [WISP_COLLIDER_PLANE] = "plane", [WISP_COLLIDER_SPHERE] = "sphere", [WISP_COLLIDER_CAPSULE] = "capsule",
+        [WISP_COLLIDER_BOX] = "box",     [WISP_COLLIDER_MESH] = "mesh, ",
+    };
+    printf( "colliders: %d\n", scene->collider_count );
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        const wisp_scene_collider* entry = &scene->colliders[i];
+        printf( "  %s (line %d): %s%s\n", entry->name, entry->line, kinds[entry->def.kind],
+                entry->def.kind == WISP_COLLIDER_MESH ? source_of( &entry->mesh ) : "" );
+    }
+}
+
+static void print_outputs( const wisp_scene* scene )
+{
+    printf( "outputs: %d\n", scene->output_count );
+    for ( int i = 0; i < scene->output_count; ++i )
+    {
+        const wisp_scene_output* output = &scene->outputs[i];
+        printf( "  %s of %s\n", output->file,
+                output->strands >= 0 ? scene->strands[output->strands].name : scene->surfaces[output->surface].name );
+    }
+}
+
 // Files are read whole and checked: that they exist says little.
+static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    printf( "strands: %d\n", scene->strands_count );
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        wisp_groom groom;
+        status = scene_groom( scene, i, &groom, error );
+        if ( status == WISP_OK )
+        {
+            print_strands( &scene->strands[i], &groom );
+            wisp_groom_release( &groom );
+        }
+    }
+    return status;
+}
+
 static wisp_status info_scene( const char* path, wisp_error* error )
 {
     wisp_scene scene;
@@ -166,28 +248,53 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     }
     printf( "%s: scene of %d steps of %g s, %d substeps, %d iterations\n", path, scene.steps,
             (double)scene.step_seconds, scene.substeps, scene.iterations );
-    printf( "strands: %d\n", scene.strands_count );
-    for ( int i = 0; i < scene.strands_count && status == WISP_OK; ++i )
+    status = info_strands( &scene, error );
+    if ( status == WISP_OK )
     {
-        wisp_groom groom;
-        status = scene_groom( &scene, i, &groom, error );
-        if ( status == WISP_OK )
-        {
-            print_strands( &scene.strands[i], &groom );
-            wisp_groom_release( &groom );
-        }
+        status = info_surfaces( &scene, error );
     }
     if ( status == WISP_OK )
     {
+        print_colliders( &scene );
         printf( "commands: %d\n", scene.command_count );
-        printf( "outputs: %d\n", scene.output_count );
-        for ( int i = 0; i < scene.output_count; ++i )
-        {
-            printf( "  %s of %s\n", scene.outputs[i].file, scene.strands[scene.outputs[i].strands].name );
-        }
+        printf( "script: %d entries\n", scene.event_count );
+        print_outputs( &scene );
     }
     wisp_scene_release( &scene );
     return status;
+}
+
+// ---- any file ----
+
+static wisp_status info_file( const char* path, wisp_error* error )
+{
+    file_kind kind = FILE_UNKNOWN;
+    wisp_status status = file_kind_find( path, &kind, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    switch ( kind )
+    {
+        case FILE_GROOM:
+            return info_groom( path, error );
+        case FILE_MESH:
+            return info_mesh( path, error );
+        case FILE_SCENE:
+            return info_scene( path, error );
+        case FILE_RECORDING:
+            return info_recording( path, error );
+        case FILE_POINT_CACHE:
+            return info_cache( path, error );
+        case FILE_RESULTS:
+            return info_results( path, stdout, error );
+        case FILE_UNKNOWN:
+            break;
+    }
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "%s: neither a groom (.hair, .tfx), nor a mesh (.obj, .ply), nor a scene (.yaml, .yml, .json), "
+                      "nor a recording (.wisp, .pc2), nor a result (.json)",
+                      path );
 }
 
 int verb_info( int argc, char** argv )
@@ -197,15 +304,8 @@ int verb_info( int argc, char** argv )
     argp_parse( &parser, argc, argv, 0, NULL, &path );
 
     wisp_error error = { 0 };
-    file_kind kind = KIND_UNKNOWN;
-    wisp_status status = find_kind( path, &kind, &error );
-    if ( status == WISP_OK )
-    {
-        status = kind == KIND_GROOM   ? info_groom( path, &error )
-                 : kind == KIND_SCENE ? info_scene( path, &error )
-                                      : info_results( path, stdout, &error );
-    }
-    if ( status == WISP_OK && ( fflush( stdout ) != 0 || ferror( stdout ) ) )
+    wisp_status status = info_file( path, &error );
+    if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
     {
         status = wisp_fail( &error, WISP_IO_ERROR, "the description could not be written" );
     }

@@ -2,10 +2,13 @@
 
 #include "profile_samples.h"
 #include "progress.h"
+#include "run_recorder.h"
 #include "scene.h"
 #include "stats.h"
 #include "world_from_scene.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,6 +21,7 @@ typedef struct run_options
     scene_world_options world;
     results_format format;
     const char* output;
+    run_recorder_def recorder;
 } run_options;
 
 /// What the steps leave behind.
@@ -37,10 +41,19 @@ enum
     KEY_FORMAT = 'f',
     KEY_OUTPUT = 'o',
     KEY_ISA = 256,
+    KEY_RECORD,
+    KEY_EVERY,
+    KEY_TRACK,
+    KEY_TRACK_FILE,
+    KEY_VERIFY,
 };
 
-static const char doc[] = "Simulate a scene, write the files it asks for, and print a summary.\n"
-                          "\v" STATUS_HELP;
+static const char doc[] =
+    "Simulate a scene, write the files it asks for, and print a summary.\n"
+    "\v"
+    "A recording has the start and the state after each step, or after every Nth. Its extension decides what it is: "
+    ".wisp (every bit, for wisp render and --verify), .pc2 (point caches, a file a body), .pvd (ParaView), .obj (a "
+    "numbered file a frame) or .usda.\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
     { "steps", KEY_STEPS, "N", 0, "Simulate N steps instead of the scene's", 0 },
@@ -48,12 +61,81 @@ static const struct argp_option option_list[] = {
     { "isa", KEY_ISA, "SET", 0, "Use at most this instruction set: baseline, avx2 or avx512", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "Summary as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE instead of standard output", 0 },
+    { "record", KEY_RECORD, "FILE", 0, "Record where every vertex is (.wisp, .pc2, .pvd, .obj, .usda)", 0 },
+    { "every", KEY_EVERY, "N", 0, "Record and track every Nth step, default 1", 0 },
+    { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", 0, "Follow vertices of a body; may be said again", 0 },
+    { "track-file", KEY_TRACK_FILE, "FILE.csv", 0, "Where the tracks go", 0 },
+    { "verify", KEY_VERIFY, "FILE.wisp", 0, "Fail unless each frame has the bits of this recording", 0 },
     { 0 },
 };
+
+static void parse_track( struct argp_state* state, const char* argument, run_recorder_def* def )
+{
+    const char* colon = strrchr( argument, ':' );
+    bool is_good = colon && colon > argument && colon - argument <= WISP_RECORD_MAX_NAME;
+    for ( const char* at = colon; is_good && at && *at; )
+    {
+        char* end = NULL;
+        errno = 0;
+        long vertex = strtol( at + 1, &end, 10 );
+        is_good = end > at + 1 && !errno && vertex >= 0 && vertex < INT_MAX && ( *end == ',' || !*end );
+        if ( def->track_count == RUN_TRACKS_MAX )
+        {
+            argp_error( state, "--track: more than %d vertices", RUN_TRACKS_MAX );
+        }
+        def->tracks[def->track_count++] = ( run_track ){ argument, (int)( colon - argument ), (int)vertex };
+        at = end;
+    }
+    if ( !is_good )
+    {
+        argp_error( state, "--track: '%s' is not a body and its vertices, such as flag:0,31", argument );
+    }
+}
+
+/// Options about recording. @return whether it was one of them
+static bool parse_recorder( int key, char* argument, struct argp_state* state, run_recorder_def* def )
+{
+    switch ( key )
+    {
+        case KEY_RECORD:
+            def->record = argument;
+            return true;
+        case KEY_EVERY:
+            def->every = option_whole( state, "--every", argument, 1, STEPS_MAX );
+            return true;
+        case KEY_TRACK:
+            parse_track( state, argument, def );
+            return true;
+        case KEY_TRACK_FILE:
+            def->track_file = argument;
+            return true;
+        case KEY_VERIFY:
+            def->verify = argument;
+            return true;
+        default:
+            return false;
+    }
+}
+
+static void check( struct argp_state* state, const run_recorder_def* def )
+{
+    if ( ( def->track_count > 0 ) != ( def->track_file != NULL ) )
+    {
+        argp_error( state, "--track says what is followed and --track-file where it goes: both or neither" );
+    }
+    if ( def->verify && def->record && strcmp( def->verify, def->record ) == 0 )
+    {
+        argp_error( state, "--record would write over '%s' while --verify reads it", def->verify );
+    }
+}
 
 static error_t parse( int key, char* argument, struct argp_state* state )
 {
     run_options* options = state->input;
+    if ( parse_recorder( key, argument, state, &options->recorder ) )
+    {
+        return 0;
+    }
     switch ( key )
     {
         case KEY_STEPS:
@@ -82,6 +164,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case ARGP_KEY_NO_ARGS:
             argp_error( state, "which scene?" );
             return 0;
+        case ARGP_KEY_SUCCESS:
+            check( state, &options->recorder );
+            return 0;
         default:
             return ARGP_ERR_UNKNOWN;
     }
@@ -89,7 +174,8 @@ static error_t parse( int key, char* argument, struct argp_state* state )
 
 // ---- the steps ----
 
-static wisp_status simulate( scene_world* world, int steps, run_record* record, wisp_error* error )
+static wisp_status simulate( scene_world* world, int steps, run_recorder* recorder, run_record* record,
+                             wisp_error* error )
 {
     record->ms = calloc( (size_t)steps + 1, sizeof( double ) );
     if ( !record->ms )
@@ -97,7 +183,7 @@ static wisp_status simulate( scene_world* world, int steps, run_record* record, 
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d steps", steps );
     }
     progress bar = progress_begin();
-    wisp_status status = WISP_OK;
+    wisp_status status = run_recorder_step( recorder, error );
     while ( record->steps < steps && status == WISP_OK )
     {
         double start = wisp_clock_seconds();
@@ -111,6 +197,11 @@ static wisp_status simulate( scene_world* world, int steps, run_record* record, 
             {
                 wisp_fail( error, status, "no memory for the profile of %d steps", steps );
             }
+        }
+        // Outside of the time that was taken: what a step costs does not depend on who looks on.
+        if ( status == WISP_OK )
+        {
+            status = run_recorder_step( recorder, error );
         }
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
@@ -226,6 +317,55 @@ static void summarise( const scene_world* world, run_record* record, results* ou
     add_notes( out, world, record, times );
 }
 
+static void add_recorder_notes( results* out, const run_recorder_def* def, run_recorder_counts counts )
+{
+    if ( def->record )
+    {
+        results_add_note( out, "Recorded: %d frames in %s", counts.written, def->record );
+    }
+    if ( def->track_count > 0 )
+    {
+        results_add_note( out, "Tracked: %d vertices over %d frames in %s", def->track_count, counts.written,
+                          def->track_file );
+    }
+    if ( def->verify )
+    {
+        results_add_note( out, "Verified: %d frames of %s, every bit is equal", counts.verified, def->verify );
+    }
+    if ( counts.unreached > 0 )
+    {
+        results_add_note( out, "%d frames of %s come after the last step and were not compared.", counts.unreached,
+                          def->verify );
+    }
+}
+
+// What was written before a failure is finished all the same; the failure is what is told.
+static wisp_status simulate_and_record( const run_options* options, scene_world* world, run_record* record,
+                                        results* out, wisp_error* error )
+{
+    run_recorder* recorder = NULL;
+    int steps = options->steps > 0 ? options->steps : world->scene->steps;
+    wisp_status status = run_recorder_open( &options->recorder, world, &recorder, error );
+    if ( status == WISP_OK )
+    {
+        status = simulate( world, steps, recorder, record, error );
+    }
+    run_recorder_counts counts = run_recorder_count( recorder );
+    wisp_error later = { 0 };
+    wisp_status closed = run_recorder_close( recorder, status == WISP_OK ? error : &later );
+    status = status == WISP_OK ? closed : status;
+    if ( status == WISP_OK )
+    {
+        status = scene_world_write_outputs( world, error );
+    }
+    if ( status == WISP_OK )
+    {
+        summarise( world, record, out );
+        add_recorder_notes( out, &options->recorder, counts );
+    }
+    return status;
+}
+
 static wisp_status run_scene( const run_options* options, const wisp_scene* scene, results* out, wisp_error* error )
 {
     scene_world world;
@@ -235,15 +375,7 @@ static wisp_status run_scene( const run_options* options, const wisp_scene* scen
     {
         return status;
     }
-    status = simulate( &world, options->steps > 0 ? options->steps : scene->steps, &record, error );
-    if ( status == WISP_OK )
-    {
-        status = scene_world_write_outputs( &world, error );
-    }
-    if ( status == WISP_OK )
-    {
-        summarise( &world, &record, out );
-    }
+    status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
     free( record.ms );
     scene_world_destroy( &world );
@@ -252,7 +384,7 @@ static wisp_status run_scene( const run_options* options, const wisp_scene* scen
 
 int verb_run( int argc, char** argv )
 {
-    run_options options = { 0 };
+    run_options options = { .recorder = { .every = 1 } };
     const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &options );
 

@@ -23,6 +23,7 @@ verb_fn verb_run;
 verb_fn verb_plan;
 verb_fn verb_bench;
 verb_fn verb_info;
+verb_fn verb_render;
 
 /// Print the one sentence of a failure to stderr. @return STATUS_FAILED
 int verb_fail( const wisp_error* error );

@@ -1,4 +1,4 @@
-#include "world_from_scene.h"
+#include "world_from_scene_parts.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,18 +21,24 @@ const wisp_module* const* scene_world_modules( int* count )
 
 // ---- errors that name the scene's line ----
 
+wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
+                           wisp_status status, const char* sentence, wisp_error* error )
+{
+    return wisp_fail( error, status, "%s:%d:%d: %s '%s': %s", scene->name, line, column, what, name, sentence );
+}
+
 static wisp_status fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
                                     wisp_error* error )
 {
     const wisp_scene_strands* entry = &scene->strands[strands];
-    return wisp_fail( error, status, "%s:%d:%d: strands '%s': %s", scene->name, entry->line, entry->column,
-                      entry->name, sentence );
+    return scene_fail_at( scene, entry->line, entry->column, "strands", entry->name, status, sentence, error );
 }
 
-static wisp_status fail_at_line( const scene_world* world, int line, int column, wisp_status status,
-                                 const char* sentence, wisp_error* error )
+wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
+                                wisp_error* error )
 {
-    return wisp_fail( error, status, "%s:%d:%d: %s", world->scene->name, line, column, sentence );
+    return wisp_fail( error, status, "%s:%d:%d: %s", world->scene->name, line, column,
+                      wisp_world_message( world->world ) );
 }
 
 // An error that ends a call comes back as its status and would be printed twice; one that a call survives, such as an
@@ -205,6 +211,8 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     {
         status = add_strands( out, i, error );
     }
+    status = status == WISP_OK ? scene_surfaces_add( out, error ) : status;
+    status = status == WISP_OK ? scene_colliders_add( out, error ) : status;
     if ( status != WISP_OK )
     {
         scene_world_destroy( out );
@@ -216,7 +224,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     return status;
 }
 
-wisp_status scene_world_step( scene_world* world, wisp_error* error )
+static wisp_status give_commands( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     while ( world->next_command < scene->command_count &&
@@ -227,11 +235,22 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
             wisp_command_frozen_hair( world->world, world->entities[command->strands], command->cursor );
         if ( status != WISP_OK )
         {
-            return fail_at_line( world, command->line, command->column, status, wisp_world_message( world->world ),
-                                 error );
+            return scene_fail_at_line( world, command->line, command->column, status, error );
         }
     }
-    wisp_status status = wisp_world_step( world->world, scene->step_seconds );
+    return WISP_OK;
+}
+
+wisp_status scene_world_step( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = give_commands( world, error );
+    status = status == WISP_OK ? scene_script_play( world, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_world_step( world->world, scene->step_seconds );
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,
@@ -290,29 +309,58 @@ static wisp_status copy_shape( scene_world* world, int strands )
     return status;
 }
 
+static wisp_status write_strands( scene_world* world, const wisp_scene_output* output, wisp_error* error )
+{
+    // Before the first step no pass has written anything, and the rest shape is all there is.
+    wisp_status status = world->next_step > 0 ? copy_shape( world, output->strands ) : WISP_OK;
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s",
+                          status == WISP_NO_MEMORY ? "no memory to write it" : wisp_world_message( world->world ) );
+    }
+    return wisp_groom_write( output->file, &world->grooms[output->strands], error );
+}
+
+static wisp_status write_surface( scene_world* world, const wisp_scene_output* output, wisp_error* error )
+{
+    const int body_number = world->scene->strands_count + output->surface;
+    const scene_body body = scene_world_body( world, body_number );
+    wisp_vec3* points = malloc( (size_t)body.vertex_count * sizeof *points + 1 );
+    if ( !points )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to write it" );
+    }
+    wisp_status status = scene_world_points( world, body_number, points, error );
+    if ( status == WISP_OK )
+    {
+        // The writer changes neither; a mesh that may be changed is the only kind there is.
+        const wisp_mesh mesh = { points, (int32_t*)(uintptr_t)body.triangles, body.vertex_count,
+                                 body.triangle_count };
+        status = wisp_mesh_write( output->file, &mesh, error );
+    }
+    free( points );
+    return status;
+}
+
 wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     for ( int i = 0; i < scene->output_count; ++i )
     {
-        // Before the first step no pass has written anything, and the rest shape is all there is.
         const wisp_scene_output* output = &scene->outputs[i];
-        wisp_status status = world->next_step > 0 ? copy_shape( world, output->strands ) : WISP_OK;
-        if ( status != WISP_OK )
-        {
-            const char* sentence =
-                status == WISP_NO_MEMORY ? "no memory to write it" : wisp_world_message( world->world );
-            return fail_at_line( world, output->line, output->column, status, sentence, error );
-        }
         wisp_error cause = { 0 };
-        status = wisp_groom_write( output->file, &world->grooms[output->strands], &cause );
+        wisp_status status =
+            output->strands >= 0 ? write_strands( world, output, &cause ) : write_surface( world, output, &cause );
         if ( status != WISP_OK )
         {
-            return fail_at_line( world, output->line, output->column, status, cause.sentence, error );
+            return wisp_fail( error, status, "%s:%d:%d: %s", scene->name, output->line, output->column,
+                              cause.sentence );
         }
     }
     return WISP_OK;
 }
+
+// ---- how much there is ----
 
 int scene_world_vertices( const scene_world* world )
 {
@@ -320,6 +368,20 @@ int scene_world_vertices( const scene_world* world )
     for ( int i = 0; i < world->scene->strands_count; ++i )
     {
         sum += world->grooms[i].vertex_count;
+    }
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        sum += world->surfaces[i].mesh.vertex_count;
+    }
+    return sum;
+}
+
+int scene_world_triangles( const scene_world* world )
+{
+    int sum = 0;
+    for ( int i = 0; i < scene_world_moving_count( world ); ++i )
+    {
+        sum += scene_world_body( world, i ).triangle_count;
     }
     return sum;
 }
@@ -341,6 +403,8 @@ void scene_world_destroy( scene_world* world )
     {
         wisp_groom_release( &world->grooms[i] );
     }
+    scene_surfaces_release( world );
+    scene_colliders_release( world );
     free( world->grooms );
     free( world->entities );
     *world = ( scene_world ){ 0 };

@@ -1,8 +1,11 @@
-/// From a scene, which is data, to a world that runs: grooms read or made, effects attached, wishes and commands.
+/// From a scene, which is data, to a world that runs: grooms and meshes read or made, effects attached, wishes,
+/// commands and scripts.
 #pragma once
 
 #include "groom.h"
+#include "mesh.h"
 #include "scene.h"
+#include "wisp/fabric.h"
 #include "wisp/wisp.h"
 
 /// What the command line says over the scene.
@@ -12,26 +15,51 @@ typedef struct scene_world_options
     const char* isa; ///< null: the best there is
 } scene_world_options;
 
+/// A surface of the scene as the world has it.
+typedef struct scene_world_surface
+{
+    wisp_entity entity;
+    wisp_fabric* fabric;       ///< of this surface or of the one it is an instance of; a reference of its own
+    wisp_mesh mesh;            ///< where the vertices start; without triangles for an instance
+    wisp_mesh_repairs repairs; ///< what was done to the mesh; nothing for an instance
+    int32_t* pins;             ///< [pin_count] every vertex that the scene pins, rising
+    wisp_vec3* pin_targets;    ///< [pin_count] room for where they go; null unless they move
+    int pin_count;
+    wisp_vec3 pivot;  ///< m, what pin keyframes turn about
+    bool is_released; ///< the script let the pins go
+} scene_world_surface;
+
+/// A collider of the scene as the world has it.
+typedef struct scene_world_collider
+{
+    wisp_entity entity;
+    wisp_mesh mesh;  ///< in its own frame: of a mesh collider itself, of a shape what a picture shows of it
+    wisp_rigid pose; ///< after the last step
+} scene_world_collider;
+
 typedef struct scene_world
 {
     const wisp_scene* scene; ///< must outlive this
     wisp_world* world;
-    wisp_entity* entities; ///< [strands_count]
-    wisp_groom* grooms;    ///< [strands_count] the rest shape; an output's shape once outputs were written
+    wisp_entity* entities;           ///< [strands_count]
+    wisp_groom* grooms;              ///< [strands_count] the rest shape; an output's shape once outputs were written
+    scene_world_surface* surfaces;   ///< [surface_count]
+    scene_world_collider* colliders; ///< [collider_count]
     int next_step;
     int next_command;
+    int next_event;
     char late_error[500]; ///< logged as an error by a call that went on; printed once the call is over
 } scene_world;
 
 /// Every module of modules.inc, in its order.
 const wisp_module* const* scene_world_modules( int* count );
 
-/// @param out zero on failure
+/// @param out zero on failure; must stay where it is, the world's log points at it
 /// @return what went wrong; the sentence names the scene's line if the cause is there
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error );
 
-/// The commands of the next step, then the step.
+/// The commands and scripts of the next step, then the step.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
 
 /// Write the files that the scene asks for, with width and colour where they are wanted.
@@ -41,7 +69,74 @@ wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error );
 /// @param out to be released; empty on failure
 wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error );
 
+/// The mesh of a surface, read or made, repaired as the scene says, and where it starts. Repairs are told on stderr.
+/// @param out to be released; empty on failure
+wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_error* error );
+
+/// Of strands and surfaces together.
 int scene_world_vertices( const scene_world* world );
 int scene_world_strands( const scene_world* world );
+int scene_world_triangles( const scene_world* world );
 
 void scene_world_destroy( scene_world* world );
+
+// ---- bodies: what a recording or a picture shows ----
+
+typedef enum scene_body_kind
+{
+    SCENE_BODY_STRANDS,
+    SCENE_BODY_CLOTH,    ///< a surface that is not a balloon
+    SCENE_BODY_BALLOON,  ///<
+    SCENE_BODY_COLLIDER, ///< a rigid mesh
+    SCENE_BODY_PLANE,    ///< a collider without an end; its mesh is a square of 2 m around its position
+} scene_body_kind;
+
+/// Arrays belong to the scene_world and stay as they are until it is destroyed.
+typedef struct scene_body
+{
+    const char* name; ///< unique among all bodies
+    scene_body_kind kind;
+    int vertex_count;
+    const int32_t* triangles; ///< [triangle_count][3], counter-clockwise seen from outside; null for strands
+    int triangle_count;
+    const int32_t* offsets; ///< [strand_count + 1] of strands; else null
+    int strand_count;
+} scene_body;
+
+/// Bodies are numbered: strands, then surfaces, then colliders, each in the order of the scene.
+int scene_world_body_count( const scene_world* world );
+/// Number of bodies that are not colliders: the first ones.
+int scene_world_moving_count( const scene_world* world );
+scene_body scene_world_body( const scene_world* world, int body );
+
+/// What may be asked of a body from the next step on.
+typedef enum scene_wish
+{
+    SCENE_WISH_POINTS, ///< strands and surfaces
+    SCENE_WISH_STRAIN, ///< surfaces
+    SCENE_WISH_SPEED,  ///< surfaces
+    SCENE_WISH_WIDTH,  ///< strands with a look
+    SCENE_WISH_COLOUR, ///< strands with a look
+    SCENE_WISH_QUALITY ///< surfaces
+} scene_wish;
+
+/// Ask for more than the scene does; asking twice is asking once. Nothing is asked of a collider: its points are known.
+/// @return WISP_BAD_INPUT the body has no such thing (the sentence names the body)
+wisp_status scene_world_want( scene_world* world, int body, scene_wish wish, wisp_error* error );
+
+/// Where the vertices are now. Before the first step: where they start. A collider: at its pose of the last step.
+/// @param out [vertex_count]
+/// @return WISP_CONFLICT a step was made and the points are not wanted
+wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
+
+/// A number a vertex. @param wish strain, speed (zero before the first step) or width @param out [vertex_count]
+wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish wish, float* out, wisp_error* error );
+
+/// Colour of every vertex of strands. @param out [vertex_count] linear RGB
+wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
+
+/// Figures of a surface. @return WISP_CONFLICT unless it is wanted and a step was made
+wisp_status scene_world_quality( const scene_world* world, int body, wisp_quality* out, wisp_error* error );
+
+/// Seconds of simulated time that the steps so far made up.
+double scene_world_time( const scene_world* world );

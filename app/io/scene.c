@@ -1,67 +1,16 @@
 #include "scene.h"
 #include "io_file.h"
-#include "nearest.h"
 #include "scene_parts.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-// ---- strands by name ----
-
-static int compare_name( const void* key, const void* element )
-{
-    const wisp_scene_strands* const* strands = element;
-    return strcmp( key, ( *strands )->name );
-}
-
-static wisp_status refuse_strands( scene_reader* r, const scene_node* node, const char* name )
-{
-    const wisp_scene* scene = r->scene;
-    if ( scene->strands_count == 0 )
-    {
-        return scene_refuse_node( r, node, "there are no strands '%s': the scene has none",
-                                  scene_shorten( name ).text );
-    }
-    const char** names = scene_take( r->scene, (size_t)scene->strands_count, sizeof *names );
-    if ( !names )
-    {
-        return scene_no_memory( r );
-    }
-    for ( int i = 0; i < scene->strands_count; ++i )
-    {
-        names[i] = scene->strands[i].name;
-    }
-    const char* near = nearest_word( name, names, scene->strands_count );
-    return scene_refuse_node( r, node, "there are no strands '%s'%s%s%s", scene_shorten( name ).text,
-                              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "" );
-}
-
-static wisp_status read_strands_name( scene_reader* r, const scene_node* node, int* out )
-{
-    const char* name = NULL;
-    wisp_status status = scene_read_text( r, node, &name );
-    if ( status )
-    {
-        return status;
-    }
-    const wisp_scene* scene = r->scene;
-    const wisp_scene_strands** found = scene->strands_count ? bsearch( name, r->sorted, (size_t)scene->strands_count,
-                                                                       sizeof *r->sorted, compare_name )
-                                                            : NULL;
-    if ( !found )
-    {
-        return refuse_strands( r, node, name );
-    }
-    *out = (int)( *found - scene->strands );
-    return WISP_OK;
-}
 
 // ---- commands ----
 
 wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene_command* command = base;
-    wisp_status status = read_strands_name( r, node, &command->strands );
+    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &command->strands );
     if ( !status && !r->scene->strands[command->strands].has_frozen_hair )
     {
         return scene_refuse_node( r, node, "the strands '%s' have no key 'frozen_hair', which alone takes commands",
@@ -137,7 +86,7 @@ wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* 
 wisp_status scene_read_output_strands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene_output* output = base;
-    wisp_status status = read_strands_name( r, node, &output->strands );
+    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &output->strands );
     if ( !status )
     {
         r->scene->strands[output->strands].want_points = true;
@@ -145,27 +94,61 @@ wisp_status scene_read_output_strands( scene_reader* r, const scene_node* node, 
     return status;
 }
 
-wisp_status scene_read_output_file( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_output_surface( scene_reader* r, const scene_node* node, void* base )
 {
-    static const char* const extensions[] = { ".hair", ".usda", ".obj" };
     wisp_scene_output* output = base;
-    wisp_status status = scene_read_text( r, node, &output->file );
-    if ( status )
+    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &output->surface );
+    if ( !status )
     {
-        return status;
+        r->scene->surfaces[output->surface].want_points = true;
     }
-    const char* slash = strrchr( output->file, '/' );
-    const char* last = slash ? slash + 1 : output->file;
+    return status;
+}
+
+static bool ends_in( const char* file, const char* const* extensions )
+{
+    const char* slash = strrchr( file, '/' );
+    const char* last = slash ? slash + 1 : file;
     const char* dot = strrchr( last, '.' );
-    for ( int i = 0; dot && dot > last && i < WISP_COUNT( extensions ); ++i )
+    for ( int i = 0; dot && dot > last && extensions[i]; ++i )
     {
         if ( strcmp( dot, extensions[i] ) == 0 )
         {
-            return WISP_OK;
+            return true;
         }
     }
-    return scene_refuse_node( r, node, "'%s' must end in .hair, .usda or .obj, which tells the format",
-                              scene_shorten( output->file ).text );
+    return false;
+}
+
+// `strands` and `surface` stand before `file` in the table: what is written decides which formats there are.
+wisp_status scene_read_output_file( scene_reader* r, const scene_node* node, void* base )
+{
+    static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
+    static const char* const of_surfaces[] = { ".obj", ".ply", NULL };
+    wisp_scene_output* output = base;
+    const bool is_surface = output->surface >= 0;
+    wisp_status status = scene_read_text( r, node, &output->file );
+    if ( !status && !ends_in( output->file, is_surface ? of_surfaces : of_strands ) )
+    {
+        return scene_refuse_node( r, node, "'%s' must end in %s, which tells the format",
+                                  scene_shorten( output->file ).text,
+                                  is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
+    }
+    return status;
+}
+
+static wisp_status read_output( scene_reader* r, const scene_node* node, wisp_scene_output* output )
+{
+    *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
+    wisp_status status = scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output );
+    if ( !status && ( output->strands >= 0 ) == ( output->surface >= 0 ) )
+    {
+        return scene_refuse_node( r, node,
+                                  output->strands >= 0
+                                      ? "has both 'strands' and 'surface'; a file holds one of them"
+                                      : "has neither 'strands' nor 'surface'; one tells what is written" );
+    }
+    return status;
 }
 
 static int compare_files( const void* a, const void* b )
@@ -217,10 +200,7 @@ wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* b
     for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
     {
         size_t outside = scene_enter_index( r, scene->output_count );
-        wisp_scene_output* output = &scene->outputs[scene->output_count++];
-        output->line = item->line;
-        output->column = item->column;
-        status = scene_read_block( r, item, &SCENE_OUTPUT_BLOCK, output );
+        status = read_output( r, item, &scene->outputs[scene->output_count++] );
         if ( status )
         {
             return status;
@@ -287,7 +267,9 @@ wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, w
 {
     *out = ( wisp_scene ){ 0 };
     const scene_source source = { name, text, size, error };
-    wisp_scene scene = { .step_seconds = 1.0f / 60.0f, .steps = 1, .substeps = 1, .iterations = 1 };
+    wisp_scene scene = {
+        .step_seconds = 1.0f / 60.0f, .steps = 1, .substeps = 1, .iterations = 1, .gravity = { 0.0f, -9.8f, 0.0f }
+    };
 
     io_numbers numbers;
     wisp_status status = io_numbers_begin( &numbers, error );

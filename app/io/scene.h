@@ -1,13 +1,19 @@
-/// Scenes: a YAML (or JSON) file that says which strands there are, what they wear, and what is wanted of them.
+/// Scenes: a YAML (or JSON) file that says which strands, surfaces and colliders there are, what they wear, what happens
+/// to them when, and what is wanted of them.
 /// docs/scenes.md describes the format. A scene is untrusted: bounded, checked, and refused with one sentence such as
 /// `scene.yaml:12:7: strands[0].frozen_hair.clump.radius: 'ten' is not a number`.
 #pragma once
 
+#include "balloon/balloon.h"
 #include "climate/climate.h"
+#include "cloth/cloth.h"
+#include "collision/collision.h"
 #include "frozen_hair/frozen_hair.h"
 #include "strand_look/strand_look.h"
 
 #include "groom.h"
+#include "mesh.h"
+#include "wisp/fabric.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -16,7 +22,10 @@ extern "C"
 
 #define WISP_SCENE_VERSION 1
 #define WISP_SCENE_MAX_STRANDS 10000 ///< entries of the list `strands`
-#define WISP_SCENE_MAX_NAME 64       ///< letters of a name
+#define WISP_SCENE_MAX_SURFACES 10000
+#define WISP_SCENE_MAX_COLLIDERS 1000
+#define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
+#define WISP_SCENE_MAX_NAME 64              ///< letters of a name
 
     /// One entry of `strands`. Texts and arrays belong to the scene; the definitions point at them.
     typedef struct wisp_scene_strands
@@ -40,6 +49,106 @@ extern "C"
         bool want_points, want_width, want_colour; ///< points also if an output writes them
     } wisp_scene_strands;
 
+    // ---- surfaces ----
+
+    /// Where a mesh comes from, and what is done to it before it is used.
+    typedef struct wisp_scene_mesh
+    {
+        const char* file;        ///< already relative to the scene's folder; null if made
+        bool is_made;            ///< `recipe` tells how to make it
+        wisp_mesh_recipe recipe; ///< the defaults if not made
+        int repairs;             ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
+        int demands;             ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
+        float scale;             ///< > 0, about the mesh's own origin
+    } wisp_scene_mesh;
+
+    /// A pose at a time. Of pins: how far they are from where they started; of colliders: where they are.
+    typedef struct wisp_scene_pose
+    {
+        float time; ///< s
+        wisp_rigid pose;
+    } wisp_scene_pose;
+
+    typedef struct wisp_scene_path
+    {
+        const wisp_scene_pose* poses; ///< [count] times rise
+        int count;
+    } wisp_scene_path;
+
+    /// A filling at a time.
+    typedef struct wisp_scene_fill
+    {
+        float time; ///< s
+        float fill; ///< V_0 / V_rest
+    } wisp_scene_fill;
+
+    typedef struct wisp_scene_box
+    {
+        wisp_vec3 low, high; ///< m, low <= high
+    } wisp_scene_box;
+
+    /// One entry of `surfaces`. Texts and arrays belong to the scene.
+    typedef struct wisp_scene_surface
+    {
+        const char* name; ///< unique among strands, surfaces and colliders
+        int line, column; ///< of the entry, for messages about it that come later
+
+        wisp_scene_mesh mesh; ///< of an instance nothing but the defaults
+        int instance_of;      ///< index of the surface whose fabric this one shares, lower than its own; -1: none
+        wisp_rigid pose;      ///< where the scaled mesh starts
+
+        float area_density, vertex_mass; ///< as in wisp_surface_def
+
+        const int32_t* pins; ///< [pin_count] numbers of vertices as the file or the recipe has them
+        int pin_count;
+        const wisp_scene_box* pin_boxes; ///< [pin_box_count] whatever starts inside is pinned
+        int pin_box_count;
+        const wisp_vec3* pin_nearest; ///< [pin_nearest_count] the vertex that starts nearest to each is pinned
+        int pin_nearest_count;
+        wisp_scene_path pin_path; ///< how far the pins are from where they started
+        bool has_pin_pivot;
+        wisp_vec3 pin_pivot; ///< m, what pin_path turns about; without it: the middle of the pins
+
+        wisp_vec3 velocity, angular_velocity;
+        wisp_vec3 gravity; ///< the scene's unless the surface has its own
+        float damping;
+        float strain_limit[2]; ///< 0 and infinity: none
+
+        bool has_cloth, has_balloon; ///< never both
+        wisp_cloth_def cloth;        ///< the defaults if the scene has none
+        wisp_balloon_def balloon;
+        bool has_outlet_nearest;
+        wisp_vec3 outlet_nearest;         ///< m, where the mesh starts
+        float outlet_radius;              ///< m; besides the nearest vertex, those within it belong to the outlet
+        const wisp_scene_fill* fill_path; ///< [fill_path_count] times rise
+        int fill_path_count;
+
+        int levels; ///< coarse levels of the fabric at most, 0: none
+        wisp_sweep sweep;
+        int tile_size;
+        bool has_collision;
+        wisp_collision_def collision;
+
+        bool want_points; ///< also if an output writes them
+        bool want_normals, want_strain, want_speed, want_quality;
+        bool want_figures;  ///< of the balloon
+        bool want_contacts; ///< figures of the collision
+    } wisp_scene_surface;
+
+    // ---- colliders ----
+
+    /// One entry of `colliders`.
+    typedef struct wisp_scene_collider
+    {
+        const char* name;
+        int line, column;
+        wisp_collider_def def; ///< without the arrays of a mesh
+        wisp_scene_mesh mesh;  ///< of a mesh
+        wisp_scene_path path;  ///< where it is
+    } wisp_scene_collider;
+
+    // ---- what happens when ----
+
     /// The user points at a place before a step.
     typedef struct wisp_scene_command
     {
@@ -49,10 +158,26 @@ extern "C"
         int line, column; ///< of the entry, for messages
     } wisp_scene_command;
 
+    /// What is done to a surface before a step.
+    typedef struct wisp_scene_event
+    {
+        int step;    ///< in [0, steps)
+        int surface; ///< index into the scene's surfaces
+        bool has_fill, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity;
+        float fill;
+        float inflation_rate; ///< m^3/s
+        bool open;
+        wisp_vec3 wind;                       ///< m/s
+        wisp_vec3 velocity, angular_velocity; ///< a zero vector where only the other one is written
+        bool release;                         ///< lets all pins go
+        int line, column;                     ///< of the entry, for messages
+    } wisp_scene_event;
+
     typedef struct wisp_scene_output
     {
-        int strands;      ///< index into the scene's strands
-        const char* file; ///< as written, ends in .hair, .usda or .obj
+        int strands;      ///< index into the scene's strands, -1: a surface is written
+        int surface;      ///< index into the scene's surfaces, -1: strands are written
+        const char* file; ///< as written; ends in .hair, .usda or .obj for strands, in .obj or .ply for surfaces
         int line, column;
     } wisp_scene_output;
 
@@ -64,10 +189,18 @@ extern "C"
         int substeps, iterations;
         int workers; ///< 0 is one a core
 
+        wisp_vec3 gravity; ///< m/s^2, of surfaces
+
         wisp_scene_strands* strands; ///< [strands_count], in the order of the file
         int strands_count;
+        wisp_scene_surface* surfaces; ///< [surface_count], in the order of the file
+        int surface_count;
+        wisp_scene_collider* colliders; ///< [collider_count], in the order of the file
+        int collider_count;
         wisp_scene_command* commands; ///< [command_count], by step, and by strands within a step
         int command_count;
+        wisp_scene_event* events; ///< [event_count], by step, and by surface within a step
+        int event_count;
         wisp_scene_output* outputs; ///< [output_count], in the order of the file
         int output_count;
 

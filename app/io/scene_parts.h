@@ -1,4 +1,4 @@
-/// The tables of scene_tables.c and the readers that they name. Private to this room.
+/// The tables and the readers that they name. Private to this room.
 #pragma once
 
 #include "scene_schema.h"
@@ -7,12 +7,60 @@ extern const scene_block SCENE_BLOCK_OF_ALL;  // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK; // over wisp_scene_strands
 extern const scene_block SCENE_MAKE_BLOCK;    // over wisp_groom_recipe
 extern const scene_block SCENE_COMMAND_BLOCK; // over wisp_scene_command
+extern const scene_block SCENE_EVENT_BLOCK;   // over scene_event
 extern const scene_block SCENE_OUTPUT_BLOCK;  // over wisp_scene_output
+extern const scene_block SCENE_SURFACE_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_BOX_BLOCK;     // over wisp_scene_box
 
-// scene_strands.c; the base is the wisp_scene, or the wisp_scene_strands
-scene_read_fn scene_read_strands;
-scene_read_fn scene_read_name, scene_read_strands_file, scene_read_make, scene_read_curve, scene_read_want;
+// Readers that fill what they are pointed at.
+scene_read_fn scene_read_name, scene_read_file;      // const char*
+scene_read_fn scene_read_rotation;                   // wisp_quat
+scene_read_fn scene_read_mesh_make;                  // wisp_scene_mesh
+scene_read_fn scene_read_repair, scene_read_require; // int, flags of mesh.h
+scene_read_fn scene_read_pin_path;                   // wisp_scene_path
+scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
+scene_read_fn scene_read_strain_limit;               // float[2]
+scene_read_fn scene_read_tile_size;                  // int
+scene_read_fn scene_read_surface_name;               // int, an index into the scene's surfaces
 
-// scene.c; the base is the wisp_scene, the wisp_scene_command or the wisp_scene_output
-scene_read_fn scene_read_version, scene_read_commands, scene_read_outputs;
-scene_read_fn scene_read_command_strands, scene_read_output_strands, scene_read_output_file;
+// Readers of the scene's lists; they are pointed at the wisp_scene.
+scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands,
+    scene_read_script, scene_read_outputs;
+
+// Readers of an entry's values; they are pointed at the entry.
+scene_read_fn scene_read_make, scene_read_curve, scene_read_want;                           // wisp_scene_strands
+scene_read_fn scene_read_command_strands;                                                   // wisp_scene_command
+scene_read_fn scene_read_output_strands, scene_read_output_surface, scene_read_output_file; // wisp_scene_output
+scene_read_fn scene_read_instance_of, scene_read_pins, scene_read_pin_box, scene_read_pin_nearest,
+    scene_read_surface_want, scene_read_outlet, scene_read_fill_path; // wisp_scene_surface
+scene_read_fn scene_read_collider_path, scene_read_friction;          // wisp_scene_collider
+
+/// What an entry of `script` says before its time has become a step.
+typedef struct scene_event
+{
+    wisp_scene_event event;
+    bool has_step, has_time;
+    float time; // s
+} scene_event;
+
+/// Vertices that a recipe makes.
+int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe );
+
+/// Entries that may be named by those that follow. To be called once for each list, in the order of scene_named.
+/// @param entries [count] each begins as scene_entry does
+wisp_status scene_register( scene_reader* reader, scene_named what, const void* entries, size_t size, int count );
+
+/// What all entries with a name begin with.
+typedef struct scene_entry
+{
+    const char* name;
+    int line, column;
+} scene_entry;
+
+/// The number of the entry that a value names.
+wisp_status scene_read_named( scene_reader* reader, const scene_node* node, scene_named what, int* index );
+
+/// A list of entries: refuse another value, or too many, and take zeroed memory for them.
+/// @param items receives null if the list is empty
+wisp_status scene_begin_list( scene_reader* reader, const scene_node* node, const char* what, int most, size_t size,
+                              void** items );

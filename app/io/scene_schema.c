@@ -82,7 +82,7 @@ void scene_leave( scene_reader* r, size_t path_length )
 
 wisp_status scene_refuse_node( const scene_reader* r, const scene_node* node, const char* format, ... )
 {
-    char message[320];
+    char message[420];
     va_list arguments;
     va_start( arguments, format );
     vsnprintf( message, sizeof message, format, arguments );
@@ -97,7 +97,7 @@ wisp_status scene_expect_list( scene_reader* r, const scene_node* node, const ch
     return node->kind == SCENE_LIST ? WISP_OK : scene_refuse_kind( r, node, what );
 }
 
-static wisp_status read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out )
+wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out )
 {
     if ( node->kind != SCENE_LIST )
     {
@@ -180,6 +180,11 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
     _Static_assert( sizeof( wisp_gap ) == sizeof choice && sizeof( wisp_frozen_base ) == sizeof choice &&
                         sizeof( wisp_frozen_event ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
+    _Static_assert( sizeof( wisp_solver ) == sizeof choice && sizeof( wisp_cloth_bending ) == sizeof choice &&
+                        sizeof( wisp_balloon_pressure ) == sizeof choice &&
+                        sizeof( wisp_balloon_drag ) == sizeof choice &&
+                        sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_sweep ) == sizeof choice,
+                    "an enumeration is not as wide as an int" );
     memcpy( out, &choice, sizeof choice );
     return WISP_OK;
 }
@@ -204,20 +209,33 @@ wisp_status scene_read_field( scene_reader* r, const scene_node* node, const sce
         case SCENE_EITHER:
             return read_choice( r, node, field, out );
         case SCENE_VECTOR:
-            return read_vector( r, node, field, out );
+            return scene_read_vector( r, node, field, out );
         case SCENE_TEXT:
             return scene_read_text( r, node, out );
         case SCENE_BLOCK:
             status = scene_read_block( r, node, field->block, base );
-            *(bool*)out = status == WISP_OK;
+            if ( field->at )
+            {
+                *(bool*)out = status == WISP_OK;
+            }
             return status;
         case SCENE_CUSTOM:
             break;
     }
-    return field->read( r, node, base );
+    return field->read( r, node, out );
 }
 
 // ---- mappings ----
+
+const scene_node* scene_child( const scene_reader* r, const scene_node* node, const char* key )
+{
+    const scene_node* child = node->kind == SCENE_MAP ? scene_first( r->tree, node ) : NULL;
+    while ( child && strcmp( scene_key_of( r->tree, child ), key ) != 0 )
+    {
+        child = scene_next( r->tree, child );
+    }
+    return child;
+}
 
 static int find_field( const scene_block* block, const char* key )
 {
@@ -235,7 +253,7 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
 {
     const char* key = scene_key_of( r->tree, node );
     const char* known[SCENE_MAX_FIELDS];
-    char list[200] = "";
+    char list[400] = "";
     size_t used = 0;
     for ( int i = 0; i < block->field_count; ++i )
     {
@@ -244,7 +262,7 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
         used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
     const char* near = nearest_word( key, known, block->field_count );
-    char message[320];
+    char message[480];
     if ( near )
     {
         snprintf( message, sizeof message, "unknown key '%s', did you mean '%s'?", scene_shorten( key ).text, near );
@@ -307,6 +325,10 @@ wisp_status scene_read_block( scene_reader* r, const scene_node* node, const sce
         if ( status )
         {
             return status;
+        }
+        if ( field->given )
+        {
+            *( (bool*)base + field->given ) = true;
         }
         scene_leave( r, outside );
     }

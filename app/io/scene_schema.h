@@ -5,6 +5,23 @@
 #include "scene.h"
 #include "scene_text.h"
 
+/// What has a name, in the order in which the lists are read.
+typedef enum scene_named
+{
+    SCENE_STRANDS,
+    SCENE_SURFACE,
+    SCENE_COLLIDER,
+} scene_named;
+
+/// An entry that others may name.
+typedef struct scene_name
+{
+    const char* text;
+    int index; // in its own list
+    int line, column;
+    scene_named what;
+} scene_name;
+
 typedef struct scene_reader
 {
     const scene_source* source;
@@ -12,11 +29,13 @@ typedef struct scene_reader
     wisp_scene* scene;
     char path[128]; // of the value being read, such as strands[0].frozen_hair
     size_t path_length;
-    const wisp_scene_strands** sorted; // [scene->strands_count] by name, once all strands were read
+    scene_name* names; // [name_count] of the lists that were read, by text
+    int name_count;
 } scene_reader;
 
-/// Reads a value that no type below describes, into a field of the table's struct or anywhere in it.
-typedef wisp_status scene_read_fn( scene_reader* reader, const scene_node* node, void* base );
+/// Reads a value that no type below describes.
+/// @param at the field's place in the struct: the struct itself for a reader that fills several members
+typedef wisp_status scene_read_fn( scene_reader* reader, const scene_node* node, void* at );
 
 typedef enum scene_type
 {
@@ -29,7 +48,7 @@ typedef enum scene_type
     SCENE_EITHER,  // bool, false and true in the order of the two choices
     SCENE_VECTOR,  // wisp_vec3
     SCENE_TEXT,    // const char*, not empty
-    SCENE_BLOCK,   // a mapping of its own over the same struct; its presence sets the bool at `at`
+    SCENE_BLOCK,   // a mapping of its own over the same struct; its presence sets the bool at `at`, if that is not 0
     SCENE_CUSTOM,
 } scene_type;
 
@@ -51,11 +70,12 @@ typedef struct scene_field
     const char* unit;           // said to who writes "10 mm"; null: the number has no unit
     const char* const* choices; // ends with null
     size_t list, list_count;    // of SCENE_NUMBERS
+    size_t given;               // bytes from the start to a bool that tells that the key is there; 0: nobody asks
     const struct scene_block* block;
     scene_read_fn* read;
 } scene_field;
 
-#define SCENE_MAX_FIELDS 16
+#define SCENE_MAX_FIELDS 32
 
 typedef struct scene_block
 {
@@ -68,6 +88,10 @@ wisp_status scene_read_block( scene_reader* reader, const scene_node* node, cons
 
 /// Read one value as a field tells.
 wisp_status scene_read_field( scene_reader* reader, const scene_node* node, const scene_field* field, void* base );
+
+/// The value of a key, for a reader that must see it before the others. @return null if the key is not there, or if the
+/// node is no mapping
+const scene_node* scene_child( const scene_reader* reader, const scene_node* node, const char* key );
 
 /// Make sure that a value is a list.
 wisp_status scene_expect_list( scene_reader* reader, const scene_node* node, const char* what );
@@ -92,6 +116,9 @@ wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* 
 wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out );
 wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out );
 wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out );
+
+/// Three numbers, each as the field says.
+wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out );
 
 /// Say that a value is of the wrong kind. @param wanted such as "a number"
 wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted );

@@ -1,7 +1,6 @@
 #include "scene_parts.h"
 #include "io_file.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 // ---- where strands come from ----
@@ -21,38 +20,40 @@ static bool is_name( const char* text )
     return length > 0 && length <= WISP_SCENE_MAX_NAME;
 }
 
-wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
 {
-    wisp_scene_strands* strands = base;
-    wisp_status status = scene_read_text( r, node, &strands->name );
-    if ( !status && !is_name( strands->name ) )
+    const char* name = NULL;
+    wisp_status status = scene_read_text( r, node, &name );
+    if ( !status && !is_name( name ) )
     {
         return scene_refuse_node( r, node, "'%s' is not a name: 1 to %d of the characters A-Z a-z 0-9 _ -",
-                                  scene_shorten( strands->name ).text, WISP_SCENE_MAX_NAME );
+                                  scene_shorten( name ).text, WISP_SCENE_MAX_NAME );
     }
+    *(const char**)at = name;
     return status;
 }
 
 // Relative files are looked for beside the scene, wherever the program was started.
-wisp_status scene_read_strands_file( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
 {
-    wisp_scene_strands* strands = base;
-    wisp_status status = scene_read_text( r, node, &strands->file );
+    const char* file = NULL;
+    wisp_status status = scene_read_text( r, node, &file );
+    *(const char**)at = file;
     const char* slash = strrchr( r->source->name, '/' );
-    if ( status || !slash || strands->file[0] == '/' )
+    if ( status || !slash || file[0] == '/' )
     {
         return status;
     }
     size_t folder = (size_t)( slash - r->source->name ) + 1;
-    size_t length = strlen( strands->file );
+    size_t length = strlen( file );
     char* path = scene_take( r->scene, folder + length + 1, 1 );
     if ( !path )
     {
         return scene_no_memory( r );
     }
     memcpy( path, r->source->name, folder );
-    memcpy( path + folder, strands->file, length );
-    strands->file = path;
+    memcpy( path + folder, file, length );
+    *(const char**)at = path;
     return WISP_OK;
 }
 
@@ -213,30 +214,6 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     return status;
 }
 
-static int compare_names( const void* a, const void* b )
-{
-    const wisp_scene_strands *const *x = a, *const *y = b;
-    int order = strcmp( ( *x )->name, ( *y )->name );
-    return order ? order : ( *x > *y ) - ( *x < *y );
-}
-
-// Sorted first: comparing each with each would take minutes for a hostile list.
-static wisp_status refuse_equal_names( scene_reader* r, const wisp_scene_strands** sorted, int count )
-{
-    qsort( sorted, (size_t)count, sizeof *sorted, compare_names );
-    for ( int i = 1; i < count; ++i )
-    {
-        if ( strcmp( sorted[i]->name, sorted[i - 1]->name ) == 0 )
-        {
-            scene_enter_index( r, (int)( sorted[i] - r->scene->strands ) );
-            return scene_refuse( r->source, sorted[i]->line, sorted[i]->column, r->path,
-                                 "the name '%s' is taken by the strands in line %d", sorted[i]->name,
-                                 sorted[i - 1]->line );
-        }
-    }
-    return WISP_OK;
-}
-
 wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene* scene = base;
@@ -251,8 +228,7 @@ wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* b
                                   WISP_SCENE_MAX_STRANDS );
     }
     scene->strands = scene_take( scene, (size_t)node->count, sizeof *scene->strands );
-    r->sorted = scene_take( scene, (size_t)node->count, sizeof *r->sorted );
-    if ( !scene->strands || !r->sorted )
+    if ( !scene->strands )
     {
         return scene_no_memory( r );
     }
@@ -264,9 +240,8 @@ wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* b
         {
             return status;
         }
-        r->sorted[scene->strands_count] = &scene->strands[scene->strands_count];
         scene->strands_count++;
         scene_leave( r, outside );
     }
-    return refuse_equal_names( r, r->sorted, scene->strands_count );
+    return scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
 }

@@ -1,22 +1,9 @@
 #include "scene_parts.h"
+#include "scene_ranges.h"
 
-#include <float.h>
 #include <stddef.h>
-#include <string.h>
 
-static const char METRES[] = "lengths are plain numbers in metres";
-static const char RADIANS[] = "angles are plain numbers in radians";
-static const char CELSIUS[] = "temperatures are plain numbers in degrees Celsius";
-static const char SECONDS[] = "times are plain numbers in seconds";
-
-// Ranges are those that the modules and the groom maker accept: what a scene lets through, they take.
-#define RANGE( from, to )                                                                                            \
-    {                                                                                                                \
-        ( from ), ( to )                                                                                             \
-    }
-#define UNIT_RANGE RANGE( 0, 1 )
 #define STIFFNESS RANGE( 1e-3, 1e12 )
-#define COORDINATE RANGE( -1e6, 1e6 )
 
 // ---- make ----
 
@@ -132,8 +119,8 @@ static const scene_block LOOK_BLOCK = { LOOK_FIELDS, WISP_COUNT( LOOK_FIELDS ) }
 
 // `make` stands before `frozen_hair`, whose lists must be as long as the recipe says.
 static const scene_field STRANDS_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .read = scene_read_name },
-    { "file", SCENE_CUSTOM, .read = scene_read_strands_file },
+    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
+    { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file },
     { "make", SCENE_CUSTOM, .read = scene_read_make },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK },
     { "climate", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK },
@@ -156,12 +143,14 @@ static const scene_field COMMAND_FIELDS[] = {
 const scene_block SCENE_COMMAND_BLOCK = { COMMAND_FIELDS, WISP_COUNT( COMMAND_FIELDS ) };
 
 static const scene_field OUTPUT_FIELDS[] = {
-    { "strands", SCENE_CUSTOM, .required = true, .read = scene_read_output_strands },
+    { "strands", SCENE_CUSTOM, .read = scene_read_output_strands },
+    { "surface", SCENE_CUSTOM, .read = scene_read_output_surface },
     { "file", SCENE_CUSTOM, .required = true, .read = scene_read_output_file },
 };
 const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
 
-// Commands and output name strands, and commands must come before the last step: both are read after those.
+// Commands, script and output name the entries of the lists above them, and what they do must come before the last step.
+// Surfaces take the scene's gravity unless they have their own.
 #define AT( member ) offsetof( wisp_scene, member )
 static const scene_field SCENE_FIELDS[] = {
     { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version },
@@ -170,8 +159,12 @@ static const scene_field SCENE_FIELDS[] = {
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ) },
     { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ) },
     { "workers", SCENE_WHOLE, .at = AT( workers ), .range = RANGE( 0, WISP_MAX_WORKERS ) },
+    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS },
     { "strands", SCENE_CUSTOM, .read = scene_read_strands },
+    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces },
+    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders },
     { "commands", SCENE_CUSTOM, .read = scene_read_commands },
+    { "script", SCENE_CUSTOM, .read = scene_read_script },
     { "output", SCENE_CUSTOM, .read = scene_read_outputs },
 };
 #undef AT

@@ -64,7 +64,7 @@ wisp_status scene_refuse( const scene_source* source, int line, int column, cons
     {
         snprintf( place, sizeof place, ":%d:%d", line, column );
     }
-    char message[360];
+    char message[440];
     va_list arguments;
     va_start( arguments, format );
     vsnprintf( message, sizeof message, format, arguments );

@@ -96,7 +96,7 @@ static bool is_not_finite( const char* text )
     return false;
 }
 
-// What follows a number is a unit if it is made of letters, a percent or a degree sign; 0x10 is not ten x.
+// What follows a number is a unit if it is made of letters, powers, a percent or a degree sign; 0x10 is not ten x.
 static bool is_unit( const char* text, size_t number )
 {
     const char* rest = text + number;
@@ -108,11 +108,18 @@ static bool is_unit( const char* text, size_t number )
     {
         ++rest;
     }
-    for ( ; is_letter( *rest ) || *rest == '%' || *rest == '/' || *rest == '^' || (unsigned char)*rest >= 0x80;
-          ++rest )
+    bool power = false; // behind a ^
+    for ( ; *rest; ++rest )
     {
+        bool exponent = power && ( is_digit( *rest ) || *rest == '-' );
+        if ( !exponent && !is_letter( *rest ) && *rest != '%' && *rest != '/' && *rest != '^' &&
+             (unsigned char)*rest < 0x80 )
+        {
+            return false;
+        }
+        power = exponent || *rest == '^';
     }
-    return *rest == 0;
+    return true;
 }
 
 wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted )
@@ -258,7 +265,7 @@ wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* ou
 wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out )
 {
     int count = 0;
-    char list[96] = "one of ";
+    char list[160] = "one of ";
     for ( size_t used = strlen( list ); choices[count]; ++count )
     {
         int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", choices[count] );

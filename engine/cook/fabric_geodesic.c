@@ -2,8 +2,11 @@
 
 #include <math.h>
 
-// Distances closer than this are the same: a few roundings of lengths in single precision are no better.
-#define TOLERANCE 1e-6
+// A distance so close to the straight one is as good: lengths in single precision are no better after a few
+// roundings.
+#define SETTLED 1e-6
+// A correction by less is none. Errors of this size add up along a way.
+#define CORRECTION 1e-7
 // Where the mesh is curved, triangles around a node may go on correcting each other by less and less. So often a node
 // passes its distance on, corrections included.
 #define MOST_VISITS 64
@@ -184,14 +187,14 @@ static geodesic_node* meet( geodesic_march* m, int32_t v )
 // Nothing on the surface is nearer than the straight line, so a node that close needs no better way.
 static bool is_settled( const geodesic_node* node )
 {
-    return node->distance <= node->straight * ( 1.0 + TOLERANCE );
+    return node->distance <= node->straight * ( 1.0 + SETTLED );
 }
 
 static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double distance )
 {
     distance = distance > node->straight ? distance : node->straight;
     if ( distance > m->radius || ( m->bound != NULL && distance > (double)m->bound[v] ) ||
-         ( distance < node->distance * ( 1.0 - TOLERANCE ) ) == false )
+         ( distance < node->distance * ( 1.0 - CORRECTION ) ) == false )
     {
         return;
     }
@@ -207,8 +210,8 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
     rise( m, node->place >= 0 ? node->place : m->heap_count++, v );
 }
 
-// How far the corner b is from the source when its neighbours v and a are dv and da from it: v at the origin, a on the
-// x axis, b above it and the source below. Endless when the straight line to b misses the edge.
+// How far the corner b is from the source when its neighbours v and a are dv and da from it: v at the origin, a on
+// the x axis, b above it and the source below. Endless when the straight line to b misses the edge.
 // @param va length of the edge; product, area as in geodesic_corner
 static double unfold( double va, double product, double area, double dv, double da )
 {
@@ -229,7 +232,8 @@ static double unfold( double va, double product, double area, double dv, double 
     return sqrt( ( bx - x ) * ( bx - x ) + height * height );
 }
 
-// A neighbour whose distance may still sink is not unfolded from: once it leaves the heap, it sees the triangle itself.
+// A neighbour whose distance may still sink is not unfolded from: once it leaves the heap, it sees the triangle
+// itself.
 static bool has_left( const geodesic_node* node )
 {
     return node->place < 0 && node->distance < (double)INFINITY;

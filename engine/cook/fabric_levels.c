@@ -1,5 +1,6 @@
 // Coarse levels. Each is a subset of the next finer one in which vertices keep a distance, chosen greedily, equals in
-// the order of the fabric; one march from every chosen vertex finds what it covers, its neighbours and its children at once.
+// the order of the fabric; one march from every chosen vertex finds what it covers, its neighbours and its children
+// at once.
 #include "fabric.h"
 #include "fabric_levels.h"
 #include "vec.h"
@@ -8,16 +9,9 @@
 #include <string.h>
 
 // Numbers found by measuring a hanging sheet of 64 and 128 rows, regular and irregular, one substep with tethers and
-// levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every other
-// vertex, an irregular mesh about as many.
-#ifndef SPF
-#define SPF .64
-#endif
-#ifndef RMY
-#define RMY 1.15
-#endif
-#define SPACING_FACTOR SPF
-#define ROOMY RMY
+// levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every
+// other vertex, an irregular mesh about as many.
+#define SPACING_FACTOR 0.72
 // A level of fewer linked vertices does harm: its vertices drag more than they reach.
 #define FEWEST_VERTICES 9
 // In edges of the net: a triangle passes a distance on only where two corners have it, so that marches go beyond the
@@ -25,8 +19,8 @@
 #define MARGIN 0.75
 // Edges of the net over a level are about so many spacings long.
 #define NET_EDGE 1.3
-// Marches run over the finest net of at most so many nodes, or, while the levels have more, over the next finer level.
-// Distances over a coarse net are less exact where the mesh is curved.
+// Marches run over the finest net of at most so many nodes, or, while the levels have more, over the next finer
+// level. Distances over a coarse net are less exact where the mesh is curved.
 #define NET_NODES 16384
 #define COVERED ( 1.0 - 1e-6 )
 
@@ -84,46 +78,29 @@ static void choose( level_maker* m, int32_t rank, geodesic_march* march, const i
         if ( other >= 0 && other != rank && distance <= m->reach )
         {
             remember( m, other, rank, distance );
+            m->covered[other] = m->covered[other] || distance < COVERED * m->spacing;
         }
     }
 }
 
-static bool is_covered( const level_maker* m, int32_t rank, double spacing )
-{
-    return m->near_count[rank] > 0 && (double)m->near[(size_t)rank * LEVEL_NEAR].distance < COVERED * spacing;
-}
-
-// Those whose turn it is, unless a chosen vertex is nearer than the spacing.
-static void choose_turn( level_maker* m, int turn, double spacing, geodesic_march* march, const int32_t* rank_of,
-                         const int32_t* node_of )
-{
-    for ( int32_t r = 0; r < m->fine_count; ++r )
-    {
-        if ( m->turn[m->fine[r]] == turn && m->chosen[r] == false && is_covered( m, r, spacing ) == false )
-        {
-            choose( m, r, march, rank_of, node_of[r] );
-        }
-    }
-}
-
-// First everybody with room to spare, then whoever still fits: where two packings meet, the first round leaves seams of
-// nearly twice the spacing, over which nothing would be linked.
+// An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
+// be as dense in the coarsest level as in the mesh.
 static void choose_all( level_maker* m, geodesic_march* march, const int32_t* rank_of, const int32_t* node_of )
 {
     for ( int turn = 0; turn < LEVEL_TURNS; ++turn )
     {
-        choose_turn( m, turn, ROOMY * m->spacing, march, rank_of, node_of );
-    }
-    for ( int turn = LEVEL_ATTACHED + 1; turn < LEVEL_TURNS; ++turn )
-    {
-        choose_turn( m, turn, m->spacing, march, rank_of, node_of );
-    }
-
-    // An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
-    // be as dense in the coarsest level as in the mesh.
-    for ( int32_t r = 0; r < m->fine_count; ++r )
-    {
-        m->idle[m->fine[r]] = m->turn[m->fine[r]] == LEVEL_ATTACHED && m->chosen[r] == false;
+        for ( int32_t r = 0; r < m->fine_count; ++r )
+        {
+            int32_t slot = m->fine[r];
+            if ( m->turn[slot] == turn && m->covered[r] == false )
+            {
+                choose( m, r, march, rank_of, node_of[r] );
+            }
+            else if ( m->turn[slot] == turn && turn == LEVEL_ATTACHED )
+            {
+                m->idle[slot] = true;
+            }
+        }
     }
 }
 
@@ -132,12 +109,13 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
     fabric_pool own = { .allocator = scratch->allocator };
     size_t count = (size_t)m->fine_count;
     m->chosen = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
+    m->covered = fabric_pool_push_zeroed( scratch, count, sizeof( bool ) );
     m->near = fabric_pool_push( scratch, count * LEVEL_NEAR, sizeof( level_near ) );
     m->near_count = fabric_pool_push_zeroed( scratch, count, sizeof( uint8_t ) );
     int32_t* rank_of = fabric_pool_push( &own, (size_t)net->count, sizeof( int32_t ) );
     int32_t* node_of = fabric_pool_push( &own, count, sizeof( int32_t ) );
     geodesic_march march;
-    bool done = m->chosen != NULL && m->near != NULL && m->near_count != NULL &&
+    bool done = m->chosen != NULL && m->covered != NULL && m->near != NULL && m->near_count != NULL &&
                 rank_of != NULL && node_of != NULL && geodesic_march_init( &march, net, &own );
     if ( done )
     {
@@ -269,8 +247,8 @@ static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
     return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
 }
 
-// Whose turn it is to be chosen. Attachments first, since they are in every level; then the corners and the rest of the
-// borders, so that the coarse vertices surround the others.
+// Whose turn it is to be chosen. Attachments first, since they are in every level; then the corners and the rest of
+// the borders, so that the coarse vertices surround the others.
 static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t* turn )
 {
     fabric_pool scratch = { .allocator = parts->allocator };

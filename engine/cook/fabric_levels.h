@@ -5,12 +5,9 @@
 
 /// Coarse vertices that a vertex remembers, the nearest ones within reach: six to eleven where the mesh is flat.
 #define LEVEL_NEAR 16
-/// In spacings. Edges of a Delaunay triangulation of a subset that cannot be extended are no longer than two; a little
-/// more keeps triangles whole at seams.
-#ifndef LRE
-#define LRE 2.7
-#endif
-#define LEVEL_REACH LRE
+/// In spacings. Edges of a Delaunay triangulation of a subset that cannot be extended are no longer than two; a
+/// little more keeps triangles whole at seams.
+#define LEVEL_REACH 2.4
 
 /// In which turn vertices are chosen.
 enum
@@ -39,6 +36,7 @@ typedef struct level_maker
     int fine_count;      ///< ranks
     const int32_t* fine; ///< [fine_count] slots, rising
     bool* chosen;        ///< [fine_count] in the coarse level, and takes part in it
+    bool* covered;       ///< [fine_count] nearer than the spacing to a chosen one
     level_near* near;    ///< [fine_count][LEVEL_NEAR] by rising distance; never the vertex itself
     uint8_t* near_count; ///< [fine_count]
     uint8_t* turn;       ///< [vertex_count] by slot

@@ -1,6 +1,6 @@
 // Which coarse vertices a vertex follows, and how much. Where three coarse vertices surround it, the weights are its
-// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of a flat mesh is
-// prolonged as it is.
+// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of a flat mesh
+// is prolonged as it is.
 #include "fabric.h"
 #include "fabric_levels.h"
 
@@ -35,11 +35,11 @@ static double least( const double* w )
 // @param side distances pq, pr, qr
 // @param away distances to p, q, r
 // @param radius receives the square of the circumscribed circle's radius
-// @return false when the triangle is too thin, or a side endless
+// @return false when the triangle is too thin
 static bool locate( const double side[3], const double away[3], double weight[3], double* radius )
 {
     double c = side[0], longest = fmax( c, fmax( side[1], side[2] ) );
-    if ( c <= 0.0 || longest == (double)INFINITY )
+    if ( c <= 0.0 )
     {
         return false;
     }
@@ -70,6 +70,16 @@ static bool is_better( double inside, double radius, double best_inside, double 
     return surrounds ? radius < best_radius * ( 1.0 - EDGE_TOLERANCE ) : inside > best_inside;
 }
 
+// Over a seam of the packing two coarse vertices may be too far apart to know each other, though both are near the
+// child: then the straight line has to do.
+static double distance_between( const level_maker* m, int32_t rank_a, int32_t rank_b )
+{
+    double known = level_distance( m, rank_a, rank_b );
+    const wisp_vec3 *a = m->fabric->rest + m->fine[rank_a], *b = m->fabric->rest + m->fine[rank_b];
+    double x = (double)a->x - (double)b->x, y = (double)a->y - (double)b->y, z = (double)a->z - (double)b->z;
+    return known < (double)INFINITY ? known : sqrt( x * x + y * y + z * z );
+}
+
 static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )
 {
     double between[CANDIDATES][CANDIDATES];
@@ -77,7 +87,7 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
     {
         for ( int k = j + 1; k < count; ++k )
         {
-            between[j][k] = level_distance( m, near[j].rank, near[k].rank );
+            between[j][k] = distance_between( m, near[j].rank, near[k].rank );
         }
     }
     double best_inside = -INFINITY, best_radius = INFINITY;

@@ -7,8 +7,8 @@
 #include <string.h>
 
 #define SPREAD 8
-// The nearest of all must be this much nearer than a spread one, or it says nothing new. Far from a pinned border they
-// all are equally far, and marching from each of them would cost as much as the border is long.
+// The nearest of all must be this much nearer than a spread one, or it says nothing new. Far from a pinned border
+// they all are equally far, and marching from each of them would cost as much as the border is long.
 #define NEARER 0.98f
 
 // An attachment with its distance.

@@ -11,10 +11,12 @@ static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_M
 // nothing at length 0; and a pinned pair, which no step moves, has a finite step up to lengths of 1e6 m.
 #define LEAST_DENOMINATOR 1e-18f
 
+// Kernels copy their job: stores of particles cannot change a copy, so its pointers stay in registers.
+
 // Eight pairs of particles as rows of quads, and what a constraint wants to know of them.
 typedef struct pairs
 {
-    int32_t a4[8]; // a copy: no store can change it, so it stays in registers until particles are stored
+    int32_t a4[8]; // a copy likewise, until particles are stored
     lane8 a[4], b[4];
     lane8 along[4]; // a - b as rows, wa + wb behind
     lane8 squared;  // m^2
@@ -45,11 +47,11 @@ LANE_INLINE pairs load_pairs( const wisp_link_job* job, int link )
     return p;
 }
 
-// error / (length weight). The quotient waits for the square only, so that it runs beside the root.
-LANE_INLINE lane8 step_of( const pairs* p, lane8 error, lane8 weight )
+// share error / (length weight). The quotient waits for the square only, so that it runs beside the root.
+LANE_INLINE lane8 step_of( const pairs* p, lane8 share, lane8 error, lane8 weight )
 {
     lane8 denominator = lane8_max( lane8_mul( p->squared, weight ), lane8_set1( LEAST_DENOMINATOR ) );
-    return lane8_mul( error, lane8_mul( p->length, lane8_div( lane8_set1( 1.0f ), denominator ) ) );
+    return lane8_mul( error, lane8_mul( p->length, lane8_div( share, denominator ) ) );
 }
 
 // a -= wa step (a - b), b += wb step (a - b). Nothing is added to the inverse masses behind.
@@ -75,8 +77,8 @@ void KERNEL( link_pbd )( const wisp_link_job* job, int begin, int end )
     {
         pairs p = load_pairs( &mine, link );
         lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
-        error = lane8_mul( error, lane8_loadu( mine.stiffness + link ) );
-        move_pairs( &mine, link, &p, step_of( &p, error, p.weight ) );
+        lane8 step = step_of( &p, lane8_loadu( mine.stiffness + link ), error, p.weight );
+        move_pairs( &mine, link, &p, step );
     }
 }
 
@@ -91,7 +93,7 @@ LANE_INLINE void project_compliant( const wisp_link_job mine, int begin, int end
         lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
         lane8 lambda = keeps_lambda ? lane8_loadu( mine.lambda + link ) : lane8_zero();
         error = keeps_lambda ? lane8_mul_add( alpha, lambda, error ) : error;
-        lane8 step = step_of( &p, error, lane8_add( p.weight, alpha ) );
+        lane8 step = step_of( &p, lane8_set1( 1.0f ), error, lane8_add( p.weight, alpha ) );
         if ( keeps_lambda )
         {
             // a pair of pinned particles would answer a compliance: it must not
@@ -117,13 +119,14 @@ void KERNEL( link_xpbd )( const wisp_link_job* job, int begin, int end )
 // As pbd with stiffness 1, where the pair is too long; nothing where it is slack.
 void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end )
 {
+    const wisp_link_job mine = *job;
     for ( int link = begin; link < end; link += 8 )
     {
-        pairs p = load_pairs( job, link );
-        lane8 error = lane8_max( lane8_sub( p.length, lane8_loadu( job->rest + link ) ), lane8_zero() );
+        pairs p = load_pairs( &mine, link );
+        lane8 error = lane8_max( lane8_sub( p.length, lane8_loadu( mine.rest + link ) ), lane8_zero() );
         if ( lane8m_any( lane8_lt( lane8_zero(), error ) ) )
         {
-            move_pairs( job, link, &p, step_of( &p, error, p.weight ) );
+            move_pairs( &mine, link, &p, step_of( &p, lane8_set1( 1.0f ), error, p.weight ) );
         }
     }
 }
@@ -131,16 +134,17 @@ void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end )
 // The length is brought into [minimum rest, maximum rest].
 void KERNEL( link_limit )( const wisp_link_job* job, int begin, int end )
 {
-    const lane8 minimum = lane8_set1( job->minimum ), maximum = lane8_set1( job->maximum );
+    const wisp_link_job mine = *job;
+    const lane8 minimum = lane8_set1( mine.minimum ), maximum = lane8_set1( mine.maximum );
     for ( int link = begin; link < end; link += 8 )
     {
-        pairs p = load_pairs( job, link );
-        lane8 rest = lane8_loadu( job->rest + link );
+        pairs p = load_pairs( &mine, link );
+        lane8 rest = lane8_loadu( mine.rest + link );
         lane8 allowed = lane8_min( lane8_max( p.length, lane8_mul( rest, minimum ) ), lane8_mul( rest, maximum ) );
         lane8 error = lane8_sub( p.length, allowed );
         if ( lane8m_all( lane8_eq( error, lane8_zero() ) ) == false )
         {
-            move_pairs( job, link, &p, step_of( &p, error, p.weight ) );
+            move_pairs( &mine, link, &p, step_of( &p, lane8_set1( 1.0f ), error, p.weight ) );
         }
     }
 }

@@ -41,6 +41,9 @@ void KERNEL( predict )( const wisp_particle_job* job, int begin, int end )
     }
 }
 
+// Eq. 2 is v = (p - x) / dt. Written as v* + (p - p*) / dt, with the prediction p* = x + dt v* rounded as predict() rounded
+// it, a particle that no constraint moved keeps its velocity to the last bit. A difference of positions would lose it:
+// 50 m from the origin and in steps of a sixth of a millisecond, nothing falls.
 void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end )
 {
     const lane8 dt = lane8_set1( job->dt );
@@ -49,7 +52,9 @@ void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end )
     {
         lane8 position = lane8_load( job->position + (size_t)slot * 4 );
         lane8 previous = lane8_load( job->previous + (size_t)slot * 4 );
-        lane8 v = lane8_div( lane8_sub( position, previous ), dt );
+        lane8 velocity = lane8_load( job->velocity + (size_t)slot * 4 );
+        lane8 predicted = lane8_mul_add( velocity, dt, previous );
+        lane8 v = lane8_add( velocity, lane8_div( lane8_sub( position, predicted ), dt ) );
         lane8 xyz = lane8_cast_float( lane8i_and( lane8_cast_int( v ), mask ) );
         lane8_store( job->velocity + (size_t)slot * 4, lane8_select( moves( position ), xyz, lane8_zero() ) );
     }

@@ -59,9 +59,12 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
               "before and halted",
               entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
               (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
-    size_t bytes = (size_t)loop->slot_count * 4 * sizeof( float );
-    memcpy( loop->position, loop->good_position, bytes );
-    memcpy( loop->velocity, loop->good_velocity, bytes );
+    // inverse masses stay: a vertex that was pinned or let go since the last good step must not change that
+    for ( size_t i = 0; i < (size_t)loop->slot_count * 4; i += 4 )
+    {
+        memcpy( loop->position + i, loop->good_position + i, 3 * sizeof( float ) );
+        memcpy( loop->velocity + i, loop->good_velocity + i, 4 * sizeof( float ) );
+    }
     wisp_frame_halt( frame, entity, sentence );
 }
 

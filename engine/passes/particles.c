@@ -112,7 +112,7 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
             .run = read_velocity,
         },

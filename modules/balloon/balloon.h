@@ -6,7 +6,7 @@
 
 WISP_BEGIN_C
 
-extern const wisp_module wisp_balloon_module;
+WISP_API extern const wisp_module wisp_balloon_module;
 
 /// Where the inner pressure is read. Equal at equilibrium and many substeps; far apart before.
 typedef enum wisp_balloon_pressure
@@ -67,6 +67,9 @@ typedef struct wisp_balloon_def
     float outlet_area;                       ///< m^2, > 0, default 1e-4
     bool outlet_open;                        ///< the valve, default false
     wisp_balloon_spin spin;                  ///< default kick
+    bool
+        keep_angular_momentum; ///< default true: projections of a free skin do not turn it. False is the source: it spins
+                               ///< up without a torque, and faster with more substeps
     uint32_t made_by_default;
 } wisp_balloon_def;
 

@@ -8,8 +8,8 @@ static float dot( wisp_vec3 a, wisp_vec3 b )
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The limit of section 9 keeps an explicit step from turning a velocity round; a thrust, which only `signed` knows, is
-// not limited.
+// The limit of section 9 keeps an explicit step from turning a velocity round. A thrust, which only `signed` knows, has the
+// same one: without it the rear of a slack skin is thrown into its front faster than the step can follow.
 wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
                               float dt_w )
 {
@@ -28,7 +28,7 @@ wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_v
     }
     c *= air->mode == WISP_BALLOON_DRAG_MAX ? fmaxf( 0.0f, along )
                                             : ( air->mode == WISP_BALLOON_DRAG_ABS ? fabsf( along ) : along );
-    float f = -c * speed / ( 1.0f + fmaxf( 0.0f, c ) * speed * dt_w );
+    float f = -c * speed / ( 1.0f + fabsf( c ) * speed * dt_w );
     return ( wisp_vec3 ){ f * velocity.x, f * velocity.y, f * velocity.z };
 }
 

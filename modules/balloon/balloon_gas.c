@@ -63,10 +63,12 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
     return total;
 }
 
-// Section 9: after a collapse eq. 9 still needs a volume above zero.
+// Section 9: after a collapse eq. 9 still needs a volume above zero. What is no number stays none: it starts no jet, so that
+// the gas is all there when the guard has put the particles back.
 static double usable_volume( double volume, const balloon_gas* gas )
 {
-    return fmax( volume, 1e-3 * gas->rest_volume );
+    double least = 1e-3 * gas->rest_volume;
+    return volume < least ? least : volume;
 }
 
 void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user )

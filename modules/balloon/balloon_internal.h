@@ -90,6 +90,7 @@ typedef struct balloon_state
     wisp_component jet;       // written by the outlet: there is a force
     wisp_component kick;      // there: spin by kick
     wisp_component turn;      // balloon_turn: spin as printed
+    wisp_component angular;   // there: projections do not turn the skin
     wisp_component figures;   // wisp_balloon_figures
 } balloon_state;
 
@@ -98,6 +99,9 @@ void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* user );
+
+// balloon_angular.c
+void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user );
 
 // balloon_air.c
 void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );

@@ -44,6 +44,7 @@ wisp_balloon_def wisp_default_balloon_def( void )
         .drag = WISP_BALLOON_DRAG_MAX,
         .outlet_area = 1e-4f,
         .spin = WISP_BALLOON_SPIN_KICK,
+        .keep_angular_momentum = true,
         .made_by_default = BALLOON_DEF_MADE,
     };
 }
@@ -72,6 +73,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->jet, { "balloon.jet", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->kick, { "balloon.kick", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->turn, { "balloon.turn", WISP_TABLE_ENTITY, TURN_COLUMNS, 1 } },
+        { &s->angular, { "balloon.angular", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->figures, { "balloon.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
@@ -163,6 +165,12 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .reads = { x, s->gas, s->volume },
           .writes = { x, s->gas },
           .run = balloon_project_volume },
+        { .name = "balloon.angular",
+          .stage = WISP_STAGE_PROJECT,
+          .needs = { s->gas, s->angular },
+          .reads = { x, v, WISP_PARTICLE_PREVIOUS },
+          .writes = { x },
+          .run = balloon_keep_angular },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
@@ -342,6 +350,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { s->inflation, d->inflation_rate != 0.0f },
         { s->buoyancy, d->buoyancy },
         { s->air, d->drag_coefficient > 0.0f },
+        { s->angular, d->keep_angular_momentum },
         { s->outlet, jet },
         { s->kick, jet && d->spin == WISP_BALLOON_SPIN_KICK },
         { s->turn, jet && d->spin == WISP_BALLOON_SPIN_PRINTED },

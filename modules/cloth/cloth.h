@@ -5,7 +5,7 @@
 
 WISP_BEGIN_C
 
-extern const wisp_module wisp_cloth_module;
+WISP_API extern const wisp_module wisp_cloth_module;
 
 /// How cloth bends.
 typedef enum wisp_cloth_bending
@@ -21,8 +21,8 @@ typedef enum wisp_cloth_bending
 
 /// What a surface is made of and what air does to it. Fill from wisp_default_cloth_def(). Copied.
 ///
-/// Compliances are of one link, in m/N: on a regular mesh of triangles a link of stiffness k stands for a sheet of
-/// sqrt(3) k N/m, whatever the size of the mesh. Their direction dependence is that of an orthotropic sheet without
+/// Compliances are of one link, in m/N: a mesh of equilateral triangles whose links have the stiffness k is a sheet of
+/// 2/sqrt(3) k N/m where it is pulled one way and of sqrt(3) k pulled both ways, whatever the size of the mesh. Their direction dependence is that of an orthotropic sheet without
 /// Poisson effect: c(t) = warp cos^4 t + weft sin^4 t + shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both
 /// are equal.
 typedef struct wisp_cloth_def
@@ -38,18 +38,21 @@ typedef struct wisp_cloth_def
     wisp_cloth_bending bending; ///< default cross
     float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
     float bend_compliance;      ///< xpbd, cross links only, m/N, default 0.1
-    float bend_rigidity; ///< xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet, > 0, default
-                         ///< 5e-6 (light cotton)
+    float bend_rigidity;        ///< xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet where it is
+        ///< rolled up, exact for equilateral triangles, > 0, default 5e-6 (light cotton). A strip
+        ///< between free edges has 8/9 of it (Poisson's ratio is -1/3)
 
-    float damping;     ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay; default 0
+    float damping;     ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay, unless
+                       ///< the cloth is pinned: then all velocity dies; default 0
     wisp_vec3 wind;    ///< m/s, velocity of the air, default 0
     float air_density; ///< kg/m^3, default 1.204
     float drag;        ///< coefficient along the relative wind, >= 0, default 0: no air
     float lift;        ///< coefficient across it, >= 0, default 0
 
-    bool tethers;       ///< default false; the fabric must have tethers
+    bool tethers;       ///< default false; the fabric must have attachments and tethers
     float tether_slack; ///< times the rest distance, >= 1, default 1
-    int level_passes;   ///< passes over each coarse level of the fabric a substep, 0 .. 16, default 0: none
+    int level_passes;   ///< passes over each coarse level of the fabric a substep, 0 .. 16, default 0: none. A fabric
+                        ///< without levels has no such pass
     uint32_t made_by_default;
 } wisp_cloth_def;
 

@@ -17,7 +17,8 @@ static void cross_product( const double a[3], const double b[3], double out[3] )
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// Solve I w = L for a symmetric I by its adjugate; 0 where all mass lies on a line and I has no inverse.
+// Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two moments
+// across the line are equal, each half the trace, and L is across it too; with all mass at one point there is no turning.
 static void solve_inertia( const double i[6], const double l[3], double w[3] )
 {
     const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
@@ -26,6 +27,10 @@ static void solve_inertia( const double i[6], const double l[3], double w[3] )
     memset( w, 0, 3 * sizeof( double ) );
     if ( fabs( determinant ) <= 1e-12 * scale * scale * scale )
     {
+        for ( int k = 0; k < 3 && scale > 0.0; ++k )
+        {
+            w[k] = 2.0 * l[k] / scale;
+        }
         return;
     }
     double d = xx * zz - xz * xz, e = xy * xz - xx * yz, f = xx * yy - xy * xy;
@@ -86,12 +91,25 @@ static rigid_motion measure( int count, const float* position, const float* velo
     return m;
 }
 
-// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest.
-static bool is_pinned( int count, const float* position )
+static bool has_triangle( const wisp_fabric* f, int slot )
 {
-    for ( int slot = 0; slot < count; ++slot )
+    for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
     {
-        if ( position[(size_t)slot * 4 + 3] == 0.0f )
+        if ( f->ring4[e][0][slot % 8] != 4 * slot )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest. A loose vertex is pinned for want of mass,
+// but it holds nothing.
+static bool is_pinned( const wisp_fabric* f, const float* position )
+{
+    for ( int slot = 0; slot < f->vertex_count; ++slot )
+    {
+        if ( position[(size_t)slot * 4 + 3] == 0.0f && has_triangle( f, slot ) )
         {
             return true;
         }
@@ -143,7 +161,7 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .keep = 1.0 / ( 1.0 + (double)rate * (double)wisp_frame_seconds( frame ) ),
     };
-    if ( is_pinned( fabric->vertex_count, loop.position ) == false )
+    if ( is_pinned( fabric, loop.position ) == false )
     {
         loop.rigid = measure( fabric->vertex_count, loop.position, loop.velocity );
     }

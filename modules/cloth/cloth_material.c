@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+// Compliance of what must not act at all, m/N or 1/J.
+static const float NOTHING = 1e12f;
+
 typedef struct vec3d
 {
     double x, y, z;
@@ -71,7 +74,7 @@ static float link_value( const wisp_fabric* f, const wisp_cloth_def* def, int sl
     }
     // A cross link that does not bend must not stretch either: no stiffness, or a compliance that nothing moves.
     const bool bends = def->bending == WISP_CLOTH_BENDING_CROSS;
-    return pbd ? ( bends ? def->bend_stiffness : 0.0f ) : ( bends ? def->bend_compliance : 1e12f );
+    return pbd ? ( bends ? def->bend_stiffness : 0.0f ) : ( bends ? def->bend_compliance : NOTHING );
 }
 
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
@@ -92,17 +95,25 @@ typedef struct hinge_shape
     vec3d i, j, k, l;
     double area; // of both triangles, m^2
     double edge; // length, m
+    bool sound;  // both triangles have an area, so there is an angle between them
 } hinge_shape;
 
 static hinge_shape shape_of( const wisp_fabric* f, int hinge )
 {
     const int32_t* corner = f->hinges + 4 * (size_t)hinge;
-    hinge_shape s = {
-        rest_of( f, corner[0] ), rest_of( f, corner[1] ), rest_of( f, corner[2] ), rest_of( f, corner[3] ), 0.0, 0.0
-    };
+    hinge_shape s = { rest_of( f, corner[0] ),
+                      rest_of( f, corner[1] ),
+                      rest_of( f, corner[2] ),
+                      rest_of( f, corner[3] ),
+                      0.0,
+                      0.0,
+                      false };
     vec3d e = minus( s.j, s.i );
+    double k_area = 0.5 * length( cross( e, minus( s.k, s.i ) ) );
+    double l_area = 0.5 * length( cross( e, minus( s.l, s.i ) ) );
     s.edge = length( e );
-    s.area = 0.5 * ( length( cross( e, minus( s.k, s.i ) ) ) + length( cross( e, minus( s.l, s.i ) ) ) );
+    s.area = k_area + l_area;
+    s.sound = k_area > 0.0 && l_area > 0.0;
     return s;
 }
 
@@ -135,12 +146,13 @@ static void bending_row( const hinge_shape* s, double c[4] )
     c[3] = -( at_i_l + at_j_l );
 }
 
-// Energy of an angle t over an edge e with both triangles' area A: 1/2 B (3 / A) e^2 t^2, so that angle and isometric
-// bending of one rigidity agree for small angles. Compliance is the inverse of its second derivative.
+// Energy of an angle t over an edge e whose triangles have the area A together: 1/2 B e^2 t^2 / A. Summed over a mesh of
+// equilateral triangles this is 1/2 B times the square of the curvature times the area, whatever the direction in which the
+// sheet is rolled. (Bergou et al. 2006 weigh it by 3 / A, which is right for a sphere and three times too stiff for a
+// cylinder, and what hardly stretches bends as a cylinder does.) Compliance is the inverse of the second derivative.
 static float dihedral_compliance( const hinge_shape* s, float rigidity )
 {
-    double stiffness = 3.0 * (double)rigidity * s->edge * s->edge;
-    return stiffness > 0.0 ? (float)( s->area / stiffness ) : 1e12f;
+    return s->sound ? (float)( s->area / ( (double)rigidity * s->edge * s->edge ) ) : NOTHING;
 }
 
 static void fill_shape( wisp_world* world, wisp_entity surface, const wisp_fabric* f, const wisp_cloth_def* def,
@@ -151,13 +163,13 @@ static void fill_shape( wisp_world* world, wisp_entity surface, const wisp_fabri
     if ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL )
     {
         float* angle = wisp_world_column( world, surface, WISP_HINGE_REST, 0 );
-        angle[slot] = hinge >= 0 ? rest_angle( &s ) : 0.0f;
+        angle[slot] = s.sound ? rest_angle( &s ) : 0.0f;
         return;
     }
     float* weight = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 0 );
     float* scale = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 1 );
     double c[4] = { 0 };
-    if ( hinge >= 0 && s.area > 0.0 )
+    if ( s.sound )
     {
         bending_row( &s, c );
     }
@@ -165,30 +177,30 @@ static void fill_shape( wisp_world* world, wisp_entity surface, const wisp_fabri
     {
         weight[( slot / 8 ) * 32 + 8 * k + slot % 8] = (float)c[k];
     }
-    scale[slot] = s.area > 0.0 ? (float)( 3.0 / s.area ) : 0.0f;
+    scale[slot] = s.sound ? (float)( 1.0 / s.area ) : 0.0f;
+}
+
+// What a hinge resists with: a share of its error in pbd, a compliance in xpbd. One without an angle does not resist.
+static float hinge_value( const wisp_fabric* f, const wisp_cloth_def* def, int slot )
+{
+    int hinge = f->hinge_order.constraint[slot];
+    const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
+    if ( def->solver == WISP_SOLVER_PBD )
+    {
+        return s.sound ? def->bend_stiffness : 0.0f;
+    }
+    return def->bending == WISP_CLOTH_BENDING_DIHEDRAL ? dihedral_compliance( &s, def->bend_rigidity )
+                                                       : 1.0f / def->bend_rigidity;
 }
 
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    const bool pbd = def->solver == WISP_SOLVER_PBD;
-    float* column = wisp_world_column( world, surface, pbd ? WISP_HINGE_STIFFNESS : WISP_HINGE_COMPLIANCE, 0 );
+    wisp_component component = def->solver == WISP_SOLVER_PBD ? WISP_HINGE_STIFFNESS : WISP_HINGE_COMPLIANCE;
+    float* column = wisp_world_column( world, surface, component, 0 );
     for ( int slot = 0; slot < f->hinge_order.slot_count; ++slot )
     {
-        int hinge = f->hinge_order.constraint[slot];
         fill_shape( world, surface, f, def, slot );
-        if ( pbd )
-        {
-            column[slot] = hinge >= 0 ? def->bend_stiffness : 0.0f;
-        }
-        else if ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL )
-        {
-            const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
-            column[slot] = dihedral_compliance( &s, def->bend_rigidity );
-        }
-        else
-        {
-            column[slot] = 1.0f / def->bend_rigidity;
-        }
+        column[slot] = hinge_value( f, def, slot );
     }
 }

@@ -1,6 +1,7 @@
 #include "cloth_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 static const uint32_t CLOTH_DEF_MADE = 0x434c4f54;
 
@@ -137,9 +138,9 @@ static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const 
     {
         lacks = "hinges, which bending by angle needs";
     }
-    if ( d->tethers && f->attachment_count > 0 && f->tether_count == 0 )
+    if ( d->tethers && f->tether_count == 0 )
     {
-        lacks = "tethers";
+        lacks = f->attachment_count > 0 ? "tethers" : "attachments, which tethers need";
     }
     if ( lacks != NULL )
     {
@@ -156,13 +157,20 @@ typedef struct wanted_component
     bool wanted;
 } wanted_component;
 
-// What the definition asks for is there, what it does not is not: no rows, no pass.
-static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+enum
 {
-    const bool pbd = d->solver == WISP_SOLVER_PBD;
-    const bool dihedral = d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
-    const bool isometric = d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
-    const wanted_component all[] = {
+    COMPONENT_COUNT = 10,
+};
+
+// What the definition asks for, where the fabric has rows for it. A mesh too small for a coarse level has no level pass, and
+// one without interior edges no hinges.
+static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
+                             wanted_component all[COMPONENT_COUNT] )
+{
+    const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
+    const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
+    const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
+    const wanted_component list[COMPONENT_COUNT] = {
         { state->air, d->drag > 0.0f || d->lift > 0.0f },
         { state->damping, d->damping > 0.0f },
         { WISP_LINK_STIFFNESS, pbd },
@@ -172,13 +180,33 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
         { WISP_HINGE_COMPLIANCE, ( dihedral || isometric ) && pbd == false },
         { WISP_SURFACE_TETHERS, d->tethers },
-        { WISP_SURFACE_LEVELS, d->level_passes > 0 },
+        { WISP_SURFACE_LEVELS, d->level_passes > 0 && f->level_count > 0 },
     };
+    memcpy( all, list, sizeof( list ) );
+}
+
+// What the definition asks for is there, what it does not is not: no rows, no pass. All that is missing comes before
+// anything goes, so that without memory the surface is what it was.
+static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
+{
+    wanted_component all[COMPONENT_COUNT];
+    bool came[COMPONENT_COUNT] = { false };
+    list_components( wisp_world_fabric( world, surface ), d, state, all );
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
     {
-        status = all[i].wanted ? wisp_world_attach( world, surface, all[i].component )
-                               : wisp_world_detach( world, surface, all[i].component );
+        if ( all[i].wanted && wisp_world_has( world, surface, all[i].component ) == false )
+        {
+            status = wisp_world_attach( world, surface, all[i].component );
+            came[i] = status == WISP_OK;
+        }
+    }
+    for ( int i = 0; i < COMPONENT_COUNT; ++i )
+    {
+        if ( status == WISP_OK ? all[i].wanted == false : came[i] )
+        {
+            (void)wisp_world_detach( world, surface, all[i].component ); // gives memory back, asks for none
+        }
     }
     return status;
 }
@@ -207,7 +235,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
         *passes = d->level_passes;
     }
     cloth_fill_links( world, surface, d );
-    if ( d->bending == WISP_CLOTH_BENDING_DIHEDRAL || d->bending == WISP_CLOTH_BENDING_ISOMETRIC )
+    if ( wisp_world_has( world, surface, WISP_HINGE_REST ) || wisp_world_has( world, surface, WISP_HINGE_COTANGENT ) )
     {
         cloth_fill_hinges( world, surface, d );
     }

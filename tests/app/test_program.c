@@ -1,161 +1,8 @@
 // The built program, whose path is the first argument, is started with right and wrong input: exit statuses, one
 // sentence for what is wrong, help of every verb, and nothing but plain bytes where there is no terminal.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "program_fixture.h"
 
-#include "wisp/base.h"
-
-#include <fcntl.h>
 #include <jansson.h>
-#include <pty.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#define OUTPUT_MAX 65536
-#define ARGUMENTS_MAX 12
-
-static char program[4096];
-
-/// What a run left behind.
-typedef struct run_result
-{
-    int status; ///< exit status, -1 if a signal ended it
-    char out[OUTPUT_MAX], err[OUTPUT_MAX];
-} run_result;
-
-static run_result result;
-
-// ---- starting it ----
-
-static void read_back( FILE* file, char* text )
-{
-    rewind( file );
-    text[fread( text, 1, OUTPUT_MAX - 1, file )] = '\0';
-    fclose( file );
-}
-
-static _Noreturn void become_program( char** arguments, int out, int err )
-{
-    dup2( out, STDOUT_FILENO );
-    dup2( err, STDERR_FILENO );
-    execv( program, arguments );
-    _exit( 127 );
-}
-
-static int wait_for( pid_t child )
-{
-    int status = 0;
-    assert_int_equal( waitpid( child, &status, 0 ), child );
-    return WIFEXITED( status ) ? WEXITSTATUS( status ) : -1;
-}
-
-/// Words of a command line, split at blanks.
-static void split( char* line, char** arguments )
-{
-    int count = 0;
-    arguments[count++] = program;
-    for ( char* word = strtok( line, " " ); word && count < ARGUMENTS_MAX; word = strtok( NULL, " " ) )
-    {
-        arguments[count++] = word;
-    }
-    arguments[count] = NULL;
-}
-
-/// Run the program with its two streams in files; fills `result`.
-static void run( const char* command )
-{
-    char line[1024], *arguments[ARGUMENTS_MAX + 1];
-    snprintf( line, sizeof( line ), "%s", command );
-    split( line, arguments );
-    FILE *out = tmpfile(), *err = tmpfile();
-    assert_true( out && err );
-    pid_t child = fork();
-    if ( child == 0 )
-    {
-        become_program( arguments, fileno( out ), fileno( err ) );
-    }
-    result.status = wait_for( child );
-    read_back( out, result.out );
-    read_back( err, result.err );
-}
-
-/// Run the program with its error stream on a terminal; what the terminal got is in result.err. Some containers have no
-/// terminals to give: then the test is skipped.
-static void run_on_terminal( const char* command )
-{
-    char line[1024], *arguments[ARGUMENTS_MAX + 1];
-    snprintf( line, sizeof( line ), "%s", command );
-    split( line, arguments );
-    int near_end, far_end;
-    if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
-    {
-        skip();
-    }
-    FILE* out = tmpfile();
-    assert_non_null( out );
-    pid_t child = fork();
-    if ( child == 0 )
-    {
-        close( near_end );
-        become_program( arguments, fileno( out ), far_end );
-    }
-    close( far_end );
-
-    // A terminal whose other end is gone reports an error instead of an end of file.
-    size_t size = 0;
-    for ( ssize_t count = 1; count > 0 && size<OUTPUT_MAX - 1; size += count> 0 ? (size_t)count : 0 )
-    {
-        count = read( near_end, result.err + size, OUTPUT_MAX - 1 - size );
-    }
-    result.err[size] = '\0';
-    close( near_end );
-    result.status = wait_for( child );
-    read_back( out, result.out );
-}
-
-static int line_count( const char* text )
-{
-    int count = 0;
-    for ( ; *text; ++text )
-    {
-        count += *text == '\n';
-    }
-    return count;
-}
-
-static void write_file( const char* path, const char* text )
-{
-    FILE* file = fopen( path, "w" );
-    assert_non_null( file );
-    assert_true( fputs( text, file ) >= 0 );
-    fclose( file );
-}
-
-/// The run must have been refused as input: status 2, nothing on standard output, one sentence that names something.
-static void assert_refused( const char* command, const char* named )
-{
-    run( command );
-    if ( result.status != 2 || line_count( result.err ) != 1 || strncmp( result.err, "wisp: ", 6 ) != 0 ||
-         !strstr( result.err, named ) )
-    {
-        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
-    }
-}
-
-/// The command line must have been refused: status 64, nothing on standard output, a sentence that names something.
-static void assert_usage( const char* command, const char* named )
-{
-    run( command );
-    if ( result.status != 64 || result.out[0] || !strstr( result.err, named ) )
-    {
-        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
-    }
-}
 
 // ---- scenes ----
 
@@ -179,26 +26,12 @@ static const char good_scene[] =
 
 static int enter_folder( void** state )
 {
-    static char folder[] = P_tmpdir "/wisp_program_XXXXXX";
-    *state = mkdtemp( folder );
-    if ( !*state || chdir( folder ) != 0 )
+    if ( enter_new_folder( state ) != 0 )
     {
         return -1;
     }
-    unsetenv( "NO_COLOR" );
     write_file( "good.yaml", good_scene );
     return 0;
-}
-
-static int leave_folder( void** state )
-{
-    static const char* const files[] = { "good.yaml", "bad.yaml",    "empty.yaml", "written.hair", "written.obj",
-                                         "cut.hair",  "result.json", "other.txt",  "summary.csv" };
-    for ( int i = 0; i < WISP_COUNT( files ); ++i )
-    {
-        remove( files[i] );
-    }
-    return chdir( "/" ) == 0 ? rmdir( *state ) : -1;
 }
 
 // ---- the command line ----
@@ -221,6 +54,7 @@ static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** sta
         { "plan --help", "Usage: wisp plan [OPTION...] SCENE" },
         { "bench --help", "Usage: wisp bench [OPTION...] [CASE...]" },
         { "info --help", "Usage: wisp info [OPTION...] FILE" },
+        { "render --help", "Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
@@ -235,8 +69,8 @@ static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** sta
 static void usage_of_every_verb_is_told( void** state )
 {
     (void)state;
-    static const char* const commands[] = { "--usage", "run --usage", "plan --usage", "bench --usage",
-                                            "info --usage" };
+    static const char* const commands[] = { "--usage",       "run --usage",  "plan --usage",
+                                            "bench --usage", "info --usage", "render --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
         run( commands[i] );
@@ -250,6 +84,7 @@ static void a_misspelt_verb_is_answered_with_the_nearest( void** state )
     (void)state;
     assert_usage( "rnu good.yaml", "did you mean 'run'?" );
     assert_usage( "bnech", "did you mean 'bench'?" );
+    assert_usage( "redner", "did you mean 'render'?" );
     assert_usage( "simulate", "there is no verb 'simulate'" );
     assert_int_equal( line_count( result.err ), 1 );
 }

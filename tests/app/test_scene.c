@@ -347,7 +347,10 @@ static void the_example_of_the_documentation_is_a_scene( void** state )
     assert_int_equal( scene.strands_count, 1 );
     assert_int_equal( scene.strands[0].bend_count, 4 );
     assert_int_equal( scene.command_count, 2 );
-    assert_int_equal( scene.output_count, 1 );
+    assert_int_equal( scene.surface_count, 3 );
+    assert_int_equal( scene.collider_count, 4 );
+    assert_int_equal( scene.event_count, 3 );
+    assert_int_equal( scene.output_count, 2 );
     wisp_scene_release( &scene );
 }
 
@@ -395,7 +398,7 @@ static void columns_count_characters_and_not_bytes( void** state )
     (void)state;
     demand_refusal( "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
                     "scenes/test.yaml:1:14: unknown key '\xc3\xa4', known are wisp, step_seconds, steps, substeps, "
-                    "iterations, workers, strands, commands, output" );
+                    "iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"make\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: '\xc3\xa4\xc3\xa4' is not a name: 1 to 64 of the "
                     "characters A-Z a-z 0-9 _ -" );

@@ -14,6 +14,7 @@
 #include "balloon.h"
 #include "climate.h"
 #include "cloth.h"
+#include "collision.h"
 #include "frozen_hair.h"
 #include "strand_look.h"
 

@@ -46,6 +46,15 @@ static inline const wisp_kernels* widest_table( void )
     return kernels_select( "avx512", NULL );
 }
 
+/// Also false for what is no number.
+static inline void assert_near( double found, double expected, double tolerance, const char* what, int number )
+{
+    if ( !( fabs( found - expected ) <= tolerance ) )
+    {
+        fail_msg( "%s %d: %.9g, expected %.9g within %.2g", what, number, found, expected, tolerance );
+    }
+}
+
 // ---- constraints ----
 
 enum
@@ -61,7 +70,8 @@ typedef struct constraints
     _Alignas( 64 ) float position[BODIES][4];
     int32_t slot4[GROUPS][4][8];              // corners of hinges; the first two are ends of links
     int32_t a4[CONSTRAINTS], b4[CONSTRAINTS]; // the same two, as links want them
-    float rest[CONSTRAINTS];                  // m or rad
+    float rest[CONSTRAINTS];                  // m
+    float angle[CONSTRAINTS];                 // rad
     float weights[GROUPS][4][8];              // of isometric hinges
     float scale[CONSTRAINTS];                 // 1/m^2
     float stiffness[CONSTRAINTS];
@@ -126,6 +136,7 @@ static inline void make_constraints( constraints* s, bool pins )
         s->compliance[c] = c % 4 == 0 ? 0.0f : test_random_float( c, 12, 0.0f, 1e-4f );
         s->lambda[c] = test_random_float( c, 13, -1e-3f, 1e-3f );
         s->rest[c] = length * test_random_float( c, 14, 0.5f, 1.5f );
+        s->angle[c] = test_random_float( c, 16, -3.1f, 3.1f );
         s->scale[c] = test_random_float( c, 15, 1.0f, 30.0f );
     }
 }
@@ -164,7 +175,7 @@ static inline wisp_hinge_job hinge_job( constraints* s, bool isometric, bool pbd
     return ( wisp_hinge_job ){
         .position = s->position[0],
         .slot4 = s->slot4[0][0],
-        .rest = isometric ? s->weights[0][0] : s->rest,
+        .rest = isometric ? s->weights[0][0] : s->angle,
         .scale = s->scale,
         .stiffness = pbd ? s->stiffness : NULL,
         .compliance = s->compliance,

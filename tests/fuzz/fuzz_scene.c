@@ -65,6 +65,79 @@ static void demand_strands( const wisp_scene_strands* strands )
     demand_climate( &strands->climate );
 }
 
+static void demand_path( const wisp_scene_path* path )
+{
+    demand( ( path->poses == NULL ) == ( path->count == 0 ) );
+    for ( int i = 0; i < path->count; ++i )
+    {
+        const wisp_quat q = path->poses[i].pose.rotation;
+        demand( i == 0 || path->poses[i].time > path->poses[i - 1].time );
+        demand( fabsf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0f ) < 1e-5f );
+    }
+}
+
+static void demand_mesh( const wisp_scene_mesh* mesh, bool needed )
+{
+    demand( needed == ( mesh->is_made || mesh->file ) && !( mesh->is_made && mesh->file ) );
+    demand( mesh->scale > 0.0f && ( mesh->repairs & ~WISP_MESH_REPAIR_ALL ) == 0 );
+    demand( mesh->recipe.shape >= 0 && mesh->recipe.shape < WISP_MESH_SHAPE_COUNT );
+}
+
+static void demand_balloon( const wisp_scene_surface* s )
+{
+    const wisp_balloon_def* b = &s->balloon;
+    demand( b->fill >= b->least_fill && b->outlet_count >= 0 && b->outlet_count <= WISP_BALLOON_MAX_OUTLET );
+    demand( !( b->outlet_count > 0 && s->has_outlet_nearest ) );
+    for ( int i = 0; i < s->fill_path_count; ++i )
+    {
+        demand( s->fill_path[i].fill >= b->least_fill );
+        demand( i == 0 || s->fill_path[i].time > s->fill_path[i - 1].time );
+    }
+}
+
+static void demand_surface( const wisp_scene* scene, int i )
+{
+    const wisp_scene_surface* s = &scene->surfaces[i];
+    demand( s->name && strlen( s->name ) <= WISP_SCENE_MAX_NAME && s->line > 0 );
+    demand( s->instance_of < i && s->instance_of >= -1 );
+    demand( s->instance_of < 0 || scene->surfaces[s->instance_of].instance_of < 0 );
+    demand_mesh( &s->mesh, s->instance_of < 0 );
+    demand( !( s->has_cloth && s->has_balloon ) && isfinite( s->gravity.y ) && s->damping >= 0.0f );
+    demand( s->strain_limit[0] <= 1.0f && s->strain_limit[1] >= 1.0f );
+    demand( s->tile_size == 0 || ( s->tile_size >= 64 && s->tile_size % 8 == 0 ) );
+    demand( s->pin_path.count == 0 || s->pin_count + s->pin_box_count + s->pin_nearest_count > 0 );
+    for ( int k = 0; k < s->pin_count; ++k )
+    {
+        demand( s->pins[k] >= 0 && s->pins[k] < WISP_SCENE_MAX_VERTICES );
+    }
+    for ( int k = 0; k < s->pin_box_count; ++k )
+    {
+        demand( s->pin_boxes[k].low.y <= s->pin_boxes[k].high.y );
+    }
+    demand_path( &s->pin_path );
+    demand_balloon( s );
+}
+
+static void demand_collider( const wisp_scene_collider* c )
+{
+    demand( c->name && c->def.kind >= 0 && c->def.kind < WISP_COLLIDER_COUNT );
+    demand( c->def.kinetic_friction <= c->def.static_friction && c->def.kinetic_friction >= 0.0f );
+    demand( c->def.radius > 0.0f && c->def.half_length >= 0.0f && c->def.half_extent.z > 0.0f );
+    demand_mesh( &c->mesh, c->def.kind == WISP_COLLIDER_MESH );
+    demand_path( &c->path );
+}
+
+static void demand_event( const wisp_scene* scene, int i )
+{
+    const wisp_scene_event* e = &scene->events[i];
+    demand( e->step >= 0 && e->step < scene->steps && e->surface >= 0 && e->surface < scene->surface_count );
+    demand( i == 0 || e->step > e[-1].step || ( e->step == e[-1].step && e->surface > e[-1].surface ) );
+    const wisp_scene_surface* s = &scene->surfaces[e->surface];
+    demand( s->has_balloon || !( e->has_fill || e->has_inflation_rate || e->has_open ) );
+    demand( !e->has_fill || e->fill >= s->balloon.least_fill );
+    demand( s->has_cloth || !e->has_wind );
+}
+
 static void demand_scene( const wisp_scene* scene )
 {
     demand( scene->step_seconds > 0.0f && isfinite( scene->step_seconds ) && scene->steps >= 0 );
@@ -73,6 +146,18 @@ static void demand_scene( const wisp_scene* scene )
     for ( int i = 0; i < scene->strands_count; ++i )
     {
         demand_strands( &scene->strands[i] );
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        demand_surface( scene, i );
+    }
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        demand_collider( &scene->colliders[i] );
+    }
+    for ( int i = 0; i < scene->event_count; ++i )
+    {
+        demand_event( scene, i );
     }
     for ( int i = 0; i < scene->command_count; ++i )
     {
@@ -85,8 +170,10 @@ static void demand_scene( const wisp_scene* scene )
     for ( int i = 0; i < scene->output_count; ++i )
     {
         const wisp_scene_output* output = &scene->outputs[i];
-        demand( output->strands >= 0 && output->strands < scene->strands_count && output->file[0] );
-        demand( scene->strands[output->strands].want_points );
+        demand( ( output->strands < 0 ) != ( output->surface < 0 ) && output->file[0] );
+        demand( output->strands < scene->strands_count && output->surface < scene->surface_count );
+        demand( output->strands >= 0 ? scene->strands[output->strands].want_points
+                                     : scene->surfaces[output->surface].want_points );
     }
 }
 

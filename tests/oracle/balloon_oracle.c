@@ -312,7 +312,7 @@ double3 balloon_oracle_drag_force( balloon_oracle_drag drag, double coefficient,
         case BALLOON_ORACLE_DRAG_NORMAL:
             break;
     }
-    double limit = 1.0 + fmax( 0.0, c ) * speed * limit_rate;
+    double limit = 1.0 + fabs( c ) * speed * limit_rate;
     double3 against = drag == BALLOON_ORACLE_DRAG_NORMAL ? double3_scale( speed * along, normal ) : v;
     return double3_scale( -c * speed / limit, against );
 }

@@ -152,7 +152,7 @@ double3 balloon_oracle_buoyancy( double3 gravity, double volume, double air_dens
 /// @param coefficient 1/2 rho_air C_d A_i, kg/m
 /// @param limit_rate dt w: the force is divided by 1 + c |v| dt w, so that an explicit step never reverses v; 0 is
 /// the
-///        plain force. A thrust (c < 0, only with `signed`) is not limited.
+///        plain force. A thrust (c < 0, only with `signed`) has the same limit.
 double3 balloon_oracle_drag_force( balloon_oracle_drag drag, double coefficient, double3 v, double3 normal,
                                    double limit_rate );
 

@@ -247,7 +247,7 @@ typedef struct wisp_kernels
     void ( *tether )( const wisp_tether_job* job, int begin, int end );
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
-    void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v = (p - previous) / dt
+    void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
     // slices of eight children
     void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;

@@ -1,0 +1,23 @@
+/// What kind of file the user named. Names decide, except that a groom, a recording and a point cache may be called
+/// anything as long as they begin like one, and that scenes and results can both be JSON.
+#pragma once
+
+#include "wisp/base.h"
+
+typedef enum file_kind
+{
+    FILE_UNKNOWN,
+    FILE_GROOM,       ///< .hair, .tfx
+    FILE_MESH,        ///< .obj, .ply
+    FILE_SCENE,       ///< .yaml, .yml, .json
+    FILE_RECORDING,   ///< .wisp
+    FILE_POINT_CACHE, ///< .pc2
+    FILE_RESULTS,     ///< .json
+} file_kind;
+
+/// @param kind FILE_UNKNOWN is no failure: the caller says which kinds it takes
+/// @return WISP_IO_ERROR the file cannot be opened or read
+wisp_status file_kind_find( const char* path, file_kind* kind, wisp_error* error );
+
+/// Whether a name ends in an extension, in small letters or capitals, and has something before it.
+bool file_ends_in( const char* path, const char* extension );

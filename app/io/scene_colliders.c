@@ -1,0 +1,141 @@
+// Colliders: a table for each shape, so that a size that the shape does not have is refused as unknown.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <stddef.h>
+
+#define AT( member ) offsetof( wisp_scene_collider, member )
+#define DEF( member ) offsetof( wisp_scene_collider, def.member )
+
+static const char* const SHAPES[] = { "plane", "sphere", "capsule", "box", "mesh", NULL };
+
+// The rotation stands before the keyframes, the first of which takes it over unless it has its own.
+#define COMMON_FIELDS                                                                                                \
+    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },                           \
+        { "shape", SCENE_CHOICE, .required = true, .at = DEF( kind ), .choices = SHAPES },                           \
+        { "position", SCENE_VECTOR, .at = DEF( pose.translation ), .range = COORDINATE, .unit = METRES },            \
+        { "rotation", SCENE_CUSTOM, .at = DEF( pose.rotation ), .read = scene_read_rotation },                       \
+        { "keyframes", SCENE_CUSTOM, .read = scene_read_collider_path },                                             \
+        { "friction", SCENE_CUSTOM, .read = scene_read_friction },                                                   \
+        { "thickness", SCENE_NUMBER, .at = DEF( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },             \
+    {                                                                                                                \
+        "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers                                       \
+    }
+
+static const scene_field PLANE_FIELDS[] = { COMMON_FIELDS };
+static const scene_field SPHERE_FIELDS[] = {
+    COMMON_FIELDS,
+    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES },
+};
+static const scene_field CAPSULE_FIELDS[] = {
+    COMMON_FIELDS,
+    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES },
+    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES },
+};
+static const scene_field BOX_FIELDS[] = {
+    COMMON_FIELDS,
+    { "half_extent", SCENE_VECTOR, .at = DEF( half_extent ), .range = SIZE, .unit = METRES },
+};
+static const scene_field MESH_FIELDS[] = {
+    COMMON_FIELDS,
+    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
+    { "make", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
+    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
+    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
+    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE },
+    { "sheet", SCENE_SWITCH, .at = DEF( sheet ) },
+};
+
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+static const scene_block BLOCKS[WISP_COLLIDER_COUNT] = {
+    [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),     [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),
+    [WISP_COLLIDER_CAPSULE] = BLOCK( CAPSULE_FIELDS ), [WISP_COLLIDER_BOX] = BLOCK( BOX_FIELDS ),
+    [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),
+};
+
+// One number, or a pair of what must be overcome and what is felt while sliding.
+wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field field = { "friction", SCENE_NUMBER, .range = RANGE( 0, 1e6 ) };
+    wisp_collider_def* def = &( (wisp_scene_collider*)at )->def;
+    if ( node->kind != SCENE_LIST )
+    {
+        wisp_status status = scene_read_number( r, node, &field, &def->static_friction );
+        def->kinetic_friction = def->static_friction;
+        return status;
+    }
+    if ( node->count != 2 )
+    {
+        return scene_refuse_node( r, node, "must be a number, or a pair [static, kinetic]" );
+    }
+    const scene_node* first = scene_first( r->tree, node );
+    wisp_status status = scene_read_number( r, first, &field, &def->static_friction );
+    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &field, &def->kinetic_friction );
+    if ( !status && def->kinetic_friction > def->static_friction )
+    {
+        return scene_refuse_node( r, node, "kinetic friction %g is above static friction %g",
+                                  (double)def->kinetic_friction, (double)def->static_friction );
+    }
+    return status;
+}
+
+// The shape decides on the table, and may stand anywhere in the mapping.
+static wisp_status read_kind( scene_reader* r, const scene_node* node, int* kind )
+{
+    const scene_node* child = scene_child( r, node, "shape" );
+    if ( !child )
+    {
+        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
+                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
+    }
+    size_t outside = scene_enter_key( r, "shape" );
+    wisp_status status = scene_read_choice( r, child, SHAPES, kind );
+    if ( !status )
+    {
+        scene_leave( r, outside );
+    }
+    return status;
+}
+
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_collider* collider )
+{
+    *collider = ( wisp_scene_collider ){
+        .line = node->line,
+        .column = node->column,
+        .def = wisp_default_collider_def(),
+        .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
+    };
+    int kind = 0;
+    wisp_status status = read_kind( r, node, &kind );
+    status = status ? status : scene_read_block( r, node, &BLOCKS[kind], collider );
+    if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_made )
+    {
+        return scene_refuse_node( r, node, "has %s; a mesh is read or made",
+                                  collider->mesh.is_made ? "both 'file' and 'make'" : "neither 'file' nor 'make'" );
+    }
+    return status;
+}
+
+wisp_status scene_read_colliders( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene* scene = at;
+    void* items;
+    wisp_status status = scene_begin_list( r, node, "a list of colliders", WISP_SCENE_MAX_COLLIDERS,
+                                           sizeof *scene->colliders, &items );
+    scene->colliders = items;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, scene->collider_count );
+        status = read_entry( r, item, &scene->colliders[scene->collider_count++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    return status ? status
+                  : scene_register( r, SCENE_COLLIDER, scene->colliders, sizeof *scene->colliders,
+                                    scene->collider_count );
+}

@@ -1,0 +1,367 @@
+// Where a mesh comes from, what is done to it, and how it is turned and moved: for surfaces and for colliders.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
+#include "trig.h"
+
+#define COUNT( least ) RANGE( least, WISP_SCENE_MAX_VERTICES )
+
+// ---- make: a table for each shape, so that a key that the shape has no use for is refused as unknown ----
+
+#define AT( member ) offsetof( wisp_mesh_recipe, member )
+
+static const char* const SHAPES[] = {
+    "plane", "alternating_plane", "irregular_plane", "icosphere", "uv_sphere", "torus", "capsule", "tube", "pear",
+    NULL
+};
+
+#define SHAPE_FIELD                                                                                                  \
+    {                                                                                                                \
+        "shape", SCENE_CHOICE, .required = true, .at = AT( shape ), .choices = SHAPES                                \
+    }
+#define COLUMNS_FIELD                                                                                                \
+    {                                                                                                                \
+        "columns", SCENE_WHOLE, .at = AT( columns ), .range = COUNT( 2 )                                             \
+    }
+#define ROWS_FIELD                                                                                                   \
+    {                                                                                                                \
+        "rows", SCENE_WHOLE, .at = AT( rows ), .range = COUNT( 2 )                                                   \
+    }
+#define SPACING_FIELD                                                                                                \
+    {                                                                                                                \
+        "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = SIZE, .unit = METRES                                  \
+    }
+#define SEGMENTS_FIELD                                                                                               \
+    {                                                                                                                \
+        "segments", SCENE_WHOLE, .at = AT( segments ), .range = COUNT( 3 )                                           \
+    }
+#define RINGS_FIELD( least )                                                                                         \
+    {                                                                                                                \
+        "rings", SCENE_WHOLE, .at = AT( rings ), .range = COUNT( least )                                             \
+    }
+#define ALONG_FIELD                                                                                                  \
+    {                                                                                                                \
+        "length_segments", SCENE_WHOLE, .at = AT( length_segments ), .range = COUNT( 1 )                             \
+    }
+#define RADIUS_FIELD                                                                                                 \
+    {                                                                                                                \
+        "radius", SCENE_NUMBER, .at = AT( radius ), .range = SIZE, .unit = METRES                                    \
+    }
+#define LENGTH_FIELD                                                                                                 \
+    {                                                                                                                \
+        "length", SCENE_NUMBER, .at = AT( length ), .range = SIZE, .unit = METRES                                    \
+    }
+
+static const scene_field PLANE_FIELDS[] = { SHAPE_FIELD, COLUMNS_FIELD, ROWS_FIELD, SPACING_FIELD };
+static const scene_field IRREGULAR_FIELDS[] = {
+    SHAPE_FIELD,
+    COLUMNS_FIELD,
+    ROWS_FIELD,
+    SPACING_FIELD,
+    { "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( 4 ) },
+    { "jitter", SCENE_NUMBER, .at = AT( jitter ), .range = RANGE( 0, 0.2 ) },
+    { "seed", SCENE_SEED, .at = AT( seed ) },
+};
+static const scene_field LEVEL_FIELDS[] = {
+    SHAPE_FIELD,
+    { "level", SCENE_WHOLE, .at = AT( level ), .range = RANGE( 0, 10 ) },
+    RADIUS_FIELD,
+};
+static const scene_field SPHERE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 2 ), RADIUS_FIELD };
+static const scene_field TORUS_FIELDS[] = {
+    SHAPE_FIELD,
+    SEGMENTS_FIELD,
+    RINGS_FIELD( 3 ),
+    RADIUS_FIELD,
+    { "tube_radius", SCENE_NUMBER, .at = AT( tube_radius ), .range = SIZE, .unit = METRES },
+};
+static const scene_field CAPSULE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 1 ),
+                                              ALONG_FIELD, RADIUS_FIELD,   LENGTH_FIELD };
+static const scene_field TUBE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, ALONG_FIELD, RADIUS_FIELD, LENGTH_FIELD };
+#undef AT
+
+#define BLOCK( fields )                                                                                              \
+    {                                                                                                                \
+        fields, WISP_COUNT( fields )                                                                                 \
+    }
+static const scene_block SHAPE_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
+    [WISP_MESH_PLANE_REGULAR] = BLOCK( PLANE_FIELDS ),
+    [WISP_MESH_PLANE_ALTERNATING] = BLOCK( PLANE_FIELDS ),
+    [WISP_MESH_PLANE_IRREGULAR] = BLOCK( IRREGULAR_FIELDS ),
+    [WISP_MESH_ICOSPHERE] = BLOCK( LEVEL_FIELDS ),
+    [WISP_MESH_UV_SPHERE] = BLOCK( SPHERE_FIELDS ),
+    [WISP_MESH_TORUS] = BLOCK( TORUS_FIELDS ),
+    [WISP_MESH_CAPSULE] = BLOCK( CAPSULE_FIELDS ),
+    [WISP_MESH_TUBE] = BLOCK( TUBE_FIELDS ),
+    [WISP_MESH_PEAR] = BLOCK( LEVEL_FIELDS ),
+};
+
+// The shape decides on the table and on the defaults, and may stand anywhere in the mapping.
+static wisp_status read_shape( scene_reader* r, const scene_node* node, int* shape )
+{
+    const scene_node* child = scene_child( r, node, "shape" );
+    if ( !child )
+    {
+        return node->kind == SCENE_MAP ? scene_refuse_node( r, node, "key 'shape' is missing" )
+                                       : scene_refuse_kind( r, node, "a mapping with the key 'shape'" );
+    }
+    size_t outside = scene_enter_key( r, "shape" );
+    wisp_status status = scene_read_choice( r, child, SHAPES, shape );
+    if ( !status )
+    {
+        scene_leave( r, outside );
+    }
+    return status;
+}
+
+int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe )
+{
+    const int64_t columns = recipe->columns, segments = recipe->segments, rings = recipe->rings;
+    switch ( recipe->shape )
+    {
+        case WISP_MESH_PLANE_IRREGULAR:
+            return recipe->vertex_count ? recipe->vertex_count : columns * recipe->rows;
+        case WISP_MESH_ICOSPHERE:
+        case WISP_MESH_PEAR:
+            return 10 * ( (int64_t)1 << ( 2 * recipe->level ) ) + 2;
+        case WISP_MESH_UV_SPHERE:
+            return segments * ( rings - 1 ) + 2;
+        case WISP_MESH_TORUS:
+            return segments * rings;
+        case WISP_MESH_CAPSULE:
+            return segments * ( 2 * rings + recipe->length_segments - 1 ) + 2;
+        case WISP_MESH_TUBE:
+            return segments * ( (int64_t)recipe->length_segments + 1 );
+        default:
+            return columns * recipe->rows;
+    }
+}
+
+static wisp_status check_recipe( scene_reader* r, const scene_node* node, const wisp_mesh_recipe* recipe )
+{
+    int64_t count = scene_recipe_vertices( recipe );
+    if ( count > WISP_SCENE_MAX_VERTICES )
+    {
+        return scene_refuse_node( r, node, "has %lld vertices, at most %d are made", (long long)count,
+                                  WISP_SCENE_MAX_VERTICES );
+    }
+    if ( recipe->shape == WISP_MESH_TORUS && !( recipe->tube_radius < recipe->radius ) )
+    {
+        return scene_refuse_node( r, node, "tube_radius %g is not below radius %g", (double)recipe->tube_radius,
+                                  (double)recipe->radius );
+    }
+    int64_t grid = (int64_t)recipe->columns * recipe->rows;
+    if ( recipe->shape == WISP_MESH_PLANE_IRREGULAR && recipe->vertex_count != 0 &&
+         ( recipe->vertex_count / recipe->rows < 2 || recipe->vertex_count > 2 * grid ||
+           2 * (int64_t)recipe->vertex_count < grid ) )
+    {
+        return scene_refuse_node( r, node, "%d vertices are not within half and twice of %d columns times %d rows",
+                                  recipe->vertex_count, recipe->columns, recipe->rows );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_mesh_make( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_mesh* mesh = at;
+    int shape = 0;
+    wisp_status status = read_shape( r, node, &shape );
+    if ( status )
+    {
+        return status;
+    }
+    mesh->is_made = true;
+    mesh->recipe = wisp_default_mesh_recipe( (wisp_mesh_shape)shape );
+    status = scene_read_block( r, node, &SHAPE_BLOCKS[shape], &mesh->recipe );
+    return status ? status : check_recipe( r, node, &mesh->recipe );
+}
+
+// ---- repair and require ----
+
+static wisp_status read_flags( scene_reader* r, const scene_node* node, const char* const* words, const int* flags,
+                               const char* wanted, int* out )
+{
+    wisp_status status = scene_expect_list( r, node, wanted );
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int word = 0;
+        status = scene_read_choice( r, item, words, &word );
+        if ( !status && ( *out & flags[word] ) )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+        }
+        if ( !status )
+        {
+            *out |= flags[word];
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}
+
+wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
+{
+    static const char* const words[] = { "degenerates", "duplicates", "winding", "loose", NULL };
+    static const int flags[] = { WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
+                                 WISP_MESH_DROP_LOOSE };
+    return read_flags( r, node, words, flags, "a list of degenerates, duplicates, winding and loose", at );
+}
+
+wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
+{
+    static const char* const words[] = { "closed", "oriented", "manifold", "clean", "one_shell", NULL };
+    static const int flags[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
+                                 WISP_MESH_ONE_SHELL };
+    return read_flags( r, node, words, flags, "a list of closed, oriented, manifold, clean and one_shell", at );
+}
+
+// ---- rotations ----
+
+typedef struct rotation
+{
+    bool is_list, has_axis;
+    wisp_vec3 axis;
+    wisp_vec3 degrees; // x alone with an axis
+} rotation;
+
+#define AT( member ) offsetof( rotation, member )
+#define TURN RANGE( -36000, 36000 )
+
+static wisp_status read_degrees( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field field = { "degrees", SCENE_VECTOR, .range = TURN, .unit = DEGREES };
+    rotation* turn = at;
+    turn->is_list = node->kind == SCENE_LIST;
+    return turn->is_list ? scene_read_vector( r, node, &field, &turn->degrees )
+                         : scene_read_number( r, node, &field, &turn->degrees.x );
+}
+
+static const scene_field ROTATION_FIELDS[] = {
+    { "axis", SCENE_VECTOR, .at = AT( axis ), .range = COORDINATE, .given = AT( has_axis ) },
+    { "degrees", SCENE_CUSTOM, .required = true, .read = read_degrees },
+};
+#undef AT
+static const scene_block ROTATION_BLOCK = BLOCK( ROTATION_FIELDS );
+
+// Not the C library's sine: the same scene gives the same bits on every machine.
+static wisp_quat turn_about( wisp_vec3 axis, float degrees )
+{
+    double length =
+        sqrt( (double)axis.x * (double)axis.x + (double)axis.y * (double)axis.y + (double)axis.z * (double)axis.z );
+    double turns = (double)degrees / 720.0;
+    float sine = 0.0f, cosine = 1.0f;
+    trig_sincos( 6.28318530717958648f * (float)( turns - floor( turns ) ), &sine, &cosine );
+    double scale = (double)sine / length;
+    wisp_quat q = { (float)( (double)axis.x * scale ), (float)( (double)axis.y * scale ),
+                    (float)( (double)axis.z * scale ), cosine };
+    return wisp_rigid_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+}
+
+// First b, then a.
+static wisp_quat turn_after( wisp_quat a, wisp_quat b )
+{
+    return (
+        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
+}
+
+wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )
+{
+    rotation turn = { 0 };
+    wisp_status status = scene_read_block( r, node, &ROTATION_BLOCK, &turn );
+    if ( status )
+    {
+        return status;
+    }
+    if ( turn.has_axis == turn.is_list )
+    {
+        return scene_refuse_node( r, node,
+                                  turn.has_axis ? "has an axis and three angles; an axis takes one angle"
+                                                : "one angle needs the key 'axis'" );
+    }
+    wisp_quat* out = at;
+    if ( turn.is_list )
+    {
+        wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, turn.degrees.x );
+        wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, turn.degrees.y );
+        wisp_quat z = turn_about( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, turn.degrees.z );
+        *out = wisp_rigid_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+        return WISP_OK;
+    }
+    if ( !( fabsf( turn.axis.x ) + fabsf( turn.axis.y ) + fabsf( turn.axis.z ) >= 1e-6f ) )
+    {
+        return scene_refuse_node( r, node, "the axis has no direction" );
+    }
+    *out = turn_about( turn.axis, turn.degrees.x );
+    return WISP_OK;
+}
+
+// ---- paths ----
+
+#define AT( member ) offsetof( wisp_scene_pose, member )
+#define TIME_FIELD                                                                                                   \
+    {                                                                                                                \
+        "time", SCENE_NUMBER, .required = true, .at = AT( time ), .range = TIME, .unit = SECONDS                     \
+    }
+
+static const scene_field PIN_POSE_FIELDS[] = {
+    TIME_FIELD,
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
+};
+static const scene_field COLLIDER_POSE_FIELDS[] = {
+    TIME_FIELD,
+    { "position", SCENE_VECTOR, .required = true, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
+    { "rotation", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
+};
+#undef AT
+static const scene_block PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
+static const scene_block COLLIDER_POSE_BLOCK = BLOCK( COLLIDER_POSE_FIELDS );
+
+static wisp_status read_path( scene_reader* r, const scene_node* node, const scene_block* block, wisp_quat start,
+                              wisp_scene_path* path )
+{
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of keyframes", SCENE_MAX_NODES, sizeof( wisp_scene_pose ), &items );
+    wisp_scene_pose* poses = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        // A turn that is not written is the one before.
+        poses[i].pose.rotation = i > 0 ? poses[i - 1].pose.rotation : start;
+        poses[i].pose.translation = i > 0 ? poses[i - 1].pose.translation : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        status = scene_read_block( r, item, block, &poses[i] );
+        if ( !status && i > 0 && !( poses[i].time > poses[i - 1].time ) )
+        {
+            return scene_refuse_node( r, item, "time %g does not come after the one before, %g",
+                                      (double)poses[i].time, (double)poses[i - 1].time );
+        }
+        if ( !status )
+        {
+            scene_leave( r, outside );
+            path->count = ++i;
+        }
+    }
+    path->poses = poses;
+    return status;
+}
+
+wisp_status scene_read_pin_path( scene_reader* r, const scene_node* node, void* at )
+{
+    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
+    return read_path( r, node, &PIN_POSE_BLOCK, straight, at );
+}
+
+wisp_status scene_read_collider_path( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_collider* collider = at;
+    return read_path( r, node, &COLLIDER_POSE_BLOCK, collider->def.pose.rotation, &collider->path );
+}

@@ -1,0 +1,145 @@
+// The script: what is done to surfaces before which step.
+#include "scene_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+wisp_status scene_read_surface_name( scene_reader* r, const scene_node* node, void* at )
+{
+    return scene_read_named( r, node, SCENE_SURFACE, at );
+}
+
+// The first step that begins at the time or after it. A time is written in decimals, and a step may be 1/60 s: what is
+// within a thousandth of a step is meant to be the same.
+static double step_of( const wisp_scene* scene, float time )
+{
+    double steps = (double)time / (double)scene->step_seconds;
+    return fmax( 0.0, ceil( steps - 1e-3 ) );
+}
+
+static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
+{
+    if ( read->has_step == read->has_time )
+    {
+        return scene_refuse_node( r, node,
+                                  read->has_step ? "has both 'step' and 'time'"
+                                                 : "has neither 'step' nor 'time'; one tells when it happens" );
+    }
+    double step = read->has_step ? (double)read->event.step : step_of( r->scene, read->time );
+    if ( !( step < (double)r->scene->steps ) )
+    {
+        return scene_refuse_node( r, node, "step %.0f never comes: the scene has %d, counted from 0", step,
+                                  r->scene->steps );
+    }
+    read->event.step = (int)step;
+    return WISP_OK;
+}
+
+// ---- does the surface understand it? ----
+
+static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
+                              const wisp_scene_surface* s )
+{
+    const char* key = e->has_fill ? "fill" : e->has_inflation_rate ? "inflation_rate" : e->has_open ? "open" : NULL;
+    if ( key && !s->has_balloon )
+    {
+        return scene_refuse_node( r, node, "'%s' is a balloon's, but the surface '%s' has no key 'balloon'", key,
+                                  s->name );
+    }
+    if ( e->has_open && s->balloon.outlet_count == 0 && !s->has_outlet_nearest )
+    {
+        return scene_refuse_node( r, node, "the balloon '%s' has no outlet to open or close", s->name );
+    }
+    if ( e->has_fill && e->fill < s->balloon.least_fill )
+    {
+        return scene_refuse_node( r, node, "fill %g is below the least of '%s', which is %g", (double)e->fill,
+                                  s->name, (double)s->balloon.least_fill );
+    }
+    // Keyframes would overwrite it before anything was seen of it.
+    const double time = (double)e->step * (double)r->scene->step_seconds;
+    const wisp_scene_fill* last = s->fill_path_count > 0 ? &s->fill_path[s->fill_path_count - 1] : NULL;
+    if ( e->has_fill && last && time < (double)last->time )
+    {
+        return scene_refuse_node( r, node, "the fill of '%s' follows its fill_keyframes until %g s", s->name,
+                                  (double)last->time );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+{
+    const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
+    if ( !( e->has_fill || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
+            e->has_angular_velocity || e->release ) )
+    {
+        return scene_refuse_node( r, node,
+                                  "does nothing: it has none of fill, inflation_rate, open, wind, velocity, "
+                                  "angular_velocity and release: true" );
+    }
+    if ( e->has_wind && !( s->has_cloth && ( s->cloth.drag > 0.0f || s->cloth.lift > 0.0f ) ) )
+    {
+        return scene_refuse_node( r, node, "wind needs air: the surface '%s' has no cloth.drag and no cloth.lift",
+                                  s->name );
+    }
+    if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
+    {
+        return scene_refuse_node( r, node, "the surface '%s' has no pins to release", s->name );
+    }
+    return check_gas( r, node, e, s );
+}
+
+// ---- the list ----
+
+static int compare_events( const void* a, const void* b )
+{
+    const wisp_scene_event *x = a, *y = b;
+    int order = ( x->step > y->step ) - ( x->step < y->step );
+    order = order ? order : ( x->surface > y->surface ) - ( x->surface < y->surface );
+    order = order ? order : ( x->line > y->line ) - ( x->line < y->line );
+    return order ? order : ( x->column > y->column ) - ( x->column < y->column );
+}
+
+// Of two entries before one step it would depend on their order which one counts, and a list has none for the reader.
+static wisp_status refuse_equal_events( scene_reader* r )
+{
+    const wisp_scene* scene = r->scene;
+    for ( int i = 1; i < scene->event_count; ++i )
+    {
+        const wisp_scene_event *e = &scene->events[i], *before = e - 1;
+        if ( e->step == before->step && e->surface == before->surface )
+        {
+            return scene_refuse( r->source, e->line, e->column, r->path,
+                                 "the surface '%s' has an entry for step %d already, in line %d",
+                                 scene->surfaces[e->surface].name, e->step, before->line );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_script( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene* scene = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of entries", SCENE_MAX_NODES, sizeof *scene->events, &items );
+    scene->events = items;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, scene->event_count );
+        scene_event read = { .event = { .line = item->line, .column = item->column } };
+        status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
+        status = status ? status : find_step( r, item, &read );
+        status = status ? status : check_event( r, item, &read.event );
+        if ( !status )
+        {
+            scene->events[scene->event_count++] = read.event;
+            scene_leave( r, outside );
+        }
+    }
+    if ( status || scene->event_count == 0 )
+    {
+        return status;
+    }
+    qsort( scene->events, (size_t)scene->event_count, sizeof *scene->events, compare_events );
+    return refuse_equal_events( r );
+}

@@ -1,0 +1,503 @@
+// Surfaces: what no table can say about an entry, and the list of them.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <math.h>
+#include <string.h>
+
+static const scene_field VERTEX = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
+static const scene_field PLACE = { "place", SCENE_VECTOR, .range = COORDINATE, .unit = METRES };
+
+// ---- vertices ----
+
+// How many vertices there are is known if the mesh is made.
+static wisp_status read_vertex( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
+                                int32_t* out )
+{
+    int vertex = 0;
+    wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
+    int64_t count = scene_recipe_vertices( &surface->mesh.recipe );
+    if ( !status && surface->mesh.is_made && vertex >= count )
+    {
+        return scene_refuse_node( r, node, "there is no vertex %d: %lld are made, counted from 0", vertex,
+                                  (long long)count );
+    }
+    *out = vertex;
+    return status;
+}
+
+static wisp_status read_vertices( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
+                                  int32_t* out )
+{
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        wisp_status status = read_vertex( r, item, surface, &out[i++] );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_pins( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
+    if ( !status && items )
+    {
+        status = read_vertices( r, node, surface, items );
+        surface->pins = items;
+        surface->pin_count = node->count;
+    }
+    return status;
+}
+
+wisp_status scene_read_pin_nearest( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of points", SCENE_MAX_NODES, sizeof( wisp_vec3 ), &items );
+    wisp_vec3* points = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = scene_read_vector( r, item, &PLACE, &points[i++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    surface->pin_nearest = points;
+    surface->pin_nearest_count = i;
+    return status;
+}
+
+static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene_box* box )
+{
+    wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
+    if ( !status && ( box->low.x > box->high.x || box->low.y > box->high.y || box->low.z > box->high.z ) )
+    {
+        return scene_refuse_node( r, node, "a corner of 'min' is above that of 'max', so the box is empty" );
+    }
+    return status;
+}
+
+// One box, or a list of them.
+wisp_status scene_read_pin_box( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    const bool is_list = node->kind == SCENE_LIST;
+    int count = is_list ? node->count : 1;
+    wisp_scene_box* boxes = scene_take( r->scene, (size_t)count + 1, sizeof *boxes );
+    if ( !boxes )
+    {
+        return scene_no_memory( r );
+    }
+    surface->pin_boxes = boxes;
+    surface->pin_box_count = count;
+    if ( !is_list )
+    {
+        return read_box( r, node, boxes );
+    }
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, (int)( boxes - surface->pin_boxes ) );
+        wisp_status status = read_box( r, item, boxes++ );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+// ---- what it wears ----
+
+wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field least = { "least", SCENE_NUMBER, .range = UNIT_RANGE };
+    static const scene_field most = { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) };
+    float* limit = at;
+    if ( node->kind != SCENE_LIST || node->count != 2 )
+    {
+        return scene_refuse_node( r, node, "must be a pair [least, most] of shares of the rest length" );
+    }
+    const scene_node* first = scene_first( r->tree, node );
+    wisp_status status = scene_read_number( r, first, &least, &limit[0] );
+    return status ? status : scene_read_number( r, scene_next( r->tree, first ), &most, &limit[1] );
+}
+
+wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field field = { "tile_size", SCENE_WHOLE, .range = RANGE( 0, 65536 ) };
+    int* size = at;
+    wisp_status status = scene_read_whole( r, node, &field, size );
+    if ( !status && *size != 0 && ( *size < 64 || *size % 8 != 0 ) )
+    {
+        return scene_refuse_node( r, node, "%d is not a tile size: 0, or a multiple of 8 in [64, 65536]", *size );
+    }
+    return status;
+}
+
+wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    wisp_status status = scene_expect_list( r, node, "a list of vertices" );
+    if ( !status && ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET ) )
+    {
+        return scene_refuse_node( r, node, "must have 1 to %d vertices, not %d", WISP_BALLOON_MAX_OUTLET,
+                                  node->count );
+    }
+    if ( !status )
+    {
+        surface->balloon.outlet_count = node->count;
+        status = read_vertices( r, node, surface, surface->balloon.outlet );
+    }
+    return status;
+}
+
+static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_fill* fill,
+                              const wisp_scene_fill* before )
+{
+    static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
+    static const scene_field share = { "fill", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
+    if ( node->kind != SCENE_LIST || node->count != 2 )
+    {
+        return scene_refuse_node( r, node, "must be a pair [time, fill]" );
+    }
+    const scene_node* first = scene_first( r->tree, node );
+    wisp_status status = scene_read_number( r, first, &time, &fill->time );
+    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &share, &fill->fill );
+    if ( !status && before && !( fill->time > before->time ) )
+    {
+        return scene_refuse_node( r, first, "time %g does not come after the one before, %g", (double)fill->time,
+                                  (double)before->time );
+    }
+    return status;
+}
+
+wisp_status scene_read_fill_path( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, fill]", SCENE_MAX_NODES,
+                                           sizeof( wisp_scene_fill ), &items );
+    wisp_scene_fill* fills = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = read_fill( r, item, &fills[i], i > 0 ? &fills[i - 1] : NULL );
+        ++i;
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    surface->fill_path = fills;
+    surface->fill_path_count = i;
+    return status;
+}
+
+wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field layer = { "layer", SCENE_WHOLE, .range = RANGE( 0, 31 ) };
+    wisp_status status = scene_expect_list( r, node, "a list of layers" );
+    uint32_t bits = 0;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int number = 0;
+        status = scene_read_whole( r, item, &layer, &number );
+        if ( !status && ( bits & ( 1u << number ) ) )
+        {
+            return scene_refuse_node( r, item, "layer %d is listed twice", number );
+        }
+        if ( !status )
+        {
+            bits |= 1u << number;
+            scene_leave( r, outside );
+        }
+    }
+    *(uint32_t*)at = bits;
+    return status;
+}
+
+// ---- what is wanted ----
+
+wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, void* at )
+{
+    static const char* const words[] = { "points",  "normals", "strain",   "speed",
+                                         "quality", "figures", "contacts", NULL };
+    wisp_scene_surface* s = at;
+    bool* const wants[] = { &s->want_points,  &s->want_normals, &s->want_strain,  &s->want_speed,
+                            &s->want_quality, &s->want_figures, &s->want_contacts };
+    wisp_status status = scene_expect_list( r, node, "a list of words" );
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int word = 0;
+        status = scene_read_choice( r, item, words, &word );
+        if ( !status && *wants[word] )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+        }
+        if ( !status && wants[word] == &s->want_figures && !s->has_balloon )
+        {
+            return scene_refuse_node( r, item, "'figures' are a balloon's, but this surface has no key 'balloon'" );
+        }
+        if ( !status && wants[word] == &s->want_contacts && !s->has_collision )
+        {
+            return scene_refuse_node( r, item,
+                                      "'contacts' come from a collision, but this surface has no key 'collision'" );
+        }
+        if ( !status )
+        {
+            *wants[word] = true;
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}
+
+// ---- an entry ----
+
+static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
+{
+    static const char* const fabric_keys[] = { "repair", "require", "levels", "sweep", "tile_size" };
+    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
+    int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_made + instance;
+    if ( sources == 0 )
+    {
+        return scene_refuse_node(
+            r, node, "has none of 'file', 'make' and 'instance_of'; one tells where the mesh comes from" );
+    }
+    if ( sources > 1 )
+    {
+        return scene_refuse_node( r, node, "has more than one of 'file', 'make' and 'instance_of'" );
+    }
+    for ( int i = 0; instance && i < WISP_COUNT( fabric_keys ); ++i )
+    {
+        const scene_node* child = scene_child( r, node, fabric_keys[i] );
+        if ( child )
+        {
+            return scene_refuse_node(
+                r, child, "an instance has the fabric of its source, and no key '%s' of its own", fabric_keys[i] );
+        }
+    }
+    const scene_node* transform = scene_child( r, node, "transform" );
+    const scene_node* scale = instance && transform ? scene_child( r, transform, "scale" ) : NULL;
+    return scale ? scene_refuse_node( r, scale, "an instance has the size of its source" ) : WISP_OK;
+}
+
+static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const wisp_vec3 warp = s->cloth.warp;
+    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
+    if ( !( fabsf( warp.x ) + fabsf( warp.y ) + fabsf( warp.z ) >= 1e-5f ) )
+    {
+        return scene_refuse_node( r, node, "cloth.warp has no direction" );
+    }
+    if ( s->cloth.level_passes > 0 && s->levels == 0 && !instance )
+    {
+        return scene_refuse_node( r, node, "cloth.level_passes needs levels, but 'levels' is 0" );
+    }
+    if ( s->levels > 0 && s->cloth.level_passes == 0 )
+    {
+        return scene_refuse_node( r, node, "'levels' is %d, but nothing uses them: cloth.level_passes is 0",
+                                  s->levels );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_balloon( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const wisp_balloon_def* b = &s->balloon;
+    if ( b->outlet_count > 0 && s->has_outlet_nearest )
+    {
+        return scene_refuse_node( r, node, "has both balloon.outlet and balloon.outlet_nearest" );
+    }
+    if ( b->outlet_open && b->outlet_count == 0 && !s->has_outlet_nearest )
+    {
+        return scene_refuse_node( r, node, "balloon.outlet_open is true, but the balloon has no outlet" );
+    }
+    if ( s->outlet_radius > 0.0f && !s->has_outlet_nearest )
+    {
+        return scene_refuse_node( r, node, "balloon.outlet_radius needs balloon.outlet_nearest" );
+    }
+    if ( b->fill < b->least_fill )
+    {
+        return scene_refuse_node( r, node, "balloon.fill is %g, below balloon.least_fill, which is %g",
+                                  (double)b->fill, (double)b->least_fill );
+    }
+    for ( int i = 0; i < s->fill_path_count; ++i )
+    {
+        if ( s->fill_path[i].fill < b->least_fill )
+        {
+            return scene_refuse_node( r, node,
+                                      "balloon.fill_keyframes[%d] is %g, below balloon.least_fill, which is %g", i,
+                                      (double)s->fill_path[i].fill, (double)b->least_fill );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const bool pinned = s->pin_count > 0 || s->pin_box_count > 0 || s->pin_nearest_count > 0;
+    wisp_status status = check_source( r, node, s );
+    if ( status )
+    {
+        return status;
+    }
+    if ( s->has_cloth && s->has_balloon )
+    {
+        return scene_refuse_node( r, node, "has both 'cloth' and 'balloon'; a surface is one or the other" );
+    }
+    if ( ( s->pin_path.count > 0 || s->has_pin_pivot ) && !pinned )
+    {
+        return scene_refuse_node( r, node, "'%s' moves pins, but nothing is pinned",
+                                  s->pin_path.count > 0 ? "pin_keyframes" : "pin_pivot" );
+    }
+    if ( s->has_cloth && s->cloth.tethers && !pinned )
+    {
+        return scene_refuse_node( r, node, "cloth.tethers reach to pins, but nothing is pinned" );
+    }
+    if ( s->levels > 0 && !s->has_cloth )
+    {
+        return scene_refuse_node( r, node, "'levels' are used by cloth alone, and there is no key 'cloth'" );
+    }
+    status = s->has_cloth ? check_cloth( r, node, s ) : WISP_OK;
+    return status || !s->has_balloon ? status : check_balloon( r, node, s );
+}
+
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_surface* surface )
+{
+    const wisp_surface_def def = wisp_default_surface_def();
+    *surface = ( wisp_scene_surface ){
+        .line = node->line,
+        .column = node->column,
+        .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
+        .instance_of = -1,
+        .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
+        .area_density = def.area_density,
+        .vertex_mass = def.vertex_mass,
+        .gravity = r->scene->gravity,
+        .strain_limit = { 0.0f, INFINITY },
+        .cloth = wisp_default_cloth_def(),
+        .balloon = wisp_default_balloon_def(),
+        .sweep = wisp_default_fabric_def().sweep,
+        .collision = wisp_default_collision_def(),
+    };
+    wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
+    return status ? status : check_entry( r, node, surface );
+}
+
+// ---- instances ----
+
+// A source comes before its instances, so there is no circle, and it is no instance itself.
+static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
+{
+    wisp_scene_surface* surface = &r->scene->surfaces[i];
+    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &surface->instance_of );
+    if ( status )
+    {
+        return status;
+    }
+    const wisp_scene_surface* source = &r->scene->surfaces[surface->instance_of];
+    if ( surface->instance_of >= i )
+    {
+        return scene_refuse_node( r, node, "'%s' is not above this entry in the list", source->name );
+    }
+    if ( source->instance_of >= 0 )
+    {
+        return scene_refuse_node( r, node, "'%s' is an instance itself; name '%s', whose fabric it has", source->name,
+                                  r->scene->surfaces[source->instance_of].name );
+    }
+    if ( surface->has_cloth && surface->cloth.level_passes > 0 && source->levels == 0 )
+    {
+        return scene_refuse_node( r, node, "cloth.level_passes needs levels, but '%s' has none", source->name );
+    }
+    if ( surface->has_cloth && surface->cloth.tethers &&
+         source->pin_count + source->pin_box_count + source->pin_nearest_count == 0 )
+    {
+        return scene_refuse_node( r, node, "cloth.tethers reach to the pins of '%s', which has none", source->name );
+    }
+    return WISP_OK;
+}
+
+static wisp_status find_sources( scene_reader* r, const scene_node* node )
+{
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ), ++i )
+    {
+        const scene_node* source = scene_child( r, item, "instance_of" );
+        size_t outside = scene_enter_index( r, i );
+        scene_enter_key( r, "instance_of" );
+        wisp_status status = source ? find_source( r, source, i ) : WISP_OK;
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+// What a file holds is only known when it is read; made meshes are counted here, so that a short scene cannot ask for
+// more memory than a long one.
+static wisp_status count_vertices( scene_reader* r, const scene_node* node )
+{
+    int64_t sum = 0;
+    for ( int i = 0; i < r->scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* surface = &r->scene->surfaces[i];
+        const wisp_scene_mesh* mesh = &r->scene->surfaces[surface->instance_of >= 0 ? surface->instance_of : i].mesh;
+        sum += mesh->is_made ? scene_recipe_vertices( &mesh->recipe ) : 0;
+    }
+    return sum <= WISP_SCENE_MAX_VERTICES ? WISP_OK
+                                          : scene_refuse_node( r, node, "the surfaces have %lld vertices, at most %d",
+                                                               (long long)sum, WISP_SCENE_MAX_VERTICES );
+}
+
+wisp_status scene_read_surfaces( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene* scene = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of surfaces", WISP_SCENE_MAX_SURFACES, sizeof *scene->surfaces, &items );
+    scene->surfaces = items;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, scene->surface_count );
+        status = read_entry( r, item, &scene->surfaces[scene->surface_count++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    status = status
+                 ? status
+                 : scene_register( r, SCENE_SURFACE, scene->surfaces, sizeof *scene->surfaces, scene->surface_count );
+    status = status ? status : find_sources( r, node );
+    return status ? status : count_vertices( r, node );
+}
+
+// The value is looked up once all names are known; here it is only made sure that it is one.
+wisp_status scene_read_instance_of( scene_reader* r, const scene_node* node, void* at )
+{
+    (void)at;
+    const char* name = NULL;
+    return scene_read_name( r, node, &name );
+}

@@ -1,0 +1,332 @@
+// Recordings and point caches. Neither says what its bodies are made of or how fast they move: both are read off the
+// points.
+#include "picture_source.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Rounding to floats changes the length of an edge by far less, and anything elastic by far more.
+#define RIGID_TOLERANCE 1e-4f
+
+typedef struct playback
+{
+    wisp_recording* recording; ///< or
+    wisp_pc2* cache;
+    wisp_mesh mesh;        ///< triangles of the cache
+    wisp_vec3** others[2]; ///< [body_count] of another frame each: the first for strain, neighbours for speed
+    int body_count;        ///< of `others`
+} playback;
+
+static wisp_status read_frame( picture_source* source, int frame, wisp_vec3** points, double* seconds,
+                               wisp_error* error )
+{
+    playback* p = source->state;
+    if ( p->recording )
+    {
+        return wisp_recording_frame( p->recording, frame, points, seconds, NULL, error );
+    }
+    *seconds = frame;
+    return points ? wisp_pc2_frame( p->cache, frame, points[0], error ) : WISP_OK;
+}
+
+static wisp_status time_of( picture_source* source, int frame, double* seconds, wisp_error* error )
+{
+    return read_frame( source, frame, NULL, seconds, error );
+}
+
+// ---- values ----
+
+static float length_between( const wisp_vec3* points, int i, int j )
+{
+    float x = points[j].x - points[i].x, y = points[j].y - points[i].y, z = points[j].z - points[i].z;
+    return sqrtf( x * x + y * y + z * z );
+}
+
+typedef void edge_fn( void* context, int i, int j );
+
+static void each_edge( const picture_body* body, edge_fn* visit, void* context )
+{
+    for ( int t = 0; t < body->triangle_count; ++t )
+    {
+        const int32_t* corner = body->triangles + 3 * (size_t)t;
+        visit( context, corner[0], corner[1] );
+        visit( context, corner[1], corner[2] );
+        visit( context, corner[2], corner[0] );
+    }
+    for ( int s = 0; s < body->strand_count; ++s )
+    {
+        for ( int v = body->offsets[s]; v + 1 < body->offsets[s + 1]; ++v )
+        {
+            visit( context, v, v + 1 );
+        }
+    }
+}
+
+typedef struct stretching
+{
+    const wisp_vec3* rest;
+    const wisp_vec3* now;
+    float* values; ///< or null
+    float most;
+} stretching;
+
+// An inner edge comes twice, which a maximum does not notice.
+static void stretch_edge( void* context, int i, int j )
+{
+    stretching* s = context;
+    float rest = length_between( s->rest, i, j );
+    float strain = rest > 0.0f ? fabsf( length_between( s->now, i, j ) / rest - 1.0f ) : 0.0f;
+    s->most = fmaxf( s->most, strain );
+    if ( s->values )
+    {
+        s->values[i] = fmaxf( s->values[i], strain );
+        s->values[j] = fmaxf( s->values[j], strain );
+    }
+}
+
+static void find_strain( picture_body* body, const wisp_vec3* rest )
+{
+    for ( int v = 0; v < body->vertex_count; ++v )
+    {
+        body->values[v] = 0.0f;
+    }
+    stretching s = { rest, body->points, body->values, 0.0f };
+    each_edge( body, stretch_edge, &s );
+}
+
+static void find_speed( picture_body* body, const wisp_vec3* before, const wisp_vec3* after, double seconds )
+{
+    for ( int v = 0; v < body->vertex_count; ++v )
+    {
+        wisp_vec3 ends[2] = { before[v], after[v] };
+        body->values[v] = seconds > 0.0 ? (float)( (double)length_between( ends, 0, 1 ) / seconds ) : 0.0f;
+    }
+}
+
+// ---- frames ----
+
+// Between the neighbours of a frame; the first and the last one have a neighbour on one side only.
+static wisp_status load_speed( picture_source* source, int frame, wisp_error* error )
+{
+    playback* p = source->state;
+    int first = frame > 0 ? frame - 1 : 0;
+    int last = frame + 1 < source->frame_count ? frame + 1 : frame;
+    double from = 0.0, to = 0.0;
+    wisp_status status = read_frame( source, first, p->others[0], &from, error );
+    if ( status == WISP_OK )
+    {
+        status = read_frame( source, last, p->others[1], &to, error );
+    }
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        find_speed( &source->bodies[i], p->others[0][i], p->others[1][i], to - from );
+    }
+    return status;
+}
+
+static wisp_status load( picture_source* source, int frame, wisp_error* error )
+{
+    playback* p = source->state;
+    double seconds = 0.0;
+    wisp_status status = read_frame( source, frame, source->points, &seconds, error );
+    for ( int i = 0; i < source->body_count && status == WISP_OK && source->value == PICTURE_STRAIN; ++i )
+    {
+        find_strain( &source->bodies[i], p->others[0][i] );
+    }
+    return status == WISP_OK && source->value == PICTURE_SPEED ? load_speed( source, frame, error ) : status;
+}
+
+static void close_playback( picture_source* source )
+{
+    playback* p = source->state;
+    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
+    {
+        for ( int i = 0; p->others[k] && i < p->body_count; ++i )
+        {
+            free( p->others[k][i] );
+        }
+        free( p->others[k] );
+    }
+    wisp_recording_close( p->recording );
+    wisp_pc2_close( p->cache );
+    wisp_mesh_release( &p->mesh );
+}
+
+static const picture_input playback_input = { load, time_of, close_playback };
+
+// ---- bodies ----
+
+static wisp_status make_others( picture_source* source, wisp_error* error )
+{
+    playback* p = source->state;
+    p->body_count = source->body_count;
+    bool made = true;
+    for ( int k = 0; k < WISP_COUNT( p->others ); ++k )
+    {
+        p->others[k] = calloc( (size_t)source->body_count, sizeof *p->others[k] );
+        for ( int i = 0; p->others[k] && i < source->body_count; ++i )
+        {
+            p->others[k][i] = malloc( ( (size_t)source->bodies[i].vertex_count + 1 ) * sizeof( wisp_vec3 ) );
+            made = made && p->others[k][i];
+        }
+        made = made && p->others[k];
+    }
+    return made ? WISP_OK : picture_no_memory( source, error );
+}
+
+static wisp_status make_room( picture_source* source, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        status = picture_make_points( source, i, source->value != PICTURE_BODY, error );
+    }
+    return status == WISP_OK ? make_others( source, error ) : status;
+}
+
+static bool is_rigid( const picture_body* body, const wisp_vec3* rest )
+{
+    stretching s = { rest, body->points, NULL, 0.0f };
+    each_edge( body, stretch_edge, &s );
+    return s.most <= RIGID_TOLERANCE;
+}
+
+// What keeps the length of every edge is a collider; of the rest, closed meshes are balloons. A lone frame does not
+// tell what is rigid. The first frame stays in others[0], where strain looks for it.
+static wisp_status guess_kinds( picture_source* source, wisp_error* error )
+{
+    playback* p = source->state;
+    const int seen[2] = { source->frame_count / 2, source->frame_count - 1 };
+    double seconds;
+    wisp_status status = read_frame( source, 0, p->others[0], &seconds, error );
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        picture_body* body = &source->bodies[i];
+        body->kind = body->offsets             ? SCENE_BODY_STRANDS
+                     : source->frame_count > 1 ? SCENE_BODY_COLLIDER
+                                               : SCENE_BODY_CLOTH;
+    }
+    for ( int k = 0; k < 2 && status == WISP_OK; ++k )
+    {
+        status = read_frame( source, seen[k], source->points, &seconds, error );
+        for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+        {
+            picture_body* body = &source->bodies[i];
+            bool is_bent = body->kind == SCENE_BODY_COLLIDER && !is_rigid( body, p->others[0][i] );
+            body->kind = is_bent ? SCENE_BODY_CLOTH : body->kind;
+        }
+    }
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        picture_body* body = &source->bodies[i];
+        bool is_closed = false;
+        if ( body->kind == SCENE_BODY_CLOTH )
+        {
+            status = picture_is_closed( body, &is_closed, error );
+        }
+        body->kind = is_closed ? SCENE_BODY_BALLOON : body->kind;
+    }
+    return status;
+}
+
+static wisp_status start_playback( picture_source* source, wisp_error* error )
+{
+    source->input = &playback_input;
+    source->state = calloc( 1, sizeof( playback ) );
+    return source->state ? WISP_OK : picture_no_memory( source, error );
+}
+
+static wisp_status finish_playback( picture_source* source, wisp_error* error )
+{
+    wisp_status status = make_room( source, error );
+    return status == WISP_OK ? guess_kinds( source, error ) : status;
+}
+
+static wisp_status refuse_empty( const picture_source* source, wisp_error* error )
+{
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no whole frame", source->path );
+}
+
+wisp_status picture_open_recording( picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    wisp_status status = start_playback( source, error );
+    playback* p = source->state;
+    if ( status == WISP_OK )
+    {
+        status = wisp_recording_open( def->path, &p->recording, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_recording_info info = wisp_recording_describe( p->recording );
+    source->frame_count = info.frame_count;
+    source->step = info.step_seconds;
+    source->has_seconds = true;
+    status =
+        info.frame_count > 0 ? picture_make_bodies( source, info.body_count, error ) : refuse_empty( source, error );
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const wisp_record_body* body = wisp_recording_body( p->recording, i );
+        source->bodies[i] = ( picture_body ){
+            .name = body->name,
+            .vertex_count = body->vertex_count,
+            .triangles = body->triangles,
+            .triangle_count = body->triangle_count,
+            .offsets = body->offsets,
+            .strand_count = body->strand_count,
+        };
+    }
+    return status == WISP_OK ? finish_playback( source, error ) : status;
+}
+
+static wisp_status read_triangles( picture_source* source, const picture_source_def* def, int point_count,
+                                   wisp_error* error )
+{
+    playback* p = source->state;
+    if ( !def->mesh )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: a point cache has no triangles; name a mesh that has them with --mesh", def->path );
+    }
+    wisp_status status = wisp_mesh_read( def->mesh, &p->mesh, error );
+    if ( status == WISP_OK && p->mesh.vertex_count != point_count )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: it has %d vertices, and %s has %d points", def->mesh,
+                            p->mesh.vertex_count, def->path, point_count );
+    }
+    return status;
+}
+
+wisp_status picture_open_cache( picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    wisp_status status = start_playback( source, error );
+    playback* p = source->state;
+    if ( status == WISP_OK )
+    {
+        status = wisp_pc2_open( def->path, &p->cache, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_pc2_info info = wisp_pc2_describe( p->cache );
+    source->frame_count = info.frame_count;
+    status =
+        info.frame_count > 0 ? read_triangles( source, def, info.point_count, error ) : refuse_empty( source, error );
+    if ( status == WISP_OK )
+    {
+        status = picture_make_bodies( source, 1, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    source->bodies[0] = ( picture_body ){
+        .name = "mesh",
+        .vertex_count = p->mesh.vertex_count,
+        .triangles = p->mesh.triangles,
+        .triangle_count = p->mesh.triangle_count,
+    };
+    return finish_playback( source, error );
+}

@@ -1,0 +1,263 @@
+// A scene is simulated up to the frame that is wanted; frame 0 is the start, frame n follows step n.
+#include "picture_source.h"
+
+#include <stdlib.h>
+
+typedef struct simulation
+{
+    wisp_scene scene;
+    scene_world world;
+    scene_world_options options;
+    bool has_world;
+} simulation;
+
+static bool is_surface( const picture_body* body )
+{
+    return body->kind == SCENE_BODY_CLOTH || body->kind == SCENE_BODY_BALLOON;
+}
+
+static bool has_look( const simulation* s, int body )
+{
+    return body < s->scene.strands_count && s->scene.strands[body].has_look;
+}
+
+// ---- the world ----
+
+static wisp_status want_all( const picture_source* source, simulation* s, wisp_error* error )
+{
+    int moving = scene_world_moving_count( &s->world );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < moving && status == WISP_OK; ++i )
+    {
+        status = scene_world_want( &s->world, i, SCENE_WISH_POINTS, error );
+        if ( status == WISP_OK && source->bodies[i].values )
+        {
+            status = scene_world_want(
+                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_WISH_STRAIN : SCENE_WISH_SPEED, error );
+        }
+        if ( status == WISP_OK && has_look( s, i ) )
+        {
+            status = scene_world_want( &s->world, i, SCENE_WISH_WIDTH, error );
+        }
+        if ( status == WISP_OK && has_look( s, i ) )
+        {
+            status = scene_world_want( &s->world, i, SCENE_WISH_COLOUR, error );
+        }
+    }
+    return status;
+}
+
+static wisp_status start_world( simulation* s, wisp_error* error )
+{
+    if ( s->has_world )
+    {
+        scene_world_destroy( &s->world );
+    }
+    wisp_status status = scene_world_create( &s->scene, &s->options, &s->world, error );
+    s->has_world = status == WISP_OK;
+    return status;
+}
+
+// ---- frames ----
+
+static wisp_status read_body( picture_source* source, simulation* s, int body, wisp_error* error )
+{
+    picture_body* b = &source->bodies[body];
+    wisp_status status = scene_world_points( &s->world, body, b->points, error );
+    if ( status == WISP_OK && b->values )
+    {
+        status = scene_world_numbers( &s->world, body,
+                                      source->value == PICTURE_STRAIN ? SCENE_WISH_STRAIN : SCENE_WISH_SPEED,
+                                      b->values, error );
+    }
+    // Nothing has made width and colour before the first step; what the bodies have of it is left to them.
+    if ( status == WISP_OK && has_look( s, body ) && s->world.next_step > 0 )
+    {
+        status = scene_world_numbers( &s->world, body, SCENE_WISH_WIDTH, b->widths, error );
+        if ( status == WISP_OK )
+        {
+            status = scene_world_colours( &s->world, body, b->colours, error );
+        }
+    }
+    return status;
+}
+
+static wisp_status step_to( picture_source* source, simulation* s, int frame, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    int first = s->world.next_step;
+    while ( s->world.next_step < frame && status == WISP_OK )
+    {
+        status = scene_world_step( &s->world, error );
+        if ( source->bar )
+        {
+            progress_show( source->bar, (double)( s->world.next_step - first ) / ( frame - first ), "steps" );
+        }
+    }
+    return status;
+}
+
+// Names, triangles and offsets belonged to the world that is gone; those of its successor have the same content.
+static wisp_status start_again( picture_source* source, simulation* s, wisp_error* error )
+{
+    wisp_status status = start_world( s, error );
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        scene_body body = scene_world_body( &s->world, i );
+        source->bodies[i].name = body.name;
+        source->bodies[i].triangles = body.triangles;
+        source->bodies[i].offsets = body.offsets;
+    }
+    return status == WISP_OK ? want_all( source, s, error ) : status;
+}
+
+static wisp_status load( picture_source* source, int frame, wisp_error* error )
+{
+    simulation* s = source->state;
+    wisp_status status = WISP_OK;
+    // A restart that failed left no world behind.
+    if ( !s->has_world || s->world.next_step > frame )
+    {
+        status = start_again( source, s, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = step_to( source, s, frame, error );
+    }
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        status = read_body( source, s, i, error );
+    }
+    return status;
+}
+
+static wisp_status time_of( picture_source* source, int frame, double* seconds, wisp_error* error )
+{
+    (void)error;
+    *seconds = frame * source->step;
+    return WISP_OK;
+}
+
+static void close_scene( picture_source* source )
+{
+    simulation* s = source->state;
+    if ( s->has_world )
+    {
+        scene_world_destroy( &s->world );
+    }
+    wisp_scene_release( &s->scene );
+}
+
+static const picture_input scene_input = { load, time_of, close_scene };
+
+// ---- bodies ----
+
+// Strands without a look keep the widths and colours that their groom came with.
+static bool dress_strands( simulation* s, int body, picture_body* b )
+{
+    const wisp_groom* groom = &s->world.grooms[body];
+    size_t count = (size_t)b->vertex_count;
+    bool made = true;
+    if ( groom->thickness || has_look( s, body ) )
+    {
+        b->widths = calloc( count + 1, sizeof *b->widths );
+        made = b->widths != NULL;
+    }
+    if ( groom->colour || has_look( s, body ) )
+    {
+        b->colours = calloc( count + 1, sizeof *b->colours );
+        made = made && b->colours;
+    }
+    for ( size_t v = 0; made && v < count; ++v )
+    {
+        if ( groom->thickness )
+        {
+            b->widths[v] = groom->thickness[v];
+        }
+        if ( groom->colour )
+        {
+            b->colours[v] = groom->colour[v];
+        }
+    }
+    return made;
+}
+
+static wisp_status add_body( picture_source* source, simulation* s, int body, wisp_error* error )
+{
+    scene_body from = scene_world_body( &s->world, body );
+    picture_body* to = &source->bodies[body];
+    *to = ( picture_body ){
+        .name = from.name,
+        .kind = from.kind,
+        .vertex_count = from.vertex_count,
+        .triangles = from.triangles,
+        .triangle_count = from.triangle_count,
+        .offsets = from.offsets,
+        .strand_count = from.strand_count,
+    };
+    wisp_status status =
+        picture_make_points( source, body, source->value != PICTURE_BODY && is_surface( to ), error );
+    if ( status == WISP_OK && from.kind == SCENE_BODY_STRANDS && !dress_strands( s, body, to ) )
+    {
+        status = picture_no_memory( source, error );
+    }
+    return status;
+}
+
+// A picture of the start shows hair in the look that its first step gives it.
+static wisp_status borrow_first_look( picture_source* source, simulation* s, wisp_error* error )
+{
+    bool is_needed = false;
+    for ( int i = 0; i < s->scene.strands_count; ++i )
+    {
+        is_needed = is_needed || has_look( s, i );
+    }
+    return is_needed && s->scene.steps > 0 ? load( source, 1, error ) : WISP_OK;
+}
+
+static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error* error )
+{
+    wisp_status status = picture_make_bodies( source, scene_world_body_count( &s->world ), error );
+    bool has_values = false;
+    for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
+    {
+        status = add_body( source, s, i, error );
+        has_values = has_values || source->bodies[i].values;
+    }
+    if ( status == WISP_OK && source->value != PICTURE_BODY && !has_values )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no surface, and only surfaces have strain and speed",
+                          source->path );
+    }
+    return status;
+}
+
+wisp_status picture_open_scene( picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    simulation* s = calloc( 1, sizeof *s );
+    if ( !s )
+    {
+        return picture_no_memory( source, error );
+    }
+    source->input = &scene_input;
+    source->state = s;
+    s->options = def->world;
+    wisp_status status = wisp_scene_read( def->path, &s->scene, error );
+    if ( status == WISP_OK )
+    {
+        status = start_world( s, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    source->frame_count = s->scene.steps + 1;
+    source->step = (double)s->scene.step_seconds;
+    source->has_seconds = true;
+    status = add_bodies( source, s, error );
+    if ( status == WISP_OK )
+    {
+        status = want_all( source, s, error );
+    }
+    return status == WISP_OK ? borrow_first_look( source, s, error ) : status;
+}

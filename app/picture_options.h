@@ -1,0 +1,68 @@
+/// What the command line of `wisp render` says.
+#pragma once
+
+#include "picture_source.h"
+#include "render.h"
+
+#include <argp.h>
+
+/// Which frames are drawn.
+typedef enum picture_choice
+{
+    PICTURE_LAST,
+    PICTURE_FRAME,  ///< `first`
+    PICTURE_TIME,   ///< `seconds`
+    PICTURE_FRAMES, ///< `first` to `last` by `step`
+} picture_choice;
+
+typedef enum picture_ground
+{
+    PICTURE_GROUND_AUTO,
+    PICTURE_GROUND_NONE,
+    PICTURE_GROUND_HEIGHT,
+} picture_ground;
+
+#define PICTURE_FRAME_END -1 ///< the last frame there is
+
+typedef struct picture_options
+{
+    picture_source_def source;
+    const char* output;
+    int width, height; ///< 0: not said
+    int samples;
+    int workers; ///< 0: one a core
+
+    picture_choice choice;
+    int first, last, step;
+    double seconds;
+    bool is_sheet;
+    int columns;   ///< 0: nearly square
+    int turntable; ///< views, 0: none
+
+    bool has_range;
+    float range[2];
+
+    bool has_camera;
+    wisp_vec3 eye, target;
+    bool has_from; ///< `view` has the angles that the user named
+    render_view view;
+
+    picture_ground ground;
+    float ground_height;
+    wisp_vec3 background[2]; ///< top and bottom, linear
+} picture_options;
+
+picture_options picture_default_options( void );
+
+// ---- words of options; each ends the program with STATUS_USAGE if the text is wrong ----
+
+/// Numbers between commas, exactly `count`, finite.
+void picture_parse_numbers( struct argp_state* state, const char* option, const char* text, int count, float* out );
+/// Such as 640x480.
+void picture_parse_size( struct argp_state* state, const char* text, picture_options* out );
+/// Such as 10:50:5; each part may be empty.
+void picture_parse_frames( struct argp_state* state, const char* text, picture_options* out );
+/// auto, none or a height.
+void picture_parse_ground( struct argp_state* state, const char* text, picture_options* out );
+/// A word, or one or two colours such as #20242c.
+void picture_parse_background( struct argp_state* state, const char* text, picture_options* out );

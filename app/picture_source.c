@@ -1,0 +1,286 @@
+#include "picture_source.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- bodies ----
+
+wisp_status picture_no_memory( const picture_source* source, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its bodies", source->path );
+}
+
+wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error )
+{
+    if ( count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is nothing in it to be seen", source->path );
+    }
+    source->bodies = calloc( (size_t)count, sizeof *source->bodies );
+    source->points = calloc( (size_t)count, sizeof *source->points );
+    source->body_count = source->bodies && source->points ? count : 0;
+    return source->body_count > 0 ? WISP_OK : picture_no_memory( source, error );
+}
+
+wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error )
+{
+    picture_body* b = &source->bodies[body];
+    size_t count = (size_t)b->vertex_count + 1;
+    b->points = malloc( count * sizeof *b->points );
+    source->points[body] = b->points;
+    if ( has_values )
+    {
+        b->values = calloc( count, sizeof *b->values );
+    }
+    return b->points && ( b->values || !has_values ) ? WISP_OK : picture_no_memory( source, error );
+}
+
+wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_error* error )
+{
+    // The doctor only reads, but a mesh owns its arrays and may therefore write.
+    const wisp_mesh mesh = {
+        .points = body->points,
+        .triangles = (int32_t*)(uintptr_t)body->triangles,
+        .vertex_count = body->vertex_count,
+        .triangle_count = body->triangle_count,
+    };
+    *is_closed = false;
+    if ( mesh.triangle_count == 0 )
+    {
+        return WISP_OK;
+    }
+    wisp_mesh_report report;
+    wisp_status status = wisp_mesh_examine( &mesh, &report, error );
+    *is_closed = status == WISP_OK && report.closed;
+    return status;
+}
+
+// ---- meshes and grooms, which stand still ----
+
+typedef struct still
+{
+    wisp_mesh mesh;
+    wisp_groom groom;
+} still;
+
+static wisp_status load_still( picture_source* source, int frame, wisp_error* error )
+{
+    (void)frame;
+    (void)error;
+    const still* s = source->state;
+    picture_body* body = &source->bodies[0];
+    const wisp_vec3* points = body->offsets ? s->groom.points : s->mesh.points;
+    memcpy( body->points, points, (size_t)body->vertex_count * sizeof *points );
+    return WISP_OK;
+}
+
+static wisp_status time_of_still( picture_source* source, int frame, double* seconds, wisp_error* error )
+{
+    (void)source;
+    (void)error;
+    *seconds = frame;
+    return WISP_OK;
+}
+
+static void close_still( picture_source* source )
+{
+    still* s = source->state;
+    wisp_mesh_release( &s->mesh );
+    wisp_groom_release( &s->groom );
+}
+
+static const picture_input still_input = { load_still, time_of_still, close_still };
+
+static wisp_status read_still_groom( picture_source* source, wisp_error* error )
+{
+    wisp_groom* groom = &( (still*)source->state )->groom;
+    picture_body* body = &source->bodies[0];
+    wisp_status status = wisp_groom_read( source->path, groom, error );
+    wisp_error cause = { 0 };
+    if ( status == WISP_OK && wisp_groom_check( groom, &cause ) != WISP_OK )
+    {
+        status = wisp_fail( error, cause.status, "%s: %s", source->path, cause.sentence );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    *body = ( picture_body ){
+        .name = "hair",
+        .kind = SCENE_BODY_STRANDS,
+        .vertex_count = groom->vertex_count,
+        .offsets = groom->offsets,
+        .strand_count = groom->strand_count,
+        .widths = groom->thickness,
+        .colours = groom->colour,
+    };
+    // Their owner is the body from here on, as it is of those that a scene fills.
+    groom->thickness = NULL;
+    groom->colour = NULL;
+    return picture_make_points( source, 0, false, error );
+}
+
+static wisp_status read_still_mesh( picture_source* source, wisp_error* error )
+{
+    wisp_mesh* mesh = &( (still*)source->state )->mesh;
+    wisp_status status = wisp_mesh_read( source->path, mesh, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    picture_body* body = &source->bodies[0];
+    *body = ( picture_body ){
+        .name = "mesh",
+        .vertex_count = mesh->vertex_count,
+        .triangles = mesh->triangles,
+        .triangle_count = mesh->triangle_count,
+    };
+    status = picture_make_points( source, 0, false, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    load_still( source, 0, error );
+    bool is_closed;
+    status = picture_is_closed( body, &is_closed, error );
+    body->kind = is_closed ? SCENE_BODY_COLLIDER : SCENE_BODY_CLOTH;
+    return status;
+}
+
+wisp_status picture_open_still( picture_source* source, file_kind kind, const picture_source_def* def,
+                                wisp_error* error )
+{
+    if ( def->value != PICTURE_BODY )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: one shape without a motion has neither strain nor speed",
+                          source->path );
+    }
+    source->input = &still_input;
+    source->frame_count = 1;
+    source->state = calloc( 1, sizeof( still ) );
+    wisp_status status = source->state ? WISP_OK : picture_no_memory( source, error );
+    if ( status == WISP_OK )
+    {
+        status = picture_make_bodies( source, 1, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = kind == FILE_GROOM ? read_still_groom( source, error ) : read_still_mesh( source, error );
+    }
+    return status;
+}
+
+// ---- any input ----
+
+static wisp_status open_kind( picture_source* source, file_kind kind, const picture_source_def* def,
+                              wisp_error* error )
+{
+    if ( def->mesh && kind != FILE_POINT_CACHE )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: --mesh gives triangles to a point cache (.pc2), and this is none", def->path );
+    }
+    switch ( kind )
+    {
+        case FILE_SCENE:
+            return picture_open_scene( source, def, error );
+        case FILE_RECORDING:
+            return picture_open_recording( source, def, error );
+        case FILE_POINT_CACHE:
+            return picture_open_cache( source, def, error );
+        case FILE_GROOM:
+        case FILE_MESH:
+            return picture_open_still( source, kind, def, error );
+        case FILE_RESULTS:
+        case FILE_UNKNOWN:
+            break;
+    }
+    return wisp_fail(
+        error, WISP_BAD_INPUT,
+        "%s: neither a scene (.yaml, .yml, .json), nor a recording (.wisp, .pc2), nor a mesh (.obj, .ply), "
+        "nor a groom (.hair, .tfx)",
+        def->path );
+}
+
+wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error )
+{
+    *out = ( picture_source ){ .path = def->path, .value = def->value, .frame = -1, .step = 1.0 };
+    file_kind kind = FILE_UNKNOWN;
+    wisp_status status = file_kind_find( def->path, &kind, error );
+    if ( status == WISP_OK )
+    {
+        status = open_kind( out, kind, def, error );
+    }
+    if ( status != WISP_OK )
+    {
+        picture_source_close( out );
+    }
+    return status;
+}
+
+wisp_status picture_source_load( picture_source* source, int frame, wisp_error* error )
+{
+    if ( frame == source->frame )
+    {
+        return WISP_OK;
+    }
+    wisp_status status = source->input->load( source, frame, error );
+    source->frame = status == WISP_OK ? frame : -1;
+    return status;
+}
+
+// Times rise, so that the last frame that is not later is found by halving.
+wisp_status picture_source_find( picture_source* source, double seconds, int* frame, wisp_error* error )
+{
+    if ( !source->has_seconds )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: its frames have no times; name one with --frame",
+                          source->path );
+    }
+    int low = 0, high = source->frame_count;
+    double before = 0.0, after = 0.0;
+    wisp_status status = source->input->time( source, 0, &before, error );
+    while ( status == WISP_OK && high - low > 1 )
+    {
+        int middle = low + ( high - low ) / 2;
+        double at = 0.0;
+        status = source->input->time( source, middle, &at, error );
+        low = at <= seconds ? middle : low;
+        high = at <= seconds ? high : middle;
+        before = low == middle ? at : before;
+        after = high == middle ? at : after;
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    bool is_nearer_to_next = high < source->frame_count && after - seconds < seconds - before;
+    *frame = is_nearer_to_next ? low + 1 : low;
+    double found = is_nearer_to_next ? after : before;
+    if ( fabs( found - seconds ) > source->step )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no frame at %g s; the nearest is at %g s",
+                          source->path, seconds, found );
+    }
+    return WISP_OK;
+}
+
+void picture_source_close( picture_source* source )
+{
+    if ( source->state )
+    {
+        source->input->close( source );
+    }
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        free( source->bodies[i].points );
+        free( source->bodies[i].widths );
+        free( source->bodies[i].colours );
+        free( source->bodies[i].values );
+    }
+    free( source->bodies );
+    free( source->points );
+    free( source->state );
+    *source = ( picture_source ){ 0 };
+}

@@ -1,0 +1,100 @@
+/// Where the pictures of `wisp render` come from: the bodies of a scene, recording, point cache, mesh or groom, frame by
+/// frame. One frame is loaded at a time, in any order; a scene that has to go back starts again, which gives the same
+/// bits.
+#pragma once
+
+#include "file_kind.h"
+#include "progress.h"
+#include "record.h"
+#include "world_from_scene.h"
+
+/// What the colours of bodies say.
+typedef enum picture_value
+{
+    PICTURE_BODY,   ///< which body it is
+    PICTURE_STRAIN, ///< largest |l / l_0 - 1| of the edges at a vertex
+    PICTURE_SPEED,  ///< m/s
+} picture_value;
+
+/// A body of the loaded frame. Arrays belong to the source.
+typedef struct picture_body
+{
+    const char* name;
+    scene_body_kind kind;
+    int vertex_count;
+    const int32_t* triangles; ///< [triangle_count][3], null for strands
+    int triangle_count;
+    const int32_t* offsets; ///< [strand_count + 1] of strands, else null
+    int strand_count;
+    wisp_vec3* points;  ///< [vertex_count]
+    float* widths;      ///< [vertex_count] m, diameters of strands; null where nothing tells them
+    wisp_vec3* colours; ///< [vertex_count] linear RGB of strands, or null
+    float* values;      ///< [vertex_count] strain or speed, or null where there is none
+} picture_body;
+
+typedef struct picture_source picture_source;
+
+/// What one kind of input does; a file for each.
+typedef struct picture_input
+{
+    /// Fill the points, and whatever else there is, of every body. frame is in [0, frame_count).
+    wisp_status ( *load )( picture_source* source, int frame, wisp_error* error );
+    wisp_status ( *time )( picture_source* source, int frame, double* seconds, wisp_error* error );
+    void ( *close )( picture_source* source );
+} picture_input;
+
+struct picture_source
+{
+    const char* path;
+    picture_value value;
+    const picture_input* input;
+    picture_body* bodies; ///< [body_count]
+    int body_count;
+    int frame_count;    ///< >= 1
+    int frame;          ///< the loaded one, -1: none
+    bool has_seconds;   ///< frames have a time
+    double step;        ///< s, the usual distance of two frames; 1 where nothing tells it
+    progress* bar;      ///< where steps on the way to a frame are shown, or null
+    void* state;        ///< of the input
+    wisp_vec3** points; ///< [body_count] the points of each body, as readers take them
+};
+
+typedef struct picture_source_def
+{
+    const char* path;
+    const char* mesh; ///< the triangles of a point cache, or null
+    picture_value value;
+    scene_world_options world; ///< for scenes
+} picture_source_def;
+
+/// @param def its texts must outlive the source
+/// @param out zero on failure
+/// @return WISP_BAD_INPUT the file is wrong, shows nothing, or cannot tell the value; WISP_IO_ERROR; WISP_NO_MEMORY
+wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error );
+
+/// Load a frame, unless it is loaded already.
+wisp_status picture_source_load( picture_source* source, int frame, wisp_error* error );
+
+/// The frame nearest to a time.
+/// @return WISP_BAD_INPUT there is none within a step, or frames have no times
+wisp_status picture_source_find( picture_source* source, double seconds, int* frame, wisp_error* error );
+
+/// Zero is allowed; the source is zero afterwards.
+void picture_source_close( picture_source* source );
+
+// ---- for the inputs ----
+
+wisp_status picture_open_scene( picture_source* source, const picture_source_def* def, wisp_error* error );
+wisp_status picture_open_recording( picture_source* source, const picture_source_def* def, wisp_error* error );
+wisp_status picture_open_cache( picture_source* source, const picture_source_def* def, wisp_error* error );
+wisp_status picture_open_still( picture_source* source, file_kind kind, const picture_source_def* def,
+                                wisp_error* error );
+
+/// Make room for a number of bodies, all zero.
+wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error );
+/// Make room for the points of a body that knows its vertex_count, and for values if it has some.
+wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error );
+wisp_status picture_no_memory( const picture_source* source, wisp_error* error );
+
+/// Whether every edge of a mesh has two triangles or more, an even number.
+wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_error* error );

@@ -1,0 +1,166 @@
+#include "picture_stage.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// A rigid mesh of so few triangles is meant to have edges.
+#define BOX_TRIANGLES 12
+
+// ---- materials and colours ----
+
+static render_material material_of( scene_body_kind kind )
+{
+    return kind == SCENE_BODY_CLOTH ? RENDER_CLOTH : kind == SCENE_BODY_BALLOON ? RENDER_LATEX : RENDER_SOLID;
+}
+
+// Every other colour first and the rest afterwards: all eight come before one comes again, and cloth and balloons of a
+// small scene share none.
+static int palette_place( int number )
+{
+    return 2 * number + number / 4 % 2;
+}
+
+// Cloth and balloons start at different ends, so that the first of each has the colour that suits it best.
+static wisp_vec3 body_colour( scene_body_kind kind, int* cloths, int* balloons )
+{
+    switch ( kind )
+    {
+        case SCENE_BODY_CLOTH:
+            return render_palette( 1 + palette_place( ( *cloths )++ ) );
+        case SCENE_BODY_BALLOON:
+            return render_palette( palette_place( ( *balloons )++ ) );
+        case SCENE_BODY_STRANDS:
+        case SCENE_BODY_COLLIDER:
+        case SCENE_BODY_PLANE:
+            break;
+    }
+    return render_default_mesh( RENDER_SOLID ).colour;
+}
+
+// A level plane without an end is what the renderer calls the ground; a slope is drawn as the square it comes with.
+bool picture_is_floor( const picture_body* body )
+{
+    float low = INFINITY, high = -INFINITY;
+    for ( int v = 0; v < body->vertex_count; ++v )
+    {
+        low = fminf( low, body->points[v].y );
+        high = fmaxf( high, body->points[v].y );
+    }
+    return body->kind == SCENE_BODY_PLANE && high - low <= 1e-4f;
+}
+
+// ---- the stage ----
+
+static void* keep( picture_stage* stage, size_t size )
+{
+    void* block = malloc( size + 1 );
+    if ( block )
+    {
+        stage->blocks[stage->block_count++] = block;
+    }
+    return block;
+}
+
+static bool colour_by_value( picture_stage* stage, const picture_look* look, const picture_body* body,
+                             const wisp_vec3** colours )
+{
+    if ( look->value == PICTURE_BODY || !body->values )
+    {
+        return true;
+    }
+    wisp_vec3* made = keep( stage, (size_t)body->vertex_count * sizeof *made );
+    if ( made )
+    {
+        colour_map_apply( COLOUR_MAP_RISING, body->values, body->vertex_count, look->range[0], look->range[1], made );
+        *colours = made;
+    }
+    return made != NULL;
+}
+
+static bool add_strands( picture_stage* stage, const picture_look* look, const picture_body* body )
+{
+    render_curves* curves = &stage->curves[stage->scene.curves_count++];
+    *curves = render_default_curves();
+    curves->name = body->name;
+    curves->points = body->points;
+    curves->offsets = body->offsets;
+    curves->strand_count = body->strand_count;
+    curves->colours = body->colours;
+    if ( body->widths )
+    {
+        float* radii = keep( stage, (size_t)body->vertex_count * sizeof *radii );
+        for ( int v = 0; radii && v < body->vertex_count; ++v )
+        {
+            radii[v] = 0.5f * body->widths[v];
+        }
+        curves->radii = radii;
+    }
+    return ( curves->radii || !body->widths ) && colour_by_value( stage, look, body, &curves->colours );
+}
+
+static bool add_mesh( picture_stage* stage, const picture_look* look, const picture_body* body, wisp_vec3 colour )
+{
+    render_mesh* mesh = &stage->meshes[stage->scene.mesh_count++];
+    *mesh = render_default_mesh( material_of( body->kind ) );
+    mesh->name = body->name;
+    mesh->points = body->points;
+    mesh->triangles = body->triangles;
+    mesh->vertex_count = body->vertex_count;
+    mesh->triangle_count = body->triangle_count;
+    mesh->colour = colour;
+    mesh->is_faceted = body->kind == SCENE_BODY_PLANE ||
+                       ( body->kind == SCENE_BODY_COLLIDER && body->triangle_count <= BOX_TRIANGLES );
+    bool is_solid = body->kind == SCENE_BODY_COLLIDER || body->kind == SCENE_BODY_PLANE;
+    return is_solid || colour_by_value( stage, look, body, &mesh->colours );
+}
+
+wisp_status picture_stage_make( const picture_source* source, const picture_look* look, picture_stage* out,
+                                wisp_error* error )
+{
+    size_t count = (size_t)source->body_count + 1;
+    *out = ( picture_stage ){
+        .scene = render_default_scene(),
+        .meshes = calloc( count, sizeof *out->meshes ),
+        .curves = calloc( count, sizeof *out->curves ),
+        .blocks = calloc( 2 * count, sizeof *out->blocks ),
+    };
+    bool made = out->meshes && out->curves && out->blocks;
+    int cloths = 0, balloons = 0;
+    for ( int i = 0; i < source->body_count && made; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        wisp_vec3 colour = body_colour( body->kind, &cloths, &balloons );
+        if ( body->kind == SCENE_BODY_STRANDS )
+        {
+            made = add_strands( out, look, body );
+        }
+        else if ( body->triangle_count > 0 && !picture_is_floor( body ) )
+        {
+            made = add_mesh( out, look, body, colour );
+        }
+    }
+    if ( !made )
+    {
+        picture_stage_release( out );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a picture of it", source->path );
+    }
+    out->scene.meshes = out->meshes;
+    out->scene.curves = out->curves;
+    out->scene.has_ground = look->has_ground;
+    out->scene.ground_height = look->ground_height;
+    out->scene.background_top = look->background[0];
+    out->scene.background_bottom = look->background[1];
+    return WISP_OK;
+}
+
+void picture_stage_release( picture_stage* stage )
+{
+    for ( int i = 0; i < stage->block_count; ++i )
+    {
+        free( stage->blocks[i] );
+    }
+    free( stage->blocks );
+    free( stage->curves );
+    free( stage->meshes );
+    *stage = ( picture_stage ){ 0 };
+}

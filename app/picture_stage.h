@@ -1,0 +1,32 @@
+/// The bodies of a loaded frame as the renderer takes them: materials, colours, ground.
+#pragma once
+
+#include "picture_options.h"
+
+/// What stays the same from picture to picture.
+typedef struct picture_look
+{
+    picture_value value;
+    float range[2]; ///< values at the ends of the colour map
+    bool has_ground;
+    float ground_height;
+    wisp_vec3 background[2];
+} picture_look;
+
+/// Zero-initialised is empty. Release with picture_stage_release().
+typedef struct picture_stage
+{
+    render_scene scene;
+    render_mesh* meshes;
+    render_curves* curves;
+    void** blocks; ///< [block_count] colours and radii
+    int block_count;
+} picture_stage;
+
+/// @param out points into the source, whose frame must stay loaded
+wisp_status picture_stage_make( const picture_source* source, const picture_look* look, picture_stage* out,
+                                wisp_error* error );
+void picture_stage_release( picture_stage* stage );
+
+/// Whether a body is a level plane without an end, which is drawn as the ground.
+bool picture_is_floor( const picture_body* body );

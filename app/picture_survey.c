@@ -1,0 +1,253 @@
+#include "picture_survey.h"
+
+#include <math.h>
+
+#define DEGREE 0.017453292519943295 // radians
+
+// ---- directions ----
+
+// Hair in a plane, as the paper has it, is seen from the front and not askew.
+static bool is_flat( const picture_source* source )
+{
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        for ( int v = 0; v < body->vertex_count; ++v )
+        {
+            if ( body->kind != SCENE_BODY_STRANDS || body->points[v].z != 0.0f )
+            {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static picture_fit empty_fit( void )
+{
+    return ( picture_fit ){ { -INFINITY, -INFINITY }, { -INFINITY, -INFINITY }, -INFINITY, INFINITY };
+}
+
+picture_survey picture_survey_begin( const picture_options* options, const picture_source* source, float aspect )
+{
+    picture_survey survey = {
+        .options = options,
+        .is_turning = options->turntable > 0,
+        .aspect = aspect,
+        .view = options->view,
+        .fit_moving = empty_fit(),
+        .fit_colliders = empty_fit(),
+    };
+    survey.view.is_turntable = survey.is_turning;
+    if ( !options->has_from && !survey.is_turning && is_flat( source ) )
+    {
+        survey.view.azimuth_degrees = 0.0f;
+        survey.view.elevation_degrees = 0.0f;
+    }
+    double azimuth = DEGREE * fmod( (double)survey.view.azimuth_degrees, 360.0 );
+    double elevation = DEGREE * (double)survey.view.elevation_degrees;
+    double c = cos( azimuth ), s = sin( azimuth ), ce = cos( elevation ), se = sin( elevation );
+    survey.right = ( wisp_vec3 ){ (float)c, 0.0f, (float)-s };
+    survey.up = ( wisp_vec3 ){ (float)( -s * se ), (float)ce, (float)( -c * se ) };
+    survey.back = ( wisp_vec3 ){ (float)( s * ce ), (float)se, (float)( c * ce ) };
+    survey.along = tan( 0.5 * DEGREE * (double)survey.view.fov_degrees ) * ( 1.0 - 2.0 * (double)survey.view.margin );
+    survey.across = survey.along * (double)aspect;
+    return survey;
+}
+
+// ---- bodies ----
+
+static double dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z;
+}
+
+// A point x aside, seen by an eye at depth d and aside by c, is left of the right edge if x - c <= (d - z) t, and right
+// of the left one if c - x <= (d - z) t. Over all points of all frames only the largest x/t + z and z - x/t matter.
+static void fit_point( const picture_survey* survey, wisp_vec3 p, picture_fit* fit )
+{
+    double x = dot( p, survey->right ) / survey->across, y = dot( p, survey->up ) / survey->along;
+    double z = dot( p, survey->back );
+    fit->right[0] = fmax( fit->right[0], z + x );
+    fit->right[1] = fmax( fit->right[1], z - x );
+    fit->up[0] = fmax( fit->up[0], z + y );
+    fit->up[1] = fmax( fit->up[1], z - y );
+    fit->nearest = fmax( fit->nearest, z );
+    fit->farthest = fmin( fit->farthest, z );
+}
+
+// Vertices that no triangle names are not seen, and must not push the camera away.
+static render_bounds survey_points( const picture_survey* survey, const picture_body* body, picture_fit* fit )
+{
+    render_bounds bounds = { .is_filled = false };
+    size_t count = body->offsets ? (size_t)body->vertex_count : 3 * (size_t)body->triangle_count;
+    for ( size_t k = 0; k < count; ++k )
+    {
+        wisp_vec3 p = body->points[body->offsets ? (int32_t)k : body->triangles[k]];
+        bounds = render_bounds_union( bounds, ( render_bounds ){ p, p, true } );
+        fit_point( survey, p, fit );
+    }
+    return bounds;
+}
+
+static void survey_values( const picture_body* body, picture_survey* survey )
+{
+    for ( int v = 0; body->values && v < body->vertex_count; ++v )
+    {
+        float value = body->values[v];
+        survey->square_sum += (double)value * (double)value;
+        survey->value_most = fmaxf( survey->value_most, value );
+    }
+    survey->value_count += body->values ? body->vertex_count : 0;
+}
+
+void picture_survey_add( const picture_source* source, picture_survey* survey )
+{
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        const picture_body* body = &source->bodies[i];
+        survey->has_mesh = survey->has_mesh || body->kind != SCENE_BODY_STRANDS;
+        if ( picture_is_floor( body ) )
+        {
+            survey->has_floor = true;
+            survey->floor_height = body->points[0].y;
+        }
+        else if ( body->kind == SCENE_BODY_COLLIDER )
+        {
+            render_bounds bounds = survey_points( survey, body, &survey->fit_colliders );
+            survey->colliders = render_bounds_union( survey->colliders, bounds );
+        }
+        else if ( body->kind != SCENE_BODY_PLANE )
+        {
+            render_bounds bounds = survey_points( survey, body, &survey->fit_moving );
+            survey->moving = render_bounds_union( survey->moving, bounds );
+            survey_values( body, survey );
+        }
+    }
+}
+
+// ---- the camera ----
+
+static double size_of( const render_bounds* bounds )
+{
+    double x = (double)( bounds->high.x - bounds->low.x ), y = (double)( bounds->high.y - bounds->low.y );
+    double z = (double)( bounds->high.z - bounds->low.z );
+    return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
+}
+
+// A hall around a handkerchief would make it a speck.
+static bool is_hall( const picture_survey* survey )
+{
+    return survey->moving.is_filled && size_of( &survey->colliders ) > 3.0 * size_of( &survey->moving );
+}
+
+static render_bounds bounds_of_all( const picture_survey* survey )
+{
+    return is_hall( survey ) ? survey->moving : render_bounds_union( survey->moving, survey->colliders );
+}
+
+static picture_fit fit_of_all( const picture_survey* survey )
+{
+    picture_fit a = survey->fit_moving;
+    const picture_fit* b = &survey->fit_colliders;
+    if ( !is_hall( survey ) )
+    {
+        for ( int k = 0; k < 2; ++k )
+        {
+            a.right[k] = fmax( a.right[k], b->right[k] );
+            a.up[k] = fmax( a.up[k], b->up[k] );
+        }
+        a.nearest = fmax( a.nearest, b->nearest );
+        a.farthest = fmin( a.farthest, b->farthest );
+    }
+    return a;
+}
+
+static wisp_vec3 place( const picture_survey* survey, double right, double up, double back )
+{
+    wisp_vec3 r = survey->right, u = survey->up, b = survey->back;
+    return ( wisp_vec3 ){
+        (float)( right * (double)r.x + up * (double)u.x + back * (double)b.x ),
+        (float)( right * (double)r.y + up * (double)u.y + back * (double)b.y ),
+        (float)( right * (double)r.z + up * (double)u.z + back * (double)b.z ),
+    };
+}
+
+// Both edges of an axis touch where d = (first + second) / 2 and c = t (first - second) / 2.
+static render_camera fitted_camera( const picture_survey* survey )
+{
+    picture_fit fit = fit_of_all( survey );
+    double aside = 0.5 * survey->across * ( fit.right[0] - fit.right[1] );
+    double above = 0.5 * survey->along * ( fit.up[0] - fit.up[1] );
+    double distance = fmax( 0.5 * ( fit.right[0] + fit.right[1] ), 0.5 * ( fit.up[0] + fit.up[1] ) );
+    // A single point has no size; the eye keeps away from it all the same.
+    distance = fmax( distance, fit.nearest + 1e-3 );
+    return ( render_camera ){
+        .eye = place( survey, aside, above, distance ),
+        .target = place( survey, aside, above, 0.5 * ( fit.nearest + fit.farthest ) ),
+        .up = { 0.0f, 1.0f, 0.0f },
+        .fov_degrees = survey->view.fov_degrees,
+    };
+}
+
+wisp_status picture_survey_camera( const picture_survey* survey, render_camera* camera, wisp_error* error )
+{
+    const picture_options* options = survey->options;
+    render_bounds bounds = bounds_of_all( survey );
+    wisp_status status = render_frame_camera( &bounds, &survey->view, survey->aspect, camera, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( options->has_camera )
+    {
+        camera->eye = options->eye;
+        camera->target = options->target;
+    }
+    else if ( bounds.is_filled && !survey->is_turning )
+    {
+        *camera = fitted_camera( survey );
+    }
+    return WISP_OK;
+}
+
+// ---- colours and ground ----
+
+// A few vertices are stretched far more than all others, and would leave those the first colours of the map only.
+static void find_range( const picture_survey* survey, picture_look* look )
+{
+    double root = survey->value_count > 0.0 ? sqrt( survey->square_sum / survey->value_count ) : 0.0;
+    double high = fmin( (double)survey->value_most, 3.0 * root );
+    look->range[0] = 0.0f;
+    look->range[1] = high > 0.0 ? (float)high : 1.0f;
+}
+
+picture_look picture_survey_look( const picture_survey* survey )
+{
+    const picture_options* options = survey->options;
+    picture_look look = {
+        .value = options->source.value,
+        .range = { options->range[0], options->range[1] },
+        .has_ground = options->ground == PICTURE_GROUND_HEIGHT,
+        .ground_height = options->ground_height,
+        .background = { options->background[0], options->background[1] },
+    };
+    if ( !options->has_range )
+    {
+        find_range( survey, &look );
+    }
+    // Strands alone hang in the air, as hair does; whatever else there is stands on something. The little that the
+    // ground lies below keeps flat cloth from being in it.
+    render_bounds bounds = bounds_of_all( survey );
+    if ( options->ground == PICTURE_GROUND_AUTO && survey->has_floor )
+    {
+        look.has_ground = true;
+        look.ground_height = survey->floor_height;
+    }
+    else if ( options->ground == PICTURE_GROUND_AUTO && survey->has_mesh && bounds.is_filled )
+    {
+        look.has_ground = true;
+        look.ground_height = bounds.low.y - (float)( 2e-3 * size_of( &bounds ) );
+    }
+    return look;
+}

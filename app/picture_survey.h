@@ -1,0 +1,40 @@
+/// What all frames that are drawn have in common: where everything is, how large values get, and from that the camera,
+/// the ground and the ends of the colours. Frames are looked at one after the other and none is kept.
+#pragma once
+
+#include "picture_stage.h"
+
+/// What must be in a picture taken in one direction; see fit_distance() for the sums.
+typedef struct picture_fit
+{
+    double right[2], up[2]; ///< the edges of the picture against depth
+    double nearest, farthest;
+} picture_fit;
+
+typedef struct picture_survey
+{
+    const picture_options* options;
+    bool is_turning;
+    float aspect;
+    render_view view;
+    wisp_vec3 right, up, back;             ///< directions of the picture
+    double across, along;                  ///< tangents of the half angles of view, without the margin
+    render_bounds moving, colliders;       ///< colliders: without planes
+    picture_fit fit_moving, fit_colliders; ///<
+    bool has_mesh;
+    bool has_floor; ///< a level plane
+    float floor_height;
+    double square_sum; ///< of the values
+    double value_count;
+    float value_most;
+} picture_survey;
+
+/// @param source the first frame is loaded
+picture_survey picture_survey_begin( const picture_options* options, const picture_source* source, float aspect );
+
+/// Add the loaded frame.
+void picture_survey_add( const picture_source* source, picture_survey* survey );
+
+/// The camera that has everything in the picture in all frames, as near as that allows, or the one that the user named.
+wisp_status picture_survey_camera( const picture_survey* survey, render_camera* camera, wisp_error* error );
+picture_look picture_survey_look( const picture_survey* survey );

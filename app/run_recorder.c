@@ -1,0 +1,383 @@
+#include "run_recorder.h"
+
+#include "nearest.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct run_recorder
+{
+    scene_world* world;
+    int every;
+    wisp_recorder* recorder; ///< or null
+    wisp_track* track;       ///< or null
+
+    int count;              ///< bodies that are recorded: all but planes, which have no end
+    int* numbers;           ///< [count] of the bodies in the world
+    wisp_record_body* list; ///< [count]
+    wisp_vec3** points;     ///< [count] as they are now
+
+    const char* proof_name;
+    wisp_recording* proof;    ///< what is compared, or null
+    int proof_every;          ///< steps between its frames
+    int proof_frames;         ///<
+    wisp_vec3** proof_points; ///< [count] as they were
+
+    int written, verified;
+};
+
+static wisp_status no_memory( const run_recorder* r, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a recording of it", r->world->scene->name );
+}
+
+// ---- bodies ----
+
+static bool make_points( const run_recorder* r, wisp_vec3*** out )
+{
+    wisp_vec3** points = calloc( (size_t)r->count + 1, sizeof *points );
+    bool made = points != NULL;
+    *out = points;
+    for ( int i = 0; made && i < r->count; ++i )
+    {
+        points[i] = malloc( ( (size_t)r->list[i].vertex_count + 1 ) * sizeof *points[i] );
+        made = points[i] != NULL;
+    }
+    return made;
+}
+
+static void free_points( const run_recorder* r, wisp_vec3** points )
+{
+    for ( int i = 0; points && i < r->count; ++i )
+    {
+        free( points[i] );
+    }
+    free( points );
+}
+
+static wisp_status list_bodies( run_recorder* r, wisp_error* error )
+{
+    int all = scene_world_body_count( r->world );
+    r->numbers = calloc( (size_t)all + 1, sizeof *r->numbers );
+    r->list = calloc( (size_t)all + 1, sizeof *r->list );
+    if ( !r->numbers || !r->list )
+    {
+        return no_memory( r, error );
+    }
+    for ( int i = 0; i < all; ++i )
+    {
+        scene_body body = scene_world_body( r->world, i );
+        if ( body.kind == SCENE_BODY_PLANE )
+        {
+            continue;
+        }
+        r->numbers[r->count] = i;
+        r->list[r->count++] = ( wisp_record_body ){
+            .name = body.name,
+            .triangles = body.triangles,
+            .offsets = body.offsets,
+            .vertex_count = body.vertex_count,
+            .triangle_count = body.triangle_count,
+            .strand_count = body.strand_count,
+        };
+    }
+    return make_points( r, &r->points ) ? WISP_OK : no_memory( r, error );
+}
+
+static wisp_status want_points( run_recorder* r, wisp_error* error )
+{
+    int moving = scene_world_moving_count( r->world );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < moving && status == WISP_OK; ++i )
+    {
+        status = scene_world_want( r->world, i, SCENE_WISH_POINTS, error );
+    }
+    return status;
+}
+
+// ---- what is written ----
+
+static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, wisp_error* error )
+{
+    const wisp_recorder_def recorder = {
+        .bodies = r->list,
+        .body_count = r->count,
+        .step_seconds = def->every * (double)r->world->scene->step_seconds,
+    };
+    return wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
+}
+
+static int find_body( const run_recorder* r, const run_track* track )
+{
+    for ( int i = 0; i < r->count; ++i )
+    {
+        const char* name = r->list[i].name;
+        if ( strlen( name ) == (size_t)track->name_length && memcmp( name, track->name, strlen( name ) ) == 0 )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static wisp_status refuse_name( const run_recorder* r, const run_track* track, wisp_error* error )
+{
+    char word[2 * WISP_RECORD_MAX_NAME];
+    snprintf( word, sizeof( word ), "%.*s", track->name_length, track->name );
+    const char** names = calloc( (size_t)r->count + 1, sizeof *names );
+    for ( int i = 0; names && i < r->count; ++i )
+    {
+        names[i] = r->list[i].name;
+    }
+    const char* nearest = names ? nearest_word( word, names, r->count ) : NULL;
+    free( names );
+    return nearest ? wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no body '%s'; did you mean '%s'?",
+                                r->world->scene->name, word, nearest )
+                   : wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no body '%s'", r->world->scene->name, word );
+}
+
+static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* def, wisp_track_point* points,
+                                wisp_error* error )
+{
+    for ( int i = 0; i < def->track_count; ++i )
+    {
+        const run_track* track = &def->tracks[i];
+        int body = find_body( r, track );
+        if ( body < 0 )
+        {
+            return refuse_name( r, track, error );
+        }
+        if ( track->vertex >= r->list[body].vertex_count )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no vertex %d, the last one is %d",
+                              r->list[body].name, track->vertex, r->list[body].vertex_count - 1 );
+        }
+        points[i] = ( wisp_track_point ){ body, track->vertex };
+    }
+    return WISP_OK;
+}
+
+static wisp_status open_track( run_recorder* r, const run_recorder_def* def, wisp_error* error )
+{
+    wisp_track_point points[RUN_TRACKS_MAX];
+    wisp_status status = find_tracks( r, def, points, error );
+    const wisp_track_def track = {
+        .bodies = r->list,
+        .body_count = r->count,
+        .points = points,
+        .point_count = def->track_count,
+    };
+    return status == WISP_OK ? wisp_track_open( def->track_file, &track, &r->track, error ) : status;
+}
+
+// ---- what is compared ----
+
+static bool same_numbers( const int32_t* a, const int32_t* b, size_t count )
+{
+    return count == 0 || ( a && b && memcmp( a, b, count * sizeof *a ) == 0 );
+}
+
+static bool same_body( const wisp_record_body* a, const wisp_record_body* b )
+{
+    return strcmp( a->name, b->name ) == 0 && a->vertex_count == b->vertex_count &&
+           a->triangle_count == b->triangle_count && a->strand_count == b->strand_count &&
+           same_numbers( a->triangles, b->triangles, 3 * (size_t)a->triangle_count ) &&
+           same_numbers( a->offsets, b->offsets, a->strand_count > 0 ? (size_t)a->strand_count + 1 : 0 );
+}
+
+static wisp_status check_proof( run_recorder* r, wisp_error* error )
+{
+    wisp_recording_info info = wisp_recording_describe( r->proof );
+    const wisp_scene* scene = r->world->scene;
+    if ( info.frame_count < 1 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no whole frame", r->proof_name );
+    }
+    if ( info.body_count != r->count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has %d bodies, and %s has %d", r->proof_name,
+                          info.body_count, scene->name, r->count );
+    }
+    for ( int i = 0; i < r->count; ++i )
+    {
+        if ( !same_body( &r->list[i], wisp_recording_body( r->proof, i ) ) )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "%s: body %d has another name, or other vertices, triangles or strands than %s of %s",
+                              r->proof_name, i, r->list[i].name, scene->name );
+        }
+    }
+    double steps = info.step_seconds / (double)scene->step_seconds;
+    r->proof_every = steps >= 1.0 && steps <= 1e9 ? (int)lround( steps ) : 0;
+    r->proof_frames = info.frame_count;
+    // The recorder multiplied by the number of steps, which is exact enough to be compared with a small tolerance.
+    return fabs( steps - r->proof_every ) <= 1e-6 * steps
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: its frames are %g s apart, which are not whole steps of %g s",
+                            r->proof_name, info.step_seconds, (double)scene->step_seconds );
+}
+
+static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wisp_error* error )
+{
+    r->proof_name = def->verify;
+    wisp_status status = wisp_recording_open( def->verify, &r->proof, error );
+    if ( status == WISP_OK )
+    {
+        status = check_proof( r, error );
+    }
+    // Only now: a recording that fits the scene does not ask for more memory than the scene has.
+    return status != WISP_OK ? status : make_points( r, &r->proof_points ) ? WISP_OK : no_memory( r, error );
+}
+
+static wisp_status compare_body( const run_recorder* r, int body, int frame, double time, wisp_error* error )
+{
+    const wisp_vec3 *now = r->points[body], *then = r->proof_points[body];
+    for ( int v = 0; v < r->list[body].vertex_count; ++v )
+    {
+        if ( memcmp( &now[v], &then[v], sizeof now[v] ) != 0 )
+        {
+            return wisp_fail( error, WISP_CONFLICT,
+                              "%s: frame %d at %g s: %s differs, vertex %d is at (%.9g, %.9g, %.9g) and was at "
+                              "(%.9g, %.9g, %.9g)",
+                              r->proof_name, frame, time, r->list[body].name, v, (double)now[v].x, (double)now[v].y,
+                              (double)now[v].z, (double)then[v].x, (double)then[v].y, (double)then[v].z );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_error* error )
+{
+    double time = 0.0;
+    uint64_t old_hash = 0;
+    wisp_status status = wisp_recording_frame( r->proof, frame, r->proof_points, &time, &old_hash, error );
+    for ( int i = 0; i < r->count && status == WISP_OK; ++i )
+    {
+        status = compare_body( r, i, frame, time, error );
+    }
+    if ( status == WISP_OK && old_hash != 0 && old_hash != hash )
+    {
+        status =
+            wisp_fail( error, WISP_CONFLICT,
+                       "%s: frame %d at %g s: all points are equal, but the state of the world is %016llx and was "
+                       "%016llx",
+                       r->proof_name, frame, time, (unsigned long long)hash, (unsigned long long)old_hash );
+    }
+    r->verified += status == WISP_OK;
+    return status;
+}
+
+// ---- the whole ----
+
+static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_error* error )
+{
+    wisp_status status = list_bodies( r, error );
+    if ( status == WISP_OK )
+    {
+        status = want_points( r, error );
+    }
+    // What only reads comes first, so that a refusal leaves no file behind.
+    if ( status == WISP_OK && def->verify )
+    {
+        status = open_proof( r, def, error );
+    }
+    if ( status == WISP_OK && def->track_count > 0 )
+    {
+        status = open_track( r, def, error );
+    }
+    if ( status == WISP_OK && def->record )
+    {
+        status = open_recorder( r, def, error );
+    }
+    return status;
+}
+
+wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, run_recorder** out,
+                               wisp_error* error )
+{
+    *out = NULL;
+    if ( !def->record && def->track_count == 0 && !def->verify )
+    {
+        return WISP_OK;
+    }
+    run_recorder* r = calloc( 1, sizeof *r );
+    if ( !r )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
+    }
+    r->world = world;
+    r->every = def->every;
+    wisp_status status = open_all( r, def, error );
+    if ( status != WISP_OK )
+    {
+        wisp_error later = { 0 };
+        run_recorder_close( r, &later );
+        return status;
+    }
+    *out = r;
+    return WISP_OK;
+}
+
+static wisp_status write_frame( run_recorder* r, uint64_t hash, wisp_error* error )
+{
+    double time = scene_world_time( r->world );
+    const wisp_vec3* const* points = (const wisp_vec3* const*)r->points;
+    wisp_status status = WISP_OK;
+    if ( r->recorder )
+    {
+        status = wisp_recorder_frame( r->recorder, time, hash, points, error );
+    }
+    if ( status == WISP_OK && r->track )
+    {
+        status = wisp_track_frame( r->track, time, points, error );
+    }
+    r->written += status == WISP_OK;
+    return status;
+}
+
+wisp_status run_recorder_step( run_recorder* r, wisp_error* error )
+{
+    if ( !r )
+    {
+        return WISP_OK;
+    }
+    int step = r->world->next_step;
+    bool is_written = ( r->recorder || r->track ) && step % r->every == 0;
+    bool is_compared = r->proof && step % r->proof_every == 0 && step / r->proof_every < r->proof_frames;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->count && status == WISP_OK && ( is_written || is_compared ); ++i )
+    {
+        status = scene_world_points( r->world, r->numbers[i], r->points[i], error );
+    }
+    uint64_t hash = is_written || is_compared ? wisp_world_hash( r->world->world ) : 0;
+    if ( status == WISP_OK && is_written )
+    {
+        status = write_frame( r, hash, error );
+    }
+    return status == WISP_OK && is_compared ? compare( r, step / r->proof_every, hash, error ) : status;
+}
+
+run_recorder_counts run_recorder_count( const run_recorder* r )
+{
+    return r ? ( run_recorder_counts ){ r->written, r->verified, r->proof_frames - r->verified }
+             : ( run_recorder_counts ){ 0 };
+}
+
+wisp_status run_recorder_close( run_recorder* r, wisp_error* error )
+{
+    if ( !r )
+    {
+        return WISP_OK;
+    }
+    wisp_status status = wisp_recorder_close( r->recorder, error );
+    wisp_error later = { 0 };
+    wisp_status track = wisp_track_close( r->track, status == WISP_OK ? error : &later );
+    wisp_recording_close( r->proof );
+    free_points( r, r->proof_points );
+    free_points( r, r->points );
+    free( r->list );
+    free( r->numbers );
+    free( r );
+    return status == WISP_OK ? track : status;
+}

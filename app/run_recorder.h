@@ -1,0 +1,53 @@
+/// What `wisp run` writes and compares while a scene runs: recordings, tracks of vertices, and the proof that a recording
+/// comes out again bit for bit.
+#pragma once
+
+#include "record.h"
+#include "world_from_scene.h"
+
+#define RUN_TRACKS_MAX 1000
+
+/// A vertex that the command line names.
+typedef struct run_track
+{
+    const char* name; ///< of a body, not zero-terminated
+    int name_length;
+    int vertex;
+} run_track;
+
+typedef struct run_recorder_def
+{
+    const char* record; ///< file, or null; its extension decides on the format
+    int every;          ///< steps between two frames, >= 1
+    const char* track_file;
+    run_track tracks[RUN_TRACKS_MAX];
+    int track_count;
+    const char* verify; ///< a .wisp recording to be compared, or null
+} run_recorder_def;
+
+typedef struct run_recorder run_recorder;
+
+/// Ask the world for the points of all bodies and open the files. Call before the first step.
+/// @param world must stay where it is and outlive the recorder
+/// @param out receives the recorder, for run_recorder_close(); null if nothing is to be written, and on failure
+/// @return WISP_BAD_INPUT a body or vertex that does not exist, a recording of another scene, a format that cannot
+///         hold a body; WISP_IO_ERROR; WISP_NO_MEMORY
+wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, run_recorder** out,
+                               wisp_error* error );
+
+/// Look at the world as it is now: write a frame and compare one, if this step has one. Null is allowed.
+/// @return WISP_CONFLICT a frame differs from the recording (the sentence names frame, body and vertex); what
+///         wisp_recorder_frame() and wisp_track_frame() return
+wisp_status run_recorder_step( run_recorder* recorder, wisp_error* error );
+
+/// Frames written, frames that were equal, and frames of the compared recording that the run did not reach.
+typedef struct run_recorder_counts
+{
+    int written, verified, unreached;
+} run_recorder_counts;
+
+run_recorder_counts run_recorder_count( const run_recorder* recorder );
+
+/// Finish the files and free the recorder, whatever happens. Null is allowed.
+/// @return the first file that could not be finished
+wisp_status run_recorder_close( run_recorder* recorder, wisp_error* error );

@@ -1,0 +1,138 @@
+// Colliders of a scene: bodies for the world, and meshes that pictures and recordings can show of them.
+#include "world_from_scene_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static wisp_status fail_at_collider( const wisp_scene* scene, int collider, wisp_status status, const char* sentence,
+                                     wisp_error* error )
+{
+    const wisp_scene_collider* entry = &scene->colliders[collider];
+    return scene_fail_at( scene, entry->line, entry->column, "collider", entry->name, status, sentence, error );
+}
+
+// ---- what is shown of a shape ----
+
+static wisp_status take_mesh( const wisp_vec3* points, int point_count, const int32_t* triangles, int triangle_count,
+                              wisp_mesh* out, wisp_error* error )
+{
+    out->points = malloc( (size_t)point_count * sizeof *out->points );
+    out->triangles = malloc( (size_t)triangle_count * 3 * sizeof *out->triangles );
+    if ( !out->points || !out->triangles )
+    {
+        wisp_mesh_release( out );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", point_count );
+    }
+    memcpy( out->points, points, (size_t)point_count * sizeof *points );
+    memcpy( out->triangles, triangles, (size_t)triangle_count * 3 * sizeof *triangles );
+    out->vertex_count = point_count;
+    out->triangle_count = triangle_count;
+    return WISP_OK;
+}
+
+// A plane has no end; a square of 2 m stands for it.
+static wisp_status show_plane( wisp_mesh* out, wisp_error* error )
+{
+    static const wisp_vec3 points[] = {
+        { -1.0f, 0.0f, -1.0f }, { -1.0f, 0.0f, 1.0f }, { 1.0f, 0.0f, 1.0f }, { 1.0f, 0.0f, -1.0f }
+    };
+    static const int32_t triangles[] = { 0, 1, 2, 0, 2, 3 };
+    return take_mesh( points, 4, triangles, 2, out, error );
+}
+
+// Corner c has bit 0, 1 and 2 of its number for x, y and z.
+static wisp_status show_box( wisp_vec3 half, wisp_mesh* out, wisp_error* error )
+{
+    static const int32_t triangles[] = { 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                         2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6 };
+    wisp_vec3 points[8];
+    for ( int c = 0; c < 8; ++c )
+    {
+        points[c] = ( wisp_vec3 ){ c & 1 ? half.x : -half.x, c & 2 ? half.y : -half.y, c & 4 ? half.z : -half.z };
+    }
+    return take_mesh( points, 8, triangles, 12, out, error );
+}
+
+static wisp_status show_round( const wisp_collider_def* def, wisp_mesh* out, wisp_error* error )
+{
+    // A capsule without a length is a sphere, and the maker of capsules wants a length.
+    const bool capsule = def->kind == WISP_COLLIDER_CAPSULE && def->half_length >= 1e-6f;
+    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( capsule ? WISP_MESH_CAPSULE : WISP_MESH_ICOSPHERE );
+    recipe.radius = def->radius;
+    if ( capsule )
+    {
+        recipe.length = 2.0f * def->half_length;
+        recipe.length_segments = 1;
+    }
+    return wisp_mesh_make( &recipe, out, error );
+}
+
+static wisp_status find_mesh( const wisp_scene* scene, int collider, wisp_mesh* out, wisp_error* error )
+{
+    const wisp_scene_collider* entry = &scene->colliders[collider];
+    char called[240];
+    snprintf( called, sizeof called, "%.120s:%d:%d: collider '%s'", scene->name, entry->line, entry->column,
+              entry->name );
+    switch ( entry->def.kind )
+    {
+        case WISP_COLLIDER_PLANE:
+            return show_plane( out, error );
+        case WISP_COLLIDER_BOX:
+            return show_box( entry->def.half_extent, out, error );
+        case WISP_COLLIDER_MESH:
+            return scene_mesh_load( &entry->mesh, called, out, NULL, error );
+        default:
+            return show_round( &entry->def, out, error );
+    }
+}
+
+// ---- bodies ----
+
+static wisp_status add_collider( scene_world* world, int collider, wisp_error* error )
+{
+    scene_world_collider* c = &world->colliders[collider];
+    wisp_error cause = { 0 };
+    wisp_status status = find_mesh( world->scene, collider, &c->mesh, &cause );
+    if ( status != WISP_OK )
+    {
+        return fail_at_collider( world->scene, collider, status, cause.sentence, error );
+    }
+    wisp_collider_def def = world->scene->colliders[collider].def;
+    c->pose = def.pose;
+    if ( def.kind == WISP_COLLIDER_MESH )
+    {
+        def.points = c->mesh.points;
+        def.triangles = c->mesh.triangles;
+        def.point_count = c->mesh.vertex_count;
+        def.triangle_count = c->mesh.triangle_count;
+    }
+    status = wisp_add_collider( world->world, &def, &c->entity );
+    return status == WISP_OK
+               ? WISP_OK
+               : fail_at_collider( world->scene, collider, status, wisp_world_message( world->world ), error );
+}
+
+wisp_status scene_colliders_add( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    world->colliders = calloc( (size_t)scene->collider_count + 1, sizeof *world->colliders );
+    if ( !world->colliders )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its colliders", scene->name );
+    }
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
+    {
+        status = add_collider( world, i, error );
+    }
+    return status;
+}
+
+void scene_colliders_release( scene_world* world )
+{
+    for ( int i = 0; world->colliders && i < world->scene->collider_count; ++i )
+    {
+        wisp_mesh_release( &world->colliders[i].mesh );
+    }
+    free( world->colliders );
+}

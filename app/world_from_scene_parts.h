@@ -1,0 +1,38 @@
+/// What the files that make a world of a scene share. Private to them.
+#pragma once
+
+#include "world_from_scene.h"
+
+// ---- errors that name the scene's line ----
+
+/// @param what the kind of entry, such as "surface"
+wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
+                           wisp_status status, const char* sentence, wisp_error* error );
+/// The sentence is the world's last one.
+wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
+                                wisp_error* error );
+
+// ---- surfaces and colliders ----
+
+/// Read or make, repair, demand, scale; a repair is told on stderr.
+/// @param repairs receives what was done, to be released; may be null
+wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
+                             wisp_mesh_repairs* repairs, wisp_error* error );
+
+/// Add all surfaces, then all colliders.
+wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
+void scene_surfaces_release( scene_world* world );
+wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
+void scene_colliders_release( scene_world* world );
+
+/// Every vertex that a surface's entry pins, and what its pins turn about. The mesh is where it starts.
+/// @param kept [kept_count] number in the file of each vertex that a repair left; null if none was dropped
+wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+                             scene_world_surface* out, wisp_error* error );
+/// The balloon of a surface with the vertices of its outlet found.
+wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
+                               const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
+
+// ---- what happens before a step ----
+
+wisp_status scene_script_play( scene_world* world, wisp_error* error );

@@ -1,0 +1,209 @@
+// What happens to surfaces and colliders before a step: keyframes, then the script's entries.
+#include "world_from_scene_parts.h"
+
+/// A step of simulated time, s.
+typedef struct step_times
+{
+    double begin, end;
+} step_times;
+
+static step_times next_times( const scene_world* world )
+{
+    const double seconds = (double)world->scene->step_seconds;
+    return ( step_times ){ (double)world->next_step * seconds, ( (double)world->next_step + 1.0 ) * seconds };
+}
+
+// Keyframes are in decimals and steps may be 1/60 s: within a thousandth of a step two times are the same.
+static bool is_before( const scene_world* world, double a, double b )
+{
+    return a < b - 1e-3 * (double)world->scene->step_seconds;
+}
+
+// ---- poses ----
+
+// Number of keyframes that are not after the time. Searched by halves: a hostile path has a million of them.
+static int count_reached( const wisp_scene_path* path, double time )
+{
+    int low = 0, high = path->count;
+    while ( low < high )
+    {
+        int middle = low + ( high - low ) / 2;
+        if ( (double)path->poses[middle].time <= time )
+        {
+            low = middle + 1;
+        }
+        else
+        {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+// Before the first keyframe the pose comes from the start at time 0; after the last one it stays.
+static wisp_rigid pose_at( const wisp_scene_path* path, wisp_rigid start, double time )
+{
+    int reached = count_reached( path, time );
+    if ( reached == path->count )
+    {
+        return path->poses[path->count - 1].pose;
+    }
+    const wisp_scene_pose* next = &path->poses[reached];
+    const wisp_scene_pose before = reached > 0 ? path->poses[reached - 1] : ( wisp_scene_pose ){ 0.0f, start };
+    double share = ( time - (double)before.time ) / ( (double)next->time - (double)before.time );
+    return wisp_rigid_between( before.pose, next->pose, (float)share );
+}
+
+static bool is_moving( const scene_world* world, const wisp_scene_path* path, step_times t )
+{
+    return path->count > 0 && is_before( world, t.begin, (double)path->poses[path->count - 1].time );
+}
+
+static wisp_status move_pins( scene_world* world, int surface, step_times t )
+{
+    static const wisp_rigid still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    scene_world_surface* s = &world->surfaces[surface];
+    const wisp_rigid pose = pose_at( &world->scene->surfaces[surface].pin_path, still, t.end );
+    for ( int i = 0; i < s->pin_count; ++i )
+    {
+        const wisp_vec3 p = s->mesh.points[s->pins[i]], o = s->pivot;
+        wisp_vec3 moved = wisp_rigid_to_world( pose, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
+        s->pin_targets[i] = ( wisp_vec3 ){ moved.x + o.x, moved.y + o.y, moved.z + o.z };
+    }
+    return wisp_move_pins( world->world, s->entity, s->pins, s->pin_targets, s->pin_count );
+}
+
+static wisp_status move_collider( scene_world* world, int collider, step_times t )
+{
+    const wisp_scene_collider* entry = &world->scene->colliders[collider];
+    scene_world_collider* c = &world->colliders[collider];
+    c->pose = pose_at( &entry->path, entry->def.pose, t.end );
+    return wisp_move_collider( world->world, c->entity, c->pose );
+}
+
+// ---- filling ----
+
+// From the first keyframe's time to that of the last the filling is told; before and after, the gas is left to itself.
+static bool is_filling( const scene_world* world, const wisp_scene_surface* entry, step_times t )
+{
+    return entry->fill_path_count > 0 && !is_before( world, t.end, (double)entry->fill_path[0].time ) &&
+           is_before( world, t.begin, (double)entry->fill_path[entry->fill_path_count - 1].time );
+}
+
+static float fill_at( const wisp_scene_surface* entry, double time )
+{
+    int low = 0, high = entry->fill_path_count - 1; // the pair around the time is low and high in the end
+    if ( time <= (double)entry->fill_path[0].time )
+    {
+        return entry->fill_path[0].fill;
+    }
+    if ( time >= (double)entry->fill_path[high].time )
+    {
+        return entry->fill_path[high].fill;
+    }
+    while ( high - low > 1 )
+    {
+        int middle = low + ( high - low ) / 2;
+        low = (double)entry->fill_path[middle].time <= time ? middle : low;
+        high = low == middle ? high : middle;
+    }
+    const wisp_scene_fill *a = &entry->fill_path[low], *b = &entry->fill_path[high];
+    double share = ( time - (double)a->time ) / ( (double)b->time - (double)a->time );
+    return (float)( (double)a->fill + share * ( (double)b->fill - (double)a->fill ) );
+}
+
+// ---- keyframes ----
+
+static wisp_status follow_surface( scene_world* world, int surface, step_times t, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    scene_world_surface* s = &world->surfaces[surface];
+    wisp_status status = WISP_OK;
+    if ( is_filling( world, entry, t ) )
+    {
+        status = wisp_set_balloon_fill( world->world, s->entity, fill_at( entry, t.end ) );
+    }
+    if ( status == WISP_OK && !s->is_released && is_moving( world, &entry->pin_path, t ) )
+    {
+        status = move_pins( world, surface, t );
+    }
+    return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
+}
+
+static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    const step_times t = next_times( world );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = follow_surface( world, i, t, error );
+    }
+    for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
+    {
+        const wisp_scene_collider* entry = &scene->colliders[i];
+        if ( is_moving( world, &entry->path, t ) )
+        {
+            status = move_collider( world, i, t );
+            status =
+                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
+        }
+    }
+    return status;
+}
+
+// ---- the script ----
+
+static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
+{
+    wisp_entity entity = world->surfaces[e->surface].entity;
+    wisp_status status = WISP_OK;
+    if ( e->has_fill )
+    {
+        status = wisp_set_balloon_fill( world->world, entity, e->fill );
+    }
+    if ( status == WISP_OK && e->has_inflation_rate )
+    {
+        status = wisp_set_balloon_inflation( world->world, entity, e->inflation_rate );
+    }
+    if ( status == WISP_OK && e->has_open )
+    {
+        status = wisp_open_balloon( world->world, entity, e->open );
+    }
+    return status;
+}
+
+// Pins are let go first, so that a velocity reaches them too.
+static wisp_status play( scene_world* world, const wisp_scene_event* e )
+{
+    scene_world_surface* s = &world->surfaces[e->surface];
+    wisp_status status = play_gas( world, e );
+    if ( status == WISP_OK && e->release )
+    {
+        status = wisp_unpin( world->world, s->entity, s->pins, s->pin_count );
+        s->is_released = true;
+    }
+    if ( status == WISP_OK && e->has_wind )
+    {
+        status = wisp_set_cloth_wind( world->world, s->entity, e->wind );
+    }
+    if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity ) )
+    {
+        status = wisp_set_velocity( world->world, s->entity, e->velocity, e->angular_velocity );
+    }
+    return status;
+}
+
+wisp_status scene_script_play( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = follow_keyframes( world, error );
+    while ( status == WISP_OK && world->next_event < scene->event_count &&
+            scene->events[world->next_event].step <= world->next_step )
+    {
+        const wisp_scene_event* event = &scene->events[world->next_event++];
+        status = play( world, event );
+        status = status == WISP_OK ? WISP_OK : scene_fail_at_line( world, event->line, event->column, status, error );
+    }
+    return status;
+}

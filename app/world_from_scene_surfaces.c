@@ -1,0 +1,360 @@
+// Surfaces of a scene: meshes read or made, fabrics cooked with what their effects need and nothing else, effects set.
+#include "world_from_scene_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// What a fabric is cooked with: all that the surfaces that share it need.
+enum
+{
+    NEEDS_CROSS_LINKS = 1,
+    NEEDS_HINGES = 2,
+    NEEDS_TETHERS = 4,
+};
+
+static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_status status, const char* sentence,
+                                    wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    return scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status, sentence, error );
+}
+
+// ---- meshes ----
+
+static void tell_repairs( const wisp_mesh_repairs* repairs, const char* called )
+{
+    if ( repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
+             repairs->loose_dropped >
+         0 )
+    {
+        char name[300];
+        snprintf( name, sizeof name, "wisp: warning: %s", called );
+        wisp_mesh_print_repairs( stderr, repairs, name );
+    }
+}
+
+static wisp_status check_demands( const wisp_scene_mesh* source, const wisp_mesh* mesh, wisp_error* error )
+{
+    wisp_mesh_report report;
+    wisp_status status = wisp_mesh_examine( mesh, &report, error );
+    return status == WISP_OK
+               ? wisp_mesh_require( &report, source->demands, source->file ? source->file : "the mesh", error )
+               : status;
+}
+
+wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
+                             wisp_mesh_repairs* repairs, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    wisp_mesh_repairs done = { 0 };
+    wisp_status status =
+        source->is_made ? wisp_mesh_make( &source->recipe, out, error ) : wisp_mesh_read( source->file, out, error );
+    if ( status == WISP_OK && source->repairs != 0 )
+    {
+        status = wisp_mesh_repair( out, source->repairs, &done, error );
+    }
+    if ( status == WISP_OK && source->demands != 0 )
+    {
+        status = check_demands( source, out, error );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_release( out );
+        wisp_mesh_repairs_release( &done );
+        return status;
+    }
+    tell_repairs( &done, called );
+    for ( int v = 0; v < out->vertex_count; ++v )
+    {
+        wisp_vec3* p = &out->points[v];
+        *p = ( wisp_vec3 ){ source->scale * p->x, source->scale * p->y, source->scale * p->z };
+    }
+    if ( repairs )
+    {
+        *repairs = done;
+    }
+    else
+    {
+        wisp_mesh_repairs_release( &done );
+    }
+    return WISP_OK;
+}
+
+// In the mesh's own frame.
+static wisp_status load_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_mesh_repairs* repairs,
+                              wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    char called[240];
+    snprintf( called, sizeof called, "%.120s:%d:%d: surface '%s'", scene->name, entry->line, entry->column,
+              entry->name );
+    wisp_error cause = { 0 };
+    wisp_status status = scene_mesh_load( &entry->mesh, called, out, repairs, &cause );
+    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.sentence, error );
+}
+
+static void place( wisp_vec3* points, int count, wisp_rigid pose )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        points[v] = wisp_rigid_to_world( pose, points[v] );
+    }
+}
+
+wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    int source = entry->instance_of >= 0 ? entry->instance_of : surface;
+    wisp_status status = load_mesh( scene, source, out, NULL, error );
+    if ( status == WISP_OK )
+    {
+        place( out->points, out->vertex_count, entry->pose );
+    }
+    return status;
+}
+
+// ---- fabrics ----
+
+static unsigned char needs_of( const wisp_scene_surface* entry )
+{
+    const bool cloth = entry->has_cloth;
+    const wisp_cloth_bending bending = entry->cloth.bending;
+    unsigned char needs = 0;
+    if ( entry->has_balloon || ( cloth && bending == WISP_CLOTH_BENDING_CROSS ) )
+    {
+        needs |= NEEDS_CROSS_LINKS;
+    }
+    if ( cloth && ( bending == WISP_CLOTH_BENDING_DIHEDRAL || bending == WISP_CLOTH_BENDING_ISOMETRIC ) )
+    {
+        needs |= NEEDS_HINGES;
+    }
+    return cloth && entry->cloth.tethers ? needs | NEEDS_TETHERS : needs;
+}
+
+// Cooked in the mesh's own frame, so that instances need nothing of where their source starts.
+static wisp_status cook( const wisp_scene* scene, int surface, unsigned char needs, const wisp_vec3* rest,
+                         scene_world_surface* out, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &scene->surfaces[surface];
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.points = rest;
+    def.triangles = out->mesh.triangles;
+    def.vertex_count = out->mesh.vertex_count;
+    def.triangle_count = out->mesh.triangle_count;
+    def.attachments = out->pins;
+    def.attachment_count = out->pin_count;
+    def.cross_links = ( needs & NEEDS_CROSS_LINKS ) != 0;
+    def.hinges = ( needs & NEEDS_HINGES ) != 0;
+    def.tethers = ( needs & NEEDS_TETHERS ) != 0;
+    def.levels = entry->levels;
+    def.sweep = entry->sweep;
+    def.tile_size = entry->tile_size;
+    wisp_error cause = { 0 };
+    wisp_status status = wisp_fabric_cook( &def, NULL, &out->fabric, &cause );
+    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.sentence, error );
+}
+
+static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** out, wisp_error* error )
+{
+    *out = malloc( (size_t)count * sizeof **out + 1 );
+    if ( !*out )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", count );
+    }
+    memcpy( *out, from, (size_t)count * sizeof **out );
+    return WISP_OK;
+}
+
+static wisp_status make_source( scene_world* world, int surface, unsigned char needs, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    scene_world_surface* s = &world->surfaces[surface];
+    wisp_status status = load_mesh( scene, surface, &s->mesh, &s->repairs, error );
+    wisp_vec3* rest = NULL;
+    status = status == WISP_OK ? copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error ) : status;
+    if ( status == WISP_OK )
+    {
+        place( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
+        status = scene_pins_find( scene, surface, s->repairs.kept, s->repairs.kept_count, s, error );
+    }
+    status = status == WISP_OK ? cook( scene, surface, needs, rest, s, error ) : status;
+    free( rest );
+    return status;
+}
+
+static wisp_status make_instance( scene_world* world, int surface, wisp_error* error )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    const scene_world_surface* source = &world->surfaces[entry->instance_of];
+    const wisp_fabric* fabric = source->fabric;
+    scene_world_surface* s = &world->surfaces[surface];
+    s->mesh.points = malloc( (size_t)fabric->vertex_count * sizeof( wisp_vec3 ) + 1 );
+    if ( !s->mesh.points )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", fabric->vertex_count );
+    }
+    s->mesh.vertex_count = fabric->vertex_count;
+    for ( int v = 0; v < fabric->vertex_count; ++v )
+    {
+        s->mesh.points[v] = fabric->rest[fabric->vertex_slot[v]];
+    }
+    place( s->mesh.points, s->mesh.vertex_count, entry->pose );
+    wisp_fabric_retain( source->fabric );
+    s->fabric = source->fabric;
+    return scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
+}
+
+// ---- effects ----
+
+static wisp_status add_particles( scene_world* world, int surface )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    scene_world_surface* s = &world->surfaces[surface];
+    wisp_surface_def def = wisp_default_surface_def();
+    def.fabric = s->fabric;
+    def.points = s->mesh.points;
+    def.area_density = entry->area_density;
+    def.vertex_mass = entry->vertex_mass;
+    def.pins = s->pins;
+    def.pin_count = s->pin_count;
+    wisp_status status = wisp_add_surface( world->world, &def, &s->entity );
+    status = status == WISP_OK ? wisp_set_gravity( world->world, s->entity, entry->gravity ) : status;
+    status = status == WISP_OK ? wisp_set_damping( world->world, s->entity, entry->damping ) : status;
+    status = status == WISP_OK
+                 ? wisp_set_strain_limit( world->world, s->entity, entry->strain_limit[0], entry->strain_limit[1] )
+                 : status;
+    return status == WISP_OK ? wisp_set_velocity( world->world, s->entity, entry->velocity, entry->angular_velocity )
+                             : status;
+}
+
+static wisp_status dress( scene_world* world, int surface, const wisp_balloon_def* balloon )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    wisp_entity entity = world->surfaces[surface].entity;
+    wisp_status status = WISP_OK;
+    if ( entry->has_cloth )
+    {
+        status = wisp_set_cloth( world->world, entity, &entry->cloth );
+    }
+    if ( status == WISP_OK && entry->has_balloon )
+    {
+        status = wisp_set_balloon( world->world, entity, balloon );
+    }
+    if ( status == WISP_OK && entry->has_collision )
+    {
+        status = wisp_set_collision( world->world, entity, &entry->collision );
+    }
+    return status;
+}
+
+static wisp_status wish( scene_world* world, int surface )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    wisp_entity entity = world->surfaces[surface].entity;
+    const struct
+    {
+        bool wanted;
+        wisp_component component;
+    } columns[] = {
+        { entry->want_points, WISP_SURFACE_POINTS },   { entry->want_normals, WISP_SURFACE_NORMALS },
+        { entry->want_strain, WISP_POINT_STRAIN },     { entry->want_speed, WISP_POINT_SPEED },
+        { entry->want_quality, WISP_SURFACE_QUALITY },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
+    {
+        status = columns[i].wanted ? wisp_want( world->world, entity, columns[i].component ) : WISP_OK;
+    }
+    if ( status == WISP_OK && entry->want_figures )
+    {
+        status = wisp_want_balloon_figures( world->world, entity, true );
+    }
+    if ( status == WISP_OK && entry->want_contacts )
+    {
+        status = wisp_want_collision_figures( world->world, entity, true );
+    }
+    return status;
+}
+
+static wisp_status add_effects( scene_world* world, int surface, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    const scene_world_surface* s = &world->surfaces[surface];
+    const int source = scene->surfaces[surface].instance_of;
+    const wisp_mesh_repairs* repairs = source >= 0 ? &world->surfaces[source].repairs : &s->repairs;
+    wisp_balloon_def balloon;
+    wisp_status status =
+        scene_outlet_find( scene, surface, repairs->kept, repairs->kept_count, &s->mesh, &balloon, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = add_particles( world, surface );
+    status = status == WISP_OK ? dress( world, surface, &balloon ) : status;
+    status = status == WISP_OK ? wish( world, surface ) : status;
+    return status == WISP_OK ? WISP_OK
+                             : fail_at_surface( scene, surface, status, wisp_world_message( world->world ), error );
+}
+
+// ---- all of them ----
+
+// The scene's own meshes were counted when it was read; files only tell now.
+static wisp_status count_vertices( const scene_world* world, int surface, int64_t* sum, wisp_error* error )
+{
+    *sum += world->surfaces[surface].mesh.vertex_count;
+    if ( *sum <= WISP_SCENE_MAX_VERTICES )
+    {
+        return WISP_OK;
+    }
+    char sentence[100];
+    snprintf( sentence, sizeof sentence, "the surfaces up to here have %lld vertices, at most %d", (long long)*sum,
+              WISP_SCENE_MAX_VERTICES );
+    return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, sentence, error );
+}
+
+static void find_needs( const wisp_scene* scene, unsigned char* needs )
+{
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* entry = &scene->surfaces[i];
+        needs[entry->instance_of >= 0 ? entry->instance_of : i] |= needs_of( entry );
+    }
+}
+
+wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    unsigned char* needs = calloc( (size_t)scene->surface_count + 1, 1 );
+    world->surfaces = calloc( (size_t)scene->surface_count + 1, sizeof *world->surfaces );
+    if ( !needs || !world->surfaces )
+    {
+        free( needs );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its surfaces", scene->name );
+    }
+    find_needs( scene, needs );
+    int64_t sum = 0;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        status = scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error )
+                                                     : make_source( world, i, needs[i], error );
+        status = status == WISP_OK ? count_vertices( world, i, &sum, error ) : status;
+        status = status == WISP_OK ? add_effects( world, i, error ) : status;
+    }
+    free( needs );
+    return status;
+}
+
+void scene_surfaces_release( scene_world* world )
+{
+    for ( int i = 0; world->surfaces && i < world->scene->surface_count; ++i )
+    {
+        scene_world_surface* s = &world->surfaces[i];
+        wisp_mesh_release( &s->mesh );
+        wisp_mesh_repairs_release( &s->repairs );
+        wisp_fabric_release( s->fabric );
+        free( s->pins );
+        free( s->pin_targets );
+    }
+    free( world->surfaces );
+}

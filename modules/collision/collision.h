@@ -1,0 +1,96 @@
+/// Collision: surfaces that bodies keep out, with Coulomb friction. Bodies are planes, spheres, capsules and boxes in
+/// closed form, and triangle meshes through Embree; they stand still or move as they are told.
+#pragma once
+
+#include "wisp/shapes.h"
+#include "wisp/wisp.h"
+
+WISP_BEGIN_C
+
+WISP_API extern const wisp_module wisp_collision_module;
+
+/// So many contacts a particle can have at once. The nearest are kept; wisp_collision_figures counts the rest.
+#define WISP_COLLISION_CONTACTS 3
+
+typedef enum wisp_collider_kind
+{
+    WISP_COLLIDER_PLANE,   ///< the half space y <= 0 of its own frame
+    WISP_COLLIDER_SPHERE,  ///< around the origin of its frame
+    WISP_COLLIDER_CAPSULE, ///< along the y axis of its frame
+    WISP_COLLIDER_BOX,     ///< around the origin, edges along the axes
+    WISP_COLLIDER_MESH,    ///< triangles; needs Embree
+    WISP_COLLIDER_COUNT,
+} wisp_collider_kind;
+
+/// A rigid body that surfaces collide with. Fill from wisp_default_collider_def(). Copied; may die after the call.
+typedef struct wisp_collider_def
+{
+    wisp_collider_kind kind;
+    float radius;             ///< m, > 0: sphere, capsule; default 1
+    float half_length;        ///< m, >= 0: capsule, from the centre to that of a cap; default 1
+    wisp_vec3 half_extent;    ///< m, each > 0: box; default 1
+    const wisp_vec3* points;  ///< [point_count] m: mesh, in the body's frame
+    const int32_t* triangles; ///< [triangle_count][3]: mesh, counter-clockwise seen from outside
+    int point_count, triangle_count;
+    bool sheet;             ///< mesh: two-sided, without an inside; default false: a body, whose mesh must be closed
+    wisp_rigid pose;        ///< where the body stands; default: at the origin, not turned
+    float static_friction;  ///< mu that must be overcome, >= 0, default 0.5
+    float kinetic_friction; ///< mu while sliding, 0 .. static_friction, default 0.5
+    float thickness;        ///< m, >= 0: added to that of what touches the body, default 0
+    uint32_t layers;        ///< bits; a surface collides with the body if its mask has one of them; default 1
+    uint32_t made_by_default;
+} wisp_collider_def;
+
+WISP_API wisp_collider_def wisp_default_collider_def( void );
+
+/// Add a body. wisp_remove() takes it away again.
+/// @param out receives the entity, null on failure
+/// @return WISP_BAD_INPUT a value is out of range, a point or an index is wrong, or the mesh of a body is open (the
+///         sentence names it); WISP_NO_MEMORY; WISP_CONFLICT the module is not registered, or a mesh without Embree
+WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, wisp_entity* out );
+
+/// Carry a body so that it is at the pose at the end of the next step: in a straight line, turning the shorter way. What
+/// it meets is pushed and dragged along; however fast it is, it passes through no particle. Without another call it
+/// stands still from then on.
+/// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider
+WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider, wisp_rigid pose );
+
+/// How a surface collides. Fill from wisp_default_collision_def(). Copied.
+typedef struct wisp_collision_def
+{
+    float
+        thickness; ///< m, the distance that particles keep; default 0: a quarter of the mean rest length of the edges
+    float friction;       ///< times that of the body, >= 0, default 1
+    float recovery_speed; ///< m/s: how fast a particle that begins inside a body is moved out, which gives it no
+                          ///< velocity; default 0: ten mean edges a second
+    uint32_t mask;        ///< of the layers to collide with, default all
+    bool enabled;         ///< default true
+    uint32_t made_by_default;
+} wisp_collision_def;
+
+WISP_API wisp_collision_def wisp_default_collision_def( void );
+
+/// Let a surface collide with the bodies of the world, or change how it does. Vertices that are pinned are not moved.
+/// @return WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_CONFLICT the module is not registered,
+///         or the entity is not a surface; WISP_NO_MEMORY
+WISP_API wisp_status wisp_set_collision( wisp_world* world, wisp_entity surface, const wisp_collision_def* def );
+
+/// Figures of a surface at the end of a step, over its vertices that are not pinned.
+typedef struct wisp_collision_figures
+{
+    float penetration; ///< m, how much nearer than the thickness a vertex is to a body, at most; 0: none is
+    float thickness;   ///< m, to compare it with: that of the surface, and of the body there
+    int32_t vertex;    ///< which one, the user's number; -1: none
+    int32_t contacts;  ///< vertices that a body presses on
+    int32_t dropped;   ///< contacts beyond WISP_COLLISION_CONTACTS a vertex, not answered for
+} wisp_collision_figures;
+
+/// Ask for figures from the next step on. They cost a query a vertex and body.
+/// @return WISP_CONFLICT the surface has no collision
+WISP_API wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity surface, bool wanted );
+
+/// @return WISP_CONFLICT nobody asked for them. Without a body, or before the first step, there is nothing: vertex is -1
+WISP_API wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity surface,
+                                                  wisp_collision_figures* out );
+
+WISP_END_C

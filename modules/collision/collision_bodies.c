@@ -1,0 +1,348 @@
+// Bodies: what they are made from, where they are, and how they are carried.
+#include "collision_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t COLLIDER_DEF_MADE = 0x434f4c44;
+
+wisp_collider_def wisp_default_collider_def( void )
+{
+    return ( wisp_collider_def ){
+        .kind = WISP_COLLIDER_PLANE,
+        .radius = 1.0f,
+        .half_length = 1.0f,
+        .half_extent = { 1.0f, 1.0f, 1.0f },
+        .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
+        .static_friction = 0.5f,
+        .kinetic_friction = 0.5f,
+        .layers = 1,
+        .made_by_default = COLLIDER_DEF_MADE,
+    };
+}
+
+// ---- checks ----
+
+static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
+{
+    const bool round = d->kind == WISP_COLLIDER_SPHERE || d->kind == WISP_COLLIDER_CAPSULE;
+    const bool box = d->kind == WISP_COLLIDER_BOX;
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+        bool counts;
+    } ranges[] = {
+        { "kind", (float)d->kind, 0.0f, (float)( WISP_COLLIDER_COUNT - 1 ), true },
+        { "radius", d->radius, 1e-6f, 1e6f, round },
+        { "half_length", d->half_length, 0.0f, 1e6f, d->kind == WISP_COLLIDER_CAPSULE },
+        { "half_extent.x", d->half_extent.x, 1e-6f, 1e6f, box },
+        { "half_extent.y", d->half_extent.y, 1e-6f, 1e6f, box },
+        { "half_extent.z", d->half_extent.z, 1e-6f, 1e6f, box },
+        { "static_friction", d->static_friction, 0.0f, 1e6f, true },
+        { "kinetic_friction", d->kinetic_friction, 0.0f, d->static_friction, true },
+        { "thickness", d->thickness, 0.0f, 1e6f, true },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( ranges[i].counts && !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "collider: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static bool is_place( wisp_vec3 p )
+{
+    return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
+}
+
+static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
+{
+    const wisp_vec3 p = pose.translation;
+    if ( is_place( p ) == false )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "collider: (%g, %g, %g) is not a place within 1e6 m of the origin", (double)p.x,
+                                (double)p.y, (double)p.z );
+    }
+    const wisp_quat q = pose.rotation;
+    float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    if ( !( squared >= 1e-12f && squared <= 1e12f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: the quaternion (%g, %g, %g, %g) is no rotation",
+                                (double)q.x, (double)q.y, (double)q.z, (double)q.w );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_points( wisp_world* world, const wisp_collider_def* d )
+{
+    for ( int v = 0; v < d->point_count && d->points != NULL; ++v )
+    {
+        const wisp_vec3 p = d->points[v];
+        if ( is_place( p ) == false )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "collider: point %d, (%g, %g, %g), is not within 1e6 m of the origin", v,
+                                    (double)p.x, (double)p.y, (double)p.z );
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- meshes ----
+
+// Six times the volume, about the first point.
+static double signed_volume( const wisp_collider_def* d )
+{
+    const wisp_vec3 o = d->points[d->triangles[0]];
+    double sum = 0.0;
+    for ( int t = 0; t < d->triangle_count; ++t )
+    {
+        double e[3][3];
+        for ( int corner = 0; corner < 3; ++corner )
+        {
+            const wisp_vec3 p = d->points[d->triangles[3 * (size_t)t + (size_t)corner]];
+            e[corner][0] = (double)p.x - (double)o.x;
+            e[corner][1] = (double)p.y - (double)o.y;
+            e[corner][2] = (double)p.z - (double)o.z;
+        }
+        sum += e[0][0] * ( e[1][1] * e[2][2] - e[1][2] * e[2][1] ) +
+               e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
+               e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
+    }
+    return sum;
+}
+
+static void measure_mesh( const wisp_collider_def* d, collision_body* body )
+{
+    wisp_vec3 low = d->points[0], high = low;
+    for ( int v = 1; v < d->point_count; ++v )
+    {
+        const wisp_vec3 p = d->points[v];
+        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
+        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+    }
+    // a little more than it is, for the rounding of the sums
+    const float most = 0.50001f;
+    body->half = ( wisp_vec3 ){ most * ( high.x - low.x ), most * ( high.y - low.y ), most * ( high.z - low.z ) };
+    body->centre = ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+    body->ball_radius = collision_length( body->half );
+}
+
+static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, collision_body* body )
+{
+    wisp_status status = check_points( world, d );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_mesh_tree_def def = {
+        .points = d->points,
+        .triangles = d->triangles,
+        .point_count = d->point_count,
+        .triangle_count = d->triangle_count,
+    };
+    wisp_error error = { 0 };
+    status = wisp_mesh_tree_create( &def, wisp_world_allocator( world ), &body->tree, &error );
+    if ( status != WISP_OK )
+    {
+        return wisp_world_fail( world, status, "collider: %s", error.sentence );
+    }
+    int open = wisp_mesh_tree_get_facts( body->tree ).open_edge_count;
+    if ( d->sheet == false && open > 0 )
+    {
+        status = wisp_world_fail( world, WISP_BAD_INPUT,
+                                  "collider: the mesh has %d open edges, so nothing is inside: close it or call it a "
+                                  "sheet",
+                                  open );
+    }
+    else if ( d->sheet == false && !( signed_volume( d ) > 0.0 ) )
+    {
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the mesh face inwards" );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_tree_release( body->tree );
+        body->tree = NULL;
+        return status;
+    }
+    measure_mesh( d, body );
+    return WISP_OK;
+}
+
+static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, collision_body* body )
+{
+    static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
+                                             WISP_SHAPE_BOX };
+    *body = ( collision_body ){ .sheet = d->kind == WISP_COLLIDER_MESH && d->sheet };
+    if ( d->kind == WISP_COLLIDER_MESH )
+    {
+        return make_mesh( world, d, body );
+    }
+    body->shape = ( wisp_shape ){ KINDS[d->kind], d->radius, d->half_length, d->half_extent };
+    const float r = d->radius, all = INFINITY;
+    const wisp_vec3 halves[] = { { all, all, all }, { r, r, r }, { r, r + d->half_length, r }, d->half_extent };
+    body->half = halves[d->kind];
+    body->ball_radius = collision_length( body->half );
+    return WISP_OK;
+}
+
+// ---- the list ----
+
+bool collision_forget_body( collision_state* state, wisp_entity entity )
+{
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        collision_body* body = state->bodies + i;
+        if ( body->entity.index == entity.index && body->entity.generation == entity.generation )
+        {
+            wisp_mesh_tree_release( body->tree );
+            state->body_count -= 1;
+            memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
+            return true;
+        }
+    }
+    return false;
+}
+
+static void fill_collider( collision_collider* to, const wisp_collider_def* d )
+{
+    const wisp_rigid pose = wisp_rigid_make( d->pose.rotation, d->pose.translation );
+    *to = ( collision_collider ){ pose, pose, d->static_friction, d->kinetic_friction, d->thickness, d->layers };
+}
+
+// From here on the body is known by its entity, so taking that away takes back everything.
+static wisp_status enter_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
+                               collision_body* body )
+{
+    wisp_status status = wisp_world_add_plain( world, &body->entity );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_entity entity = body->entity;
+    state->bodies[state->body_count++] = *body;
+    body->tree = NULL; // the list has it now
+    status = wisp_world_attach( world, entity, state->collider );
+    if ( status == WISP_OK )
+    {
+        fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
+        status = collision_dress_surfaces( world, state );
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_remove( world, entity );
+    }
+    return status;
+}
+
+wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, wisp_entity* out )
+{
+    WISP_ASSERT( def->made_by_default == COLLIDER_DEF_MADE );
+    *out = ( wisp_entity ){ 0, 0 };
+    collision_state* state;
+    wisp_status status = collision_find_state( world, &state );
+    status = status == WISP_OK ? check_sizes( world, def ) : status;
+    status = status == WISP_OK ? check_pose( world, def->pose ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( collision_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
+                            sizeof( collision_body ) ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d colliders", state->body_count + 1 );
+    }
+    collision_body body;
+    status = make_body( world, def, &body );
+    status = status == WISP_OK ? enter_body( world, state, def, &body ) : status;
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_tree_release( body.tree );
+        return status;
+    }
+    *out = body.entity;
+    return WISP_OK;
+}
+
+// ---- motion ----
+
+wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_rigid pose )
+{
+    collision_state* state;
+    wisp_status status = collision_find_state( world, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const collision_collider* collider = wisp_world_column( world, entity, state->collider, 0 );
+    if ( collider == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a collider", entity.index );
+    }
+    const wisp_rigid now = collider->to;
+    status = check_pose( world, pose );
+    if ( status == WISP_OK && wisp_world_has( world, entity, state->motion ) == false )
+    {
+        status = wisp_world_attach( world, entity, state->motion );
+        status = status == WISP_OK ? wisp_want( world, entity, state->collider ) : status;
+        if ( status == WISP_OK )
+        {
+            *(wisp_rigid*)wisp_world_column( world, entity, state->motion, 0 ) = now;
+        }
+    }
+    if ( status == WISP_OK )
+    {
+        *(wisp_rigid*)wisp_world_column( world, entity, state->motion, 0 ) =
+            wisp_rigid_make( pose.rotation, pose.translation );
+    }
+    return status;
+}
+
+void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
+    const wisp_rigid* target = wisp_frame_column( frame, span->entity, state->motion, 0 );
+    collider->from = collider->to;
+    collider->to = *target;
+}
+
+// A body that stands still does so to the last bit, which an interpolated pose would not.
+static void place( wisp_frame* frame, const collision_collider* collider, collision_view* view )
+{
+    if ( memcmp( &collider->from, &collider->to, sizeof( wisp_rigid ) ) == 0 )
+    {
+        view->before = view->after = collider->to;
+        return;
+    }
+    float count = (float)wisp_frame_substeps( frame ), now = (float)wisp_frame_substep( frame );
+    view->before = wisp_rigid_between( collider->from, collider->to, now / count );
+    view->after = wisp_rigid_between( collider->from, collider->to, ( now + 1.0f ) / count );
+}
+
+bool collision_next( wisp_frame* frame, wisp_entity surface, const collision_state* state, int* next,
+                     collision_view* out )
+{
+    const collision_settings* settings = wisp_frame_column( frame, surface, state->settings, 0 );
+    for ( ; *next < state->body_count; ++*next )
+    {
+        const collision_body* body = state->bodies + *next;
+        const collision_collider* collider = wisp_frame_column( frame, body->entity, state->collider, 0 );
+        if ( ( collider->layers & settings->mask ) != 0 )
+        {
+            out->body = body;
+            place( frame, collider, out );
+            out->thickness = settings->thickness + collider->thickness;
+            out->static_friction = settings->friction * collider->static_friction;
+            out->kinetic_friction = settings->friction * collider->kinetic_friction;
+            ++*next;
+            return true;
+        }
+    }
+    return false;
+}

@@ -1,0 +1,151 @@
+/// What the files of this folder share.
+#pragma once
+
+#include "collision.h"
+
+#include "wisp/components.h"
+#include "wisp/mesh_tree.h"
+#include "wisp/module.h"
+
+#include <math.h>
+
+/// What never changes about a body.
+typedef struct collision_body
+{
+    wisp_entity entity;
+    wisp_shape shape;     // unless there is a tree
+    wisp_mesh_tree* tree; // null for a closed form
+    bool sheet;
+    wisp_vec3 centre;  // m, of a box and a ball around the body, in its frame
+    wisp_vec3 half;    // m, of the box; infinite for a plane
+    float ball_radius; // m
+} collision_body;
+
+/// Bodies and surfaces in the order they came: passes walk it, so it must not depend on anything else.
+typedef struct collision_state
+{
+    wisp_component settings; // collision_settings: the surface collides
+    wisp_component contact;  // rows of particles; only while there is a body to touch
+    wisp_component figures;  // wisp_collision_figures
+    wisp_component collider; // collision_collider
+    wisp_component motion;   // a pose: the body is moved
+    collision_body* bodies;
+    int body_count, body_capacity;
+    wisp_entity* surfaces;
+    int surface_count, surface_capacity;
+} collision_state;
+
+/// A surface's definition with the defaults filled in.
+typedef struct collision_settings
+{
+    float thickness, friction, recovery_speed;
+    uint32_t mask;
+    int32_t enabled, figures;
+} collision_settings;
+
+/// A body where it is, and how it feels.
+typedef struct collision_collider
+{
+    wisp_rigid from, to; // at the start and at the end of the step
+    float static_friction, kinetic_friction;
+    float thickness;
+    uint32_t layers;
+} collision_collider;
+
+/// A half space that a particle must stay in for a substep, and what keeping it there has cost so far.
+typedef struct collision_contact
+{
+    float point[3];  // m, on the body, where it is at the end of the substep
+    float normal[3]; // unit, away from the body
+    float motion[3]; // m, that the body's surface moves in the substep
+    float gap;       // m, to be kept along the normal
+    float pushed;    // m, along the normal, >= 0: stands for the normal impulse
+    float rubbed[3]; // m, across it: stands for friction's
+    float static_friction, kinetic_friction;
+} collision_contact;
+
+/// A body in one substep, seen from a surface.
+typedef struct collision_view
+{
+    const collision_body* body;
+    wisp_rigid before, after;
+    float thickness; // m, of body and surface
+    float static_friction, kinetic_friction;
+} collision_view;
+
+/// The bodies that a surface collides with in this substep, one after another: start with *next = 0.
+bool collision_next( wisp_frame* frame, wisp_entity surface, const collision_state* state, int* next,
+                     collision_view* out );
+
+// ---- collision_query.c: closed forms and meshes alike, in the body's frame ----
+
+/// How far a point is from the box around the body, m; 0 inside.
+float collision_box_distance( const collision_body* body, wisp_vec3 p );
+/// How far a box in the world at least stays from the ball around the body in the substep, m; 0 for a body that turns.
+float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high );
+/// The surface near each point: false where nothing is within its radius, or the point is not finite. Inside a body
+/// there always is a surface. A sheet has its normal towards the point and no distance below 0.
+void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
+                        wisp_surface_point* nearest, bool* found );
+/// The first time a path enters the body, or crosses the sheet from either side.
+bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
+
+// ---- passes ----
+
+void collision_find( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_project( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );
+
+// ---- collision_module.c ----
+
+/// Surfaces have contacts while there is a body and they are enabled. Without memory everything is as it was.
+wisp_status collision_dress_surfaces( wisp_world* world, collision_state* state );
+/// The module's state, or a sentence that it is not registered.
+wisp_status collision_find_state( wisp_world* world, collision_state** out );
+/// Room for one more element behind `count`; the array may move.
+bool collision_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element );
+/// Take a body off the list and free its tree. @return whether there was one
+bool collision_forget_body( collision_state* state, wisp_entity entity );
+
+// ---- small vectors ----
+
+static inline wisp_vec3 collision_load( const float* p )
+{
+    return ( wisp_vec3 ){ p[0], p[1], p[2] };
+}
+
+static inline void collision_store( float* to, wisp_vec3 v )
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+static inline wisp_vec3 collision_sub( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+/// a + s b
+static inline wisp_vec3 collision_add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline float collision_length( wisp_vec3 a )
+{
+    return sqrtf( collision_dot( a, a ) );
+}
+
+/// Make a box hold a point.
+static inline void collision_widen( wisp_vec3* low, wisp_vec3* high, wisp_vec3 p )
+{
+    *low = ( wisp_vec3 ){ fminf( low->x, p.x ), fminf( low->y, p.y ), fminf( low->z, p.z ) };
+    *high = ( wisp_vec3 ){ fmaxf( high->x, p.x ), fmaxf( high->y, p.y ), fmaxf( high->z, p.z ) };
+}

@@ -1,0 +1,337 @@
+#include "collision_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
+
+#define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
+#define COLLISION_CONTACT_COLUMNS( X )                                                                               \
+    X( int32_t, count, 1 ) /* contacts met; so many or WISP_COLLISION_CONTACTS are kept */                           \
+    X( float, found, 4 )   /* m, where they were looked for, and how far from there nothing else is met */           \
+    X( collision_contact, contact, WISP_COLLISION_CONTACTS )
+#define COLLISION_FIGURES_COLUMNS( X ) X( wisp_collision_figures, figures, 1 )
+#define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
+#define COLLISION_MOTION_COLUMNS( X ) X( wisp_rigid, target, 1 ) /* at the end of the next step */
+
+static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def FIGURES_COLUMNS[] = { COLLISION_FIGURES_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
+
+// ---- what is declared ----
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    collision_state* state = memory;
+    for ( int i = 0; i < state->body_count; ++i )
+    {
+        wisp_mesh_tree_release( state->bodies[i].tree );
+    }
+    if ( state->bodies != NULL )
+    {
+        allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
+    }
+    if ( state->surfaces != NULL )
+    {
+        allocator->release( allocator->user, state->surfaces,
+                            (size_t)state->surface_capacity * sizeof( wisp_entity ) );
+    }
+}
+
+static bool is_same( wisp_entity a, wisp_entity b )
+{
+    return a.index == b.index && a.generation == b.generation;
+}
+
+static bool forget_surface( collision_state* state, wisp_entity surface )
+{
+    for ( int i = 0; i < state->surface_count; ++i )
+    {
+        if ( is_same( state->surfaces[i], surface ) )
+        {
+            state->surface_count -= 1;
+            memmove( state->surfaces + i, state->surfaces + i + 1,
+                     (size_t)( state->surface_count - i ) * sizeof( wisp_entity ) );
+            return true;
+        }
+    }
+    return false;
+}
+
+// With the last body the surfaces lose their contacts, and so the plan its passes. That only takes away, so it cannot
+// fail.
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    collision_state* state = memory;
+    if ( forget_surface( state, entity ) == false && collision_forget_body( state, entity ) )
+    {
+        collision_dress_surfaces( world, state );
+    }
+}
+
+static wisp_status declare_components( wisp_registry* r, collision_state* state )
+{
+    const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
+    const wisp_component_def contact = { "collision.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS,
+                                         WISP_COUNT( CONTACT_COLUMNS ) };
+    const wisp_component_def figures = { "collision.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 };
+    const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
+    const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
+    state->settings = wisp_declare_component( r, &settings );
+    state->contact = wisp_declare_component( r, &contact );
+    state->figures = wisp_declare_component( r, &figures );
+    state->collider = wisp_declare_component( r, &collider );
+    state->motion = wisp_declare_component( r, &motion );
+    return state->motion != 0 ? WISP_OK : WISP_BAD_INPUT;
+}
+
+static wisp_status declare_passes( wisp_registry* r, collision_state* state )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "collision.carry",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { state->motion, state->collider },
+            .reads = { state->motion, state->collider },
+            .writes = { state->collider },
+            .run = collision_carry,
+            .user = state,
+        },
+        {
+            .name = "collision.find",
+            .stage = WISP_STAGE_CONTACT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { state->settings, state->contact },
+            .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .run = collision_find,
+            .user = state,
+        },
+        {
+            .name = "collision.project",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { state->settings, state->contact },
+            .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { state->contact, WISP_PARTICLE_POSITION },
+            .run = collision_project,
+            .user = state,
+        },
+        {
+            .name = "collision.figures",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { state->settings, state->contact },
+            .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
+            .writes = { state->figures },
+            .run = collision_measure,
+            .user = state,
+        },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        status = wisp_declare_pass( r, passes + i );
+    }
+    return status;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    collision_state* state = wisp_declare_state( r, sizeof( collision_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_status status = declare_components( r, state );
+    return status == WISP_OK ? declare_passes( r, state ) : status;
+}
+
+const wisp_module wisp_collision_module = { .name = "collision", .declare = declare };
+
+// ---- what the files of this folder share ----
+
+wisp_status collision_find_state( wisp_world* world, collision_state** out )
+{
+    *out = wisp_world_module_state( world, "collision" );
+    return *out != NULL
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "the module collision is not registered in this world" );
+}
+
+bool collision_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element )
+{
+    if ( count < *capacity )
+    {
+        return true;
+    }
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    int more = *capacity > 0 ? 2 * *capacity : 4;
+    void* grown = allocator->allocate( allocator->user, (size_t)more * element, 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    if ( *array != NULL )
+    {
+        memcpy( grown, *array, (size_t)count * element );
+        allocator->release( allocator->user, *array, (size_t)*capacity * element );
+    }
+    *array = grown;
+    *capacity = more;
+    return true;
+}
+
+static wisp_status dress( wisp_world* world, const collision_state* state, wisp_entity surface )
+{
+    const collision_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
+    const bool active = state->body_count > 0 && settings->enabled != 0, figures = active && settings->figures != 0;
+    wisp_status status = WISP_OK;
+    if ( figures == false )
+    {
+        status = wisp_unwant( world, surface, state->figures );
+    }
+    if ( status == WISP_OK )
+    {
+        status = active ? wisp_world_attach( world, surface, state->contact )
+                        : wisp_world_detach( world, surface, state->contact );
+    }
+    return status == WISP_OK && figures ? wisp_want( world, surface, state->figures ) : status;
+}
+
+wisp_status collision_dress_surfaces( wisp_world* world, collision_state* state )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < state->surface_count && status == WISP_OK; ++i )
+    {
+        status = dress( world, state, state->surfaces[i] );
+    }
+    return status;
+}
+
+// ---- surfaces ----
+
+wisp_collision_def wisp_default_collision_def( void )
+{
+    return ( wisp_collision_def ){
+        .friction = 1.0f,
+        .mask = UINT32_MAX,
+        .enabled = true,
+        .made_by_default = COLLISION_DEF_MADE,
+    };
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value;
+    } ranges[] = {
+        { "thickness", d->thickness },
+        { "friction", d->friction },
+        { "recovery_speed", d->recovery_speed },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= 1e6f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "collision: %s is %g, it must be 0 to 1e6", ranges[i].name,
+                                    (double)ranges[i].value );
+        }
+    }
+    return WISP_OK;
+}
+
+// The one length that a surface has of its own. A mesh whose edges all have no length gets a millimetre.
+static float mean_edge( const wisp_fabric* fabric )
+{
+    double sum = 0.0;
+    for ( int e = 0; e < fabric->edge_count; ++e )
+    {
+        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
+        sum += (double)collision_length( collision_sub( a, b ) );
+    }
+    return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 1e-3f;
+}
+
+static collision_settings resolve( const wisp_collision_def* d, const wisp_fabric* fabric, int32_t figures )
+{
+    const float edge = mean_edge( fabric );
+    return ( collision_settings ){
+        .thickness = d->thickness > 0.0f ? d->thickness : 0.25f * edge,
+        .friction = d->friction,
+        .recovery_speed = d->recovery_speed > 0.0f ? d->recovery_speed : 10.0f * edge,
+        .mask = d->mask,
+        .enabled = d->enabled ? 1 : 0,
+        .figures = figures,
+    };
+}
+
+static wisp_status find_surface( wisp_world* world, wisp_entity surface )
+{
+    if ( wisp_is_alive( world, surface ) == false )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                surface.index, surface.generation );
+    }
+    return wisp_world_fabric( world, surface ) != NULL
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot collide",
+                                  surface.index );
+}
+
+// A surface that is new to collision, on the list and with settings that are still zero.
+static wisp_status enter_surface( wisp_world* world, collision_state* state, wisp_entity surface )
+{
+    if ( collision_reserve( world, (void**)&state->surfaces, &state->surface_capacity, state->surface_count,
+                            sizeof( wisp_entity ) ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d surfaces that collide",
+                                state->surface_count + 1 );
+    }
+    wisp_status status = wisp_world_attach( world, surface, state->settings );
+    if ( status == WISP_OK )
+    {
+        state->surfaces[state->surface_count++] = surface;
+    }
+    return status;
+}
+
+wisp_status wisp_set_collision( wisp_world* world, wisp_entity surface, const wisp_collision_def* def )
+{
+    WISP_ASSERT( def->made_by_default == COLLISION_DEF_MADE );
+    collision_state* state;
+    wisp_status status = collision_find_state( world, &state );
+    status = status == WISP_OK ? find_surface( world, surface ) : status;
+    status = status == WISP_OK ? check_def( world, def ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const bool is_new = wisp_world_has( world, surface, state->settings ) == false;
+    status = is_new ? enter_surface( world, state, surface ) : WISP_OK;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    collision_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
+    const collision_settings before = *settings;
+    *settings = resolve( def, wisp_world_fabric( world, surface ), before.figures );
+    status = dress( world, state, surface );
+    if ( status != WISP_OK )
+    {
+        *settings = before;
+        dress( world, state, surface ); // only takes away: what it was dressed in is there already
+    }
+    if ( status != WISP_OK && is_new )
+    {
+        forget_surface( state, surface );
+        wisp_world_detach( world, surface, state->settings );
+    }
+    return status;
+}

@@ -1,0 +1,125 @@
+// One question for closed forms and meshes: what is near, and what is in the way.
+#include "collision_internal.h"
+
+#include <string.h>
+
+// Both sides of a sheet are outside: the normal turns to where the point is.
+static void turn_to_point( wisp_surface_point* nearest )
+{
+    if ( nearest->distance < 0.0f )
+    {
+        nearest->distance = -nearest->distance;
+        nearest->normal = ( wisp_vec3 ){ -nearest->normal.x, -nearest->normal.y, -nearest->normal.z };
+    }
+}
+
+static float outside( float distance, float half )
+{
+    return fmaxf( 0.0f, fabsf( distance ) - half );
+}
+
+float collision_box_distance( const collision_body* body, wisp_vec3 p )
+{
+    const wisp_vec3 d = collision_sub( p, body->centre );
+    return collision_length(
+        ( wisp_vec3 ){ outside( d.x, body->half.x ), outside( d.y, body->half.y ), outside( d.z, body->half.z ) } );
+}
+
+static float apart( float low, float high, float other_low, float other_high )
+{
+    return fmaxf( 0.0f, fmaxf( low - other_high, other_low - high ) );
+}
+
+float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high )
+{
+    // seen from a body that turns, what stands still runs along a chord, which may cut through the ball
+    if ( memcmp( &view->before.rotation, &view->after.rotation, sizeof( wisp_quat ) ) != 0 )
+    {
+        return 0.0f;
+    }
+    const wisp_vec3 a = wisp_rigid_to_world( view->before, view->body->centre );
+    const wisp_vec3 b = wisp_rigid_to_world( view->after, view->body->centre );
+    const wisp_vec3 d = {
+        apart( low.x, high.x, fminf( a.x, b.x ), fmaxf( a.x, b.x ) ),
+        apart( low.y, high.y, fminf( a.y, b.y ), fmaxf( a.y, b.y ) ),
+        apart( low.z, high.z, fminf( a.z, b.z ), fmaxf( a.z, b.z ) ),
+    };
+    return collision_length( d ) - view->body->ball_radius;
+}
+
+// The first face on the way out of the box tells: from within a body it is seen from behind. A ray costs a tenth of
+// looking for a surface that may be far away.
+static bool is_inside( const collision_body* body, wisp_vec3 p )
+{
+    if ( body->sheet || collision_box_distance( body, p ) > 0.0f )
+    {
+        return false;
+    }
+    const float side = p.y < body->centre.y ? -1.1f : 1.1f;
+    const wisp_mesh_path way_out = { p, { p.x, body->centre.y + side * body->half.y, p.z } };
+    wisp_mesh_hit hit;
+    wisp_mesh_tree_sweep( body->tree, &way_out, 1, &hit, NULL );
+    return hit.triangle >= 0 && hit.side < 0.0f;
+}
+
+// A quick look nearby; only who is deep inside has to look as far as it takes.
+static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* queries, int count,
+                             wisp_surface_point* nearest, bool* found )
+{
+    enum
+    {
+        BATCH = 64,
+    };
+    wisp_mesh_nearest answers[BATCH];
+    for ( int first = 0; first < count; first += BATCH )
+    {
+        int n = count - first < BATCH ? count - first : BATCH;
+        wisp_mesh_tree_closest( body->tree, queries + first, n, answers, NULL );
+        for ( int i = 0; i < n; ++i )
+        {
+            wisp_mesh_nearest* a = answers + i;
+            const wisp_mesh_query anywhere = { queries[first + i].point, INFINITY };
+            if ( a->triangle < 0 && is_inside( body, anywhere.point ) )
+            {
+                wisp_mesh_tree_closest( body->tree, &anywhere, 1, a, NULL );
+            }
+            found[first + i] = a->triangle >= 0;
+            nearest[first + i] = ( wisp_surface_point ){ a->point, a->normal, a->distance };
+            if ( body->sheet )
+            {
+                turn_to_point( nearest + first + i );
+            }
+        }
+    }
+}
+
+void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
+                        wisp_surface_point* nearest, bool* found )
+{
+    if ( body->tree != NULL )
+    {
+        closest_on_mesh( body, queries, count, nearest, found );
+        return;
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        found[i] = wisp_shape_closest( &body->shape, queries[i].point, nearest + i ) &&
+                   nearest[i].distance <= queries[i].radius;
+    }
+}
+
+bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit )
+{
+    if ( body->tree == NULL )
+    {
+        wisp_shape_hit h;
+        bool meets = wisp_shape_sweep( &body->shape, from, to, &h );
+        *hit = meets ? ( wisp_surface_point ){ h.point, h.normal, 0.0f } : ( wisp_surface_point ){ 0 };
+        return meets;
+    }
+    const wisp_mesh_path path = { from, to };
+    wisp_mesh_hit h;
+    wisp_mesh_tree_sweep( body->tree, &path, 1, &h, NULL );
+    *hit = ( wisp_surface_point ){ h.point, h.normal, 0.0f };
+    return h.triangle >= 0 && ( body->sheet || h.side > 0.0f );
+}

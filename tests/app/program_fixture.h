@@ -1,0 +1,184 @@
+/// The built program is started and watched: exit status, standard output, error stream, also on a terminal.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "wisp/base.h"
+
+#include <fcntl.h>
+#include <ftw.h>
+#include <pty.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define OUTPUT_MAX 65536
+#define ARGUMENTS_MAX 24
+
+static char program[4096];
+
+/// What a run left behind.
+typedef struct run_result
+{
+    int status; ///< exit status, -1 if a signal ended it
+    char out[OUTPUT_MAX], err[OUTPUT_MAX];
+} run_result;
+
+static run_result result;
+
+// ---- starting it ----
+
+static inline void read_back( FILE* file, char* text )
+{
+    rewind( file );
+    text[fread( text, 1, OUTPUT_MAX - 1, file )] = '\0';
+    fclose( file );
+}
+
+static inline _Noreturn void become_program( char** arguments, int out, int err )
+{
+    dup2( out, STDOUT_FILENO );
+    dup2( err, STDERR_FILENO );
+    execv( program, arguments );
+    _exit( 127 );
+}
+
+static inline int wait_for( pid_t child )
+{
+    int status = 0;
+    assert_int_equal( waitpid( child, &status, 0 ), child );
+    return WIFEXITED( status ) ? WEXITSTATUS( status ) : -1;
+}
+
+/// Words of a command line, split at blanks.
+static inline void split( char* line, char** arguments )
+{
+    int count = 0;
+    arguments[count++] = program;
+    for ( char* word = strtok( line, " " ); word && count < ARGUMENTS_MAX; word = strtok( NULL, " " ) )
+    {
+        arguments[count++] = word;
+    }
+    arguments[count] = NULL;
+}
+
+/// Run the program with its two streams in files; fills `result`.
+static inline void run( const char* command )
+{
+    char line[1024], *arguments[ARGUMENTS_MAX + 1];
+    snprintf( line, sizeof( line ), "%s", command );
+    split( line, arguments );
+    FILE *out = tmpfile(), *err = tmpfile();
+    assert_true( out && err );
+    pid_t child = fork();
+    if ( child == 0 )
+    {
+        become_program( arguments, fileno( out ), fileno( err ) );
+    }
+    result.status = wait_for( child );
+    read_back( out, result.out );
+    read_back( err, result.err );
+}
+
+/// Run the program with its error stream on a terminal; what the terminal got is in result.err. Some containers have no
+/// terminals to give: then the test is skipped.
+static inline void run_on_terminal( const char* command )
+{
+    char line[1024], *arguments[ARGUMENTS_MAX + 1];
+    snprintf( line, sizeof( line ), "%s", command );
+    split( line, arguments );
+    int near_end, far_end;
+    if ( openpty( &near_end, &far_end, NULL, NULL, NULL ) != 0 )
+    {
+        skip();
+    }
+    FILE* out = tmpfile();
+    assert_non_null( out );
+    pid_t child = fork();
+    if ( child == 0 )
+    {
+        close( near_end );
+        become_program( arguments, fileno( out ), far_end );
+    }
+    close( far_end );
+
+    // A terminal whose other end is gone reports an error instead of an end of file.
+    size_t size = 0;
+    for ( ssize_t count = 1; count > 0 && size<OUTPUT_MAX - 1; size += count> 0 ? (size_t)count : 0 )
+    {
+        count = read( near_end, result.err + size, OUTPUT_MAX - 1 - size );
+    }
+    result.err[size] = '\0';
+    close( near_end );
+    result.status = wait_for( child );
+    read_back( out, result.out );
+}
+
+static inline int line_count( const char* text )
+{
+    int count = 0;
+    for ( ; *text; ++text )
+    {
+        count += *text == '\n';
+    }
+    return count;
+}
+
+static inline void write_file( const char* path, const char* text )
+{
+    FILE* file = fopen( path, "w" );
+    assert_non_null( file );
+    assert_true( fputs( text, file ) >= 0 );
+    fclose( file );
+}
+
+/// The run must have been refused as input: status 2, nothing on standard output, one sentence that names something.
+static inline void assert_refused( const char* command, const char* named )
+{
+    run( command );
+    if ( result.status != 2 || line_count( result.err ) != 1 || strncmp( result.err, "wisp: ", 6 ) != 0 ||
+         !strstr( result.err, named ) )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
+}
+
+/// The command line must have been refused: status 64, nothing on standard output, a sentence that names something.
+static inline void assert_usage( const char* command, const char* named )
+{
+    run( command );
+    if ( result.status != 64 || result.out[0] || !strstr( result.err, named ) )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
+}
+
+// ---- a folder of its own ----
+
+static inline int remove_entry( const char* path, const struct stat* info, int kind, struct FTW* place )
+{
+    (void)info;
+    (void)kind;
+    (void)place;
+    return remove( path );
+}
+
+/// Make a folder and go there. @return 0, or -1
+static inline int enter_new_folder( void** state )
+{
+    static char folder[] = P_tmpdir "/wisp_program_XXXXXX";
+    *state = mkdtemp( folder );
+    unsetenv( "NO_COLOR" );
+    return *state && chdir( folder ) == 0 ? 0 : -1;
+}
+
+/// Remove the folder with whatever the program left in it.
+static inline int leave_folder( void** state )
+{
+    return chdir( "/" ) == 0 ? nftw( *state, remove_entry, 8, FTW_DEPTH | FTW_PHYS ) : -1;
+}

@@ -1,0 +1,813 @@
+// The built program, whose path is the first argument, draws, records, tracks and verifies: pictures are read back by
+// libpng and recordings by the library, and every wrong word and file is answered with one sentence.
+#include "program_fixture.h"
+
+#include "mesh.h"
+#include "record.h"
+
+#include <math.h>
+#include <png.h>
+#include <sys/stat.h>
+
+// ---- pictures, read back ----
+
+typedef struct picture
+{
+    int width, height;
+    unsigned char* rgb; ///< [height][width][3]
+} picture;
+
+static picture read_picture( const char* path )
+{
+    png_image info = { .version = PNG_IMAGE_VERSION };
+    if ( !png_image_begin_read_from_file( &info, path ) )
+    {
+        fail_msg( "%s: %s", path, info.message );
+    }
+    info.format = PNG_FORMAT_RGB;
+    picture out = { (int)info.width, (int)info.height, malloc( PNG_IMAGE_SIZE( info ) ) };
+    assert_non_null( out.rgb );
+    assert_true( png_image_finish_read( &info, NULL, out.rgb, 0, NULL ) != 0 );
+    return out;
+}
+
+static const unsigned char* pixel( const picture* p, int x, int y )
+{
+    return p->rgb + 3 * ( (size_t)y * (size_t)p->width + (size_t)x );
+}
+
+static bool is_like_corner( const picture* p, int x, int y )
+{
+    return memcmp( pixel( p, x, y ), pixel( p, 0, 0 ), 3 ) == 0;
+}
+
+static int count_unlike_corner( const picture* p )
+{
+    int count = 0;
+    for ( int y = 0; y < p->height; ++y )
+    {
+        for ( int x = 0; x < p->width; ++x )
+        {
+            count += !is_like_corner( p, x, y );
+        }
+    }
+    return count;
+}
+
+static bool is_edge_empty( const picture* p )
+{
+    bool is_empty = true;
+    for ( int x = 0; x < p->width; ++x )
+    {
+        is_empty = is_empty && is_like_corner( p, x, 0 ) && is_like_corner( p, x, p->height - 1 );
+    }
+    for ( int y = 0; y < p->height; ++y )
+    {
+        is_empty = is_empty && is_like_corner( p, 0, y ) && is_like_corner( p, p->width - 1, y );
+    }
+    return is_empty;
+}
+
+/// The last run must have been good, and the picture have this size.
+static picture assert_picture( const char* path, int width, int height )
+{
+    if ( result.status != 0 )
+    {
+        fail_msg( "it ended with %d and said: %s", result.status, result.err );
+    }
+    assert_string_equal( result.err, "" );
+    picture p = read_picture( path );
+    assert_int_equal( p.width, width );
+    assert_int_equal( p.height, height );
+    return p;
+}
+
+static bool same_file( const char* a, const char* b )
+{
+    picture p = read_picture( a ), q = read_picture( b );
+    bool same = p.width == q.width && p.height == q.height &&
+                memcmp( p.rgb, q.rgb, 3 * (size_t)p.width * (size_t)p.height ) == 0;
+    free( p.rgb );
+    free( q.rgb );
+    return same;
+}
+
+static bool exists( const char* path )
+{
+    return access( path, R_OK ) == 0;
+}
+
+// ---- a recording: a sheet that flies and is stretched ----
+
+enum
+{
+    FRAMES = 6,
+    SIDE = 5, // vertices
+};
+
+#define STEP 0.1
+#define SPEED 10.0f // m/s
+
+static const char hair_scene[] =
+    "wisp: 1\n"
+    "steps: 3\n"
+    "strands:\n"
+    "  - name: hair\n"
+    "    make: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
+    "    frozen_hair: { freeze: {}, align: { cursor: [0, -0.3, 0] }, clump: { radius: 0.006 } }\n"
+    "    look: {}\n"
+    "commands:\n"
+    "  - { step: 1, strands: hair, cursor: [0.1, -0.2, 0] }\n";
+
+static const char cloth_scene[] = "wisp: 1\n"
+                                  "steps: 6\n"
+                                  "substeps: 4\n"
+                                  "surfaces:\n"
+                                  "  - name: cloth\n"
+                                  "    make: { shape: plane, columns: 12, rows: 12, spacing: 0.05 }\n"
+                                  "    transform: { translate: [0, 0.43, 0] }\n"
+                                  "    cloth: {}\n"
+                                  "    collision: { thickness: 0.01 }\n"
+                                  "colliders:\n"
+                                  "  - { name: ball, shape: sphere, radius: 0.2, position: [0, 0.2, 0] }\n"
+                                  "  - { name: floor, shape: plane }\n";
+
+/// Upright, 0.4 m wide, wider by a quarter with each frame.
+static void place_sheet( int frame, float shift, wisp_vec3* points )
+{
+    for ( int i = 0; i < SIDE * SIDE; ++i )
+    {
+        float stretch = 1.0f + 0.25f * (float)frame;
+        points[i] = ( wisp_vec3 ){ stretch * 0.1f * (float)( i % SIDE - 2 ) + shift * (float)frame,
+                                   stretch * 0.1f * (float)( i / SIDE ), 0.0f };
+    }
+}
+
+static void make_triangles( int32_t* triangles )
+{
+    for ( int j = 0; j + 1 < SIDE; ++j )
+    {
+        for ( int i = 0; i + 1 < SIDE; ++i )
+        {
+            int a = j * SIDE + i;
+            const int32_t two[6] = { a, a + 1, a + SIDE, a + 1, a + SIDE + 1, a + SIDE };
+            memcpy( triangles, two, sizeof( two ) );
+            triangles += 6;
+        }
+    }
+}
+
+/// @param shift m, that a frame is further along x than the one before
+static void record_sheet( const char* path, float shift )
+{
+    int32_t triangles[6 * ( SIDE - 1 ) * ( SIDE - 1 )];
+    make_triangles( triangles );
+    const wisp_record_body body = {
+        .name = "sheet",
+        .triangles = triangles,
+        .vertex_count = SIDE * SIDE,
+        .triangle_count = 2 * ( SIDE - 1 ) * ( SIDE - 1 ),
+    };
+    const wisp_recorder_def def = { .bodies = &body, .body_count = 1, .step_seconds = STEP };
+    wisp_error error = { 0 };
+    wisp_recorder* recorder;
+    assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_OK );
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        wisp_vec3 points[SIDE * SIDE];
+        place_sheet( f, shift, points );
+        const wisp_vec3* all[] = { points };
+        assert_int_equal( wisp_recorder_frame( recorder, f * STEP, 0, all, &error ), WISP_OK );
+    }
+    assert_int_equal( wisp_recorder_close( recorder, &error ), WISP_OK );
+}
+
+static void write_sheet_mesh( const char* path )
+{
+    wisp_vec3 points[SIDE * SIDE];
+    int32_t triangles[6 * ( SIDE - 1 ) * ( SIDE - 1 )];
+    place_sheet( 0, 0.0f, points );
+    make_triangles( triangles );
+    const wisp_mesh mesh = { points, triangles, SIDE * SIDE, 2 * ( SIDE - 1 ) * ( SIDE - 1 ) };
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_mesh_write( path, &mesh, &error ), WISP_OK );
+}
+
+static int enter_folder( void** state )
+{
+    if ( enter_new_folder( state ) != 0 )
+    {
+        return -1;
+    }
+    write_file( "hair.yaml", hair_scene );
+    write_file( "cloth.yaml", cloth_scene );
+    write_file( "other.txt", "a letter\n" );
+    write_file( "triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" );
+    record_sheet( "fly.wisp", SPEED * (float)STEP );
+    record_sheet( "fly.pc2", SPEED * (float)STEP );
+    record_sheet( "stay.wisp", 0.0f );
+    write_sheet_mesh( "sheet.obj" );
+    return 0;
+}
+
+// ---- pictures ----
+
+static void every_kind_of_input_becomes_a_picture_of_the_size_asked_for( void** state )
+{
+    (void)state;
+    static const char* const inputs[] = {
+        "hair.yaml", "fly.wisp", "fly.pc2 --mesh sheet.obj", "sheet.obj", "hair.hair",
+    };
+    run( "run hair.yaml --steps 1" );
+    assert_int_equal( result.status, 0 );
+    write_file( "hair_out.yaml", hair_scene );
+    FILE* scene = fopen( "hair_out.yaml", "a" );
+    assert_non_null( scene );
+    fputs( "output:\n  - { strands: hair, file: hair.hair }\n", scene );
+    fclose( scene );
+    run( "run hair_out.yaml" );
+    assert_int_equal( result.status, 0 );
+    for ( int i = 0; i < WISP_COUNT( inputs ); ++i )
+    {
+        char command[200];
+        snprintf( command, sizeof( command ), "render %s -o kind.png --size 96x64 --samples 1", inputs[i] );
+        remove( "kind.png" );
+        run( command );
+        picture p = assert_picture( "kind.png", 96, 64 );
+        assert_true( count_unlike_corner( &p ) > 96 );
+        assert_non_null( strstr( result.out, "kind.png: 96 x 64 pixels" ) );
+        free( p.rgb );
+    }
+}
+
+static void a_picture_does_not_depend_on_the_number_of_workers( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o one.png --size 80x60 --samples 4 --workers 1" );
+    free( assert_picture( "one.png", 80, 60 ).rgb );
+    run( "render fly.wisp -o three.png --size 80x60 --samples 4 --workers 3" );
+    assert_true( same_file( "one.png", "three.png" ) );
+}
+
+static void frames_and_times_name_the_same_pictures( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o frame.png --size 64x48 --samples 1 --frame 2" );
+    free( assert_picture( "frame.png", 64, 48 ).rgb );
+    // nearest to a time: a little before and a little after frame 2 at 0.2 s
+    run( "render fly.wisp -o before.png --size 64x48 --samples 1 --time 0.17" );
+    run( "render fly.wisp -o after.png --size 64x48 --samples 1 --time 0.24" );
+    assert_true( same_file( "frame.png", "before.png" ) );
+    assert_true( same_file( "frame.png", "after.png" ) );
+    run( "render fly.wisp -o last.png --size 64x48 --samples 1" );
+    run( "render fly.wisp -o five.png --size 64x48 --samples 1 --frame 5" );
+    assert_true( same_file( "last.png", "five.png" ) );
+    assert_false( same_file( "last.png", "frame.png" ) );
+}
+
+static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** state )
+{
+    (void)state;
+    run( "run hair.yaml --record drawn.wisp" );
+    assert_int_equal( result.status, 0 );
+    // a recording has neither widths nor colours, which the look of the scene has: only where something is can be equal
+    run( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
+    assert_int_equal( result.status, 0 );
+    run( "render hair.yaml -o drawn.png --size 64x48 --samples 1 --frames 0:3 --background white" );
+    assert_int_equal( result.status, 0 );
+    for ( int i = 1; i <= 4; ++i )
+    {
+        char a[40], b[40];
+        snprintf( a, sizeof( a ), "recorded_%04d.png", i );
+        snprintf( b, sizeof( b ), "drawn_%04d.png", i );
+        picture p = read_picture( a ), q = read_picture( b );
+        for ( int y = 0; y < p.height; ++y )
+        {
+            for ( int x = 0; x < p.width; ++x )
+            {
+                assert_int_equal( is_like_corner( &p, x, y ), is_like_corner( &q, x, y ) );
+            }
+        }
+        free( p.rgb );
+        free( q.rgb );
+    }
+}
+
+// A recording does not say what its bodies are made of, and has no planes: both are found again.
+static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void** state )
+{
+    (void)state;
+    run( "run cloth.yaml --record cloth.wisp" );
+    assert_int_equal( result.status, 0 );
+    run( "info cloth.wisp" );
+    assert_non_null( strstr( result.out, "cloth " ) );
+    assert_non_null( strstr( result.out, "ball " ) );
+    assert_null( strstr( result.out, "floor" ) );
+    run( "render cloth.yaml -o from_scene.png --size 80x60 --samples 1" );
+    free( assert_picture( "from_scene.png", 80, 60 ).rgb );
+    run( "render cloth.wisp -o from_file.png --size 80x60 --samples 1 --ground 0" );
+    free( assert_picture( "from_file.png", 80, 60 ).rgb );
+    assert_true( same_file( "from_scene.png", "from_file.png" ) );
+    run( "run cloth.yaml --verify cloth.wisp --workers 3" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "Verified: 7 frames" ) );
+}
+
+static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
+{
+    (void)state;
+    run( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
+    assert_int_equal( result.status, 0 );
+    run( "render cloth.yaml -o pace.png --size 80x60 --samples 1 --frames 0:6:3 --colour speed" );
+    assert_int_equal( result.status, 0 );
+    run( "render cloth.yaml -o pull.png --size 80x60 --samples 1 --frames 0:6:3 --colour strain" );
+    assert_int_equal( result.status, 0 );
+    assert_false( same_file( "body_0003.png", "pace_0003.png" ) );
+    assert_false( same_file( "body_0003.png", "pull_0003.png" ) );
+    assert_false( same_file( "pace_0003.png", "pull_0003.png" ) );
+}
+
+static void a_sequence_is_numbered_from_one( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o run.png --size 40x30 --samples 1 --frames 0:4:2" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "run_0001.png: the first of 3 pictures of 40 x 30 pixels, frames 0 to 4" ) );
+    assert_true( exists( "run_0001.png" ) && exists( "run_0003.png" ) );
+    assert_false( exists( "run_0004.png" ) || exists( "run.png" ) );
+}
+
+static void parts_of_a_range_of_frames_may_be_left_out( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o tail.png --size 40x30 --samples 1 --frames 4:" );
+    assert_true( exists( "tail_0002.png" ) && !exists( "tail_0003.png" ) );
+    run( "render fly.wisp -o all.png --size 40x30 --samples 1 --frames ::3" );
+    assert_true( exists( "all_0002.png" ) && !exists( "all_0003.png" ) );
+    assert_int_equal( result.status, 0 );
+}
+
+static void a_flying_body_stays_in_view_under_one_camera( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o view.png --size 160x90 --samples 1 --frames : --background white --ground none" );
+    assert_int_equal( result.status, 0 );
+    int left[FRAMES];
+    for ( int f = 0; f < FRAMES; ++f )
+    {
+        char path[40];
+        snprintf( path, sizeof( path ), "view_%04d.png", f + 1 );
+        picture p = read_picture( path );
+        assert_true( is_edge_empty( &p ) );
+        assert_true( count_unlike_corner( &p ) > 10 );
+        left[f] = p.width;
+        for ( int k = 0; k < p.width * p.height; ++k )
+        {
+            int x = k % p.width;
+            left[f] = !is_like_corner( &p, x, k / p.width ) && x < left[f] ? x : left[f];
+        }
+        free( p.rgb );
+    }
+    // the camera stands still, so the sheet crosses the picture
+    assert_true( left[0] < 40 && left[FRAMES - 1] > 80 );
+}
+
+static void a_sheet_has_its_pictures_in_columns( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o sheet.png --size 60x40 --samples 1 --frames 0:4 --sheet=3" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "sheet.png: 5 pictures of 60 x 40 pixels, frames 0 to 4" ) );
+    picture p = read_picture( "sheet.png" );
+    // three columns and two rows, with gaps and labels between them that are narrower than a picture
+    assert_true( p.width > 3 * 60 && p.width < 4 * 60 );
+    assert_true( p.height > 2 * 40 && p.height < 3 * 40 );
+    free( p.rgb );
+    assert_false( exists( "sheet_0001.png" ) );
+}
+
+static void a_sheet_without_frames_shows_all_of_a_short_recording( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o few.png --size 40x30 --samples 1 --sheet" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "6 pictures of 40 x 30 pixels, frames 0 to 5" ) );
+}
+
+static void a_turntable_shows_other_sides_and_keeps_the_body_in_view( void** state )
+{
+    (void)state;
+    run( "render sheet.obj -o turn.png --size 80x60 --samples 1 --turntable 4 --background white --ground none" );
+    assert_int_equal( result.status, 0 );
+    for ( int i = 1; i <= 4; ++i )
+    {
+        char path[40];
+        snprintf( path, sizeof( path ), "turn_%04d.png", i );
+        picture p = read_picture( path );
+        assert_true( is_edge_empty( &p ) );
+        assert_true( count_unlike_corner( &p ) > 10 );
+        free( p.rgb );
+    }
+    assert_false( same_file( "turn_0001.png", "turn_0002.png" ) );
+    assert_false( exists( "turn_0005.png" ) );
+}
+
+// ---- what pictures show ----
+
+/// Mean colour of what is not background. @return how much greener than blue
+static double green_over_blue( const char* path )
+{
+    picture p = read_picture( path );
+    double sum = 0.0;
+    int count = 0;
+    for ( int y = 0; y < p.height; ++y )
+    {
+        // Below is the legend.
+        for ( int x = 0; x < p.width && y < p.height / 2; ++x )
+        {
+            const unsigned char* c = pixel( &p, x, y );
+            sum += is_like_corner( &p, x, y ) ? 0.0 : (double)c[1] - (double)c[2];
+            count += !is_like_corner( &p, x, y );
+        }
+    }
+    free( p.rgb );
+    assert_true( count > 0 );
+    return sum / count;
+}
+
+static void strain_is_measured_from_the_first_frame( void** state )
+{
+    (void)state;
+    run( "render stay.wisp -o rest.png --size 120x90 --samples 1 --frame 0 --colour strain --range 0,1 --background "
+         "white --ground none" );
+    assert_int_equal( result.status, 0 );
+    run( "render stay.wisp -o wide.png --size 120x90 --samples 1 --frame 4 --colour strain --range 0,1 --background "
+         "white --ground none" );
+    assert_int_equal( result.status, 0 );
+    // from dark violet at no strain to yellow at a strain of 1, which frame 4 has
+    assert_true( green_over_blue( "rest.png" ) < -10.0 );
+    assert_true( green_over_blue( "wide.png" ) > 40.0 );
+}
+
+static void speed_is_measured_between_neighbouring_frames( void** state )
+{
+    (void)state;
+    run( "render fly.wisp -o slow.png --size 120x90 --samples 1 --frame 2 --color speed --range 10,1000 --background "
+         "white --ground none" );
+    assert_int_equal( result.status, 0 );
+    run( "render fly.wisp -o fast.png --size 120x90 --samples 1 --frame 2 --colour speed --range 0,9 --background "
+         "white --ground none" );
+    assert_int_equal( result.status, 0 );
+    // the sheet flies with 10 m/s and is stretched with at most 2.5 m/s
+    assert_true( green_over_blue( "slow.png" ) < -10.0 );
+    assert_true( green_over_blue( "fast.png" ) > 40.0 );
+}
+
+static void the_user_places_camera_ground_and_background( void** state )
+{
+    (void)state;
+    run( "render sheet.obj -o away.png --size 40x30 --samples 1 --camera 0,0,5,0,0,10 --background #204060 --ground "
+         "none" );
+    picture p = assert_picture( "away.png", 40, 30 );
+    assert_int_equal( count_unlike_corner( &p ), 0 );
+    assert_true( pixel( &p, 0, 0 )[2] > pixel( &p, 0, 0 )[1] && pixel( &p, 0, 0 )[1] > pixel( &p, 0, 0 )[0] );
+    free( p.rgb );
+    run( "render sheet.obj -o near.png --size 40x30 --samples 1 --camera 0,0.2,3,0,0.2,0 --fov 20 --background "
+         "#ffffff,#000000 --ground -1" );
+    p = assert_picture( "near.png", 40, 30 );
+    assert_false( is_like_corner( &p, 20, 15 ) );
+    free( p.rgb );
+}
+
+// ---- recordings of a run ----
+
+static void a_run_is_recorded_in_every_format( void** state )
+{
+    (void)state;
+    static const char* const files[][2] = {
+        { "a.wisp", "a.wisp" },    { "a.pc2", "a.pc2" },   { "a.pvd", "a/hair_0004.vtp" },
+        { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" },
+    };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char command[100];
+        snprintf( command, sizeof( command ), "run hair.yaml --record %s", files[i][0] );
+        run( command );
+        assert_int_equal( result.status, 0 );
+        assert_string_equal( result.err, "" );
+        assert_non_null( strstr( result.out, "Recorded: 4 frames" ) );
+        assert_true( exists( files[i][1] ) );
+    }
+}
+
+static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** state )
+{
+    (void)state;
+    run( "run hair.yaml --steps 7 --every 3 --record nth.wisp" );
+    assert_int_equal( result.status, 0 );
+    wisp_error error = { 0 };
+    wisp_recording* recording;
+    assert_int_equal( wisp_recording_open( "nth.wisp", &recording, &error ), WISP_OK );
+    wisp_recording_info info = wisp_recording_describe( recording );
+    assert_int_equal( info.frame_count, 3 );
+    assert_true( info.complete );
+    assert_string_equal( wisp_recording_body( recording, 0 )->name, "hair" );
+    assert_int_equal( wisp_recording_body( recording, 0 )->strand_count, 40 );
+    for ( int f = 0; f < 3; ++f )
+    {
+        double time;
+        uint64_t hash;
+        assert_int_equal( wisp_recording_frame( recording, f, NULL, &time, &hash, &error ), WISP_OK );
+        // a step is a float of 1/60 s
+        assert_true( fabs( time - 3.0 * f / 60.0 ) < 1e-7 * ( f + 1 ) );
+        assert_true( hash != 0 );
+    }
+    wisp_recording_close( recording );
+}
+
+static void tracks_are_the_points_of_the_recording( void** state )
+{
+    (void)state;
+    run( "run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "Tracked: 3 vertices over 4 frames in t.csv" ) );
+    FILE* table = fopen( "t.csv", "r" );
+    assert_non_null( table );
+    char line[400];
+    assert_non_null( fgets( line, sizeof( line ), table ) );
+    assert_memory_equal( line, "time,hair.19.x,hair.19.y,hair.19.z,hair.0.x", 43 );
+
+    wisp_error error = { 0 };
+    wisp_recording* recording;
+    wisp_vec3 points[800];
+    wisp_vec3* all[] = { points };
+    assert_int_equal( wisp_recording_open( "t.wisp", &recording, &error ), WISP_OK );
+    assert_int_equal( wisp_recording_body( recording, 0 )->vertex_count, 800 );
+    for ( int f = 0; f < 4; ++f )
+    {
+        float x, y, z;
+        assert_int_equal( wisp_recording_frame( recording, f, all, NULL, NULL, &error ), WISP_OK );
+        assert_non_null( fgets( line, sizeof( line ), table ) );
+        assert_int_equal( sscanf( line, "%*f,%f,%f,%f", &x, &y, &z ), 3 );
+        // nine digits bring every float back
+        assert_true( x == points[19].x && y == points[19].y && z == points[19].z );
+    }
+    assert_null( fgets( line, sizeof( line ), table ) );
+    fclose( table );
+    wisp_recording_close( recording );
+}
+
+// ---- verification ----
+
+static void a_run_verifies_its_recording_on_other_workers( void** state )
+{
+    (void)state;
+    run( "run hair.yaml --record proof.wisp --workers 1" );
+    assert_int_equal( result.status, 0 );
+    run( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "Verified: 4 frames of proof.wisp" ) );
+    run( "run hair.yaml --verify proof.wisp --steps 2" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "Verified: 3 frames" ) );
+    assert_non_null( strstr( result.out, "1 frames of proof.wisp come after the last step" ) );
+}
+
+/// A copy in which one number of one vertex in one frame is the next float.
+static void copy_with_one_bit_off( const char* from, const char* to )
+{
+    wisp_error error = { 0 };
+    wisp_recording* recording;
+    assert_int_equal( wisp_recording_open( from, &recording, &error ), WISP_OK );
+    wisp_recording_info info = wisp_recording_describe( recording );
+    const wisp_recorder_def def = { wisp_recording_body( recording, 0 ), info.body_count, info.step_seconds };
+    wisp_recorder* recorder;
+    assert_int_equal( wisp_recorder_open( to, WISP_RECORD_WISP, &def, &recorder, &error ), WISP_OK );
+    for ( int f = 0; f < info.frame_count; ++f )
+    {
+        wisp_vec3 points[800];
+        wisp_vec3* all[] = { points };
+        double time;
+        uint64_t hash;
+        assert_int_equal( wisp_recording_frame( recording, f, all, &time, &hash, &error ), WISP_OK );
+        if ( f == 2 )
+        {
+            points[123].y = nextafterf( points[123].y, 9.0f );
+        }
+        const wisp_vec3* changed[] = { points };
+        assert_int_equal( wisp_recorder_frame( recorder, time, hash, changed, &error ), WISP_OK );
+    }
+    assert_int_equal( wisp_recorder_close( recorder, &error ), WISP_OK );
+    wisp_recording_close( recording );
+}
+
+static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** state )
+{
+    (void)state;
+    run( "run hair.yaml --record proof.wisp" );
+    assert_int_equal( result.status, 0 );
+    copy_with_one_bit_off( "proof.wisp", "off.wisp" );
+    assert_refused( "run hair.yaml --verify off.wisp", "off.wisp: frame 2 " );
+    assert_non_null( strstr( result.err, "hair differs, vertex 123 " ) );
+    assert_string_equal( result.out, "" );
+}
+
+static void a_recording_of_something_else_is_not_compared( void** state )
+{
+    (void)state;
+    assert_refused( "run hair.yaml --verify fly.wisp", "body 0 has another name" );
+    assert_refused( "run hair.yaml --verify absent.wisp", "absent.wisp" );
+    assert_refused( "run hair.yaml --verify sheet.obj", "sheet.obj" );
+}
+
+// ---- info ----
+
+static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
+{
+    (void)state;
+    run( "info sheet.obj" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "triangles            32" ) );
+    assert_non_null( strstr( result.out, "border" ) );
+    write_file( "turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n" );
+    run( "info turned.obj" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "winding" ) );
+    write_file( "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n" );
+    assert_refused( "info broken.obj", "broken.obj" );
+    assert_string_equal( result.out, "" );
+}
+
+static void info_tells_whether_a_recording_is_whole( void** state )
+{
+    (void)state;
+    run( "info fly.wisp" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "6 frames" ) );
+    run( "info fly.pc2" );
+    assert_int_equal( result.status, 0 );
+
+    FILE* file = fopen( "fly.wisp", "rb" );
+    assert_non_null( file );
+    char bytes[65536];
+    size_t size = fread( bytes, 1, sizeof( bytes ), file );
+    fclose( file );
+    assert_true( size > 1000 && size < sizeof( bytes ) );
+    bytes[size - 200] ^= 1;
+    file = fopen( "damaged.wisp", "wb" );
+    assert_non_null( file );
+    assert_int_equal( fwrite( bytes, 1, size, file ), size );
+    fclose( file );
+    assert_refused( "info damaged.wisp", "frame 5" );
+    assert_refused( "render damaged.wisp -o damaged.png", "frame 5" );
+    assert_false( exists( "damaged.png" ) );
+}
+
+// ---- wrong words ----
+
+static void wrong_words_are_wrong_usage( void** state )
+{
+    (void)state;
+    static const char* const commands[][2] = {
+        { "render", "of what?" },
+        { "render fly.wisp", "-o FILE.png" },
+        { "render fly.wisp -o a.jpg", "does not end in .png" },
+        { "render fly.wisp stay.wisp -o a.png", "one input at a time" },
+        { "render fly.wisp -o a.png --size 640", "--size: '640'" },
+        { "render fly.wisp -o a.png --size 0x9", "--size: '0x9'" },
+        { "render fly.wisp -o a.png --size 20000x9", "--size" },
+        { "render fly.wisp -o a.png --samples 0", "--samples: '0'" },
+        { "render fly.wisp -o a.png --frame -1", "--frame: '-1'" },
+        { "render fly.wisp -o a.png --frame 1 --time 2", "one of --frame, --time and --frames" },
+        { "render fly.wisp -o a.png --time soon", "--time: 'soon'" },
+        { "render fly.wisp -o a.png --frames 3", "--frames: '3'" },
+        { "render fly.wisp -o a.png --frames 3:1", "--frames: '3:1'" },
+        { "render fly.wisp -o a.png --frames 0:3:0", "--frames: '0:3:0'" },
+        { "render fly.wisp -o a.png --frames 0:3:1:1", "--frames" },
+        { "render fly.wisp -o a.png --frames 0:99999999999999999999", "--frames" },
+        { "render fly.wisp -o a.png --frames 0:1 --turntable 3", "--turntable" },
+        { "render fly.wisp -o a.png --sheet=0", "--sheet: '0'" },
+        { "render fly.wisp -o a.png --colour stain", "did you mean 'strain'?" },
+        { "render fly.wisp -o a.png --range 0,1", "--range belongs to" },
+        { "render fly.wisp -o a.png --colour speed --range 1,1", "does not rise" },
+        { "render fly.wisp -o a.png --camera 0,0,0", "--camera: '0,0,0' is not 6 numbers" },
+        { "render fly.wisp -o a.png --from 0,90", "--from: the elevation 90" },
+        { "render fly.wisp -o a.png --from nan,0", "--from: 'nan,0'" },
+        { "render fly.wisp -o a.png --fov 0", "--fov: '0'" },
+        { "render fly.wisp -o a.png --ground floor", "--ground: there is no 'floor'" },
+        { "render fly.wisp -o a.png --background whit", "did you mean 'white'?" },
+        { "render fly.wisp -o a.png --background #12345", "--background: '#12345'" },
+        { "run hair.yaml --every 0", "--every: '0'" },
+        { "run hair.yaml --track hair:0", "--track-file" },
+        { "run hair.yaml --track-file a.csv", "--track" },
+        { "run hair.yaml --track hair --track-file a.csv", "--track: 'hair'" },
+        { "run hair.yaml --track hair:1, --track-file a.csv", "--track: 'hair:1,'" },
+        { "run hair.yaml --track hair:-1 --track-file a.csv", "--track: 'hair:-1'" },
+        { "run hair.yaml --record w.wisp --verify w.wisp", "--record would write over" },
+    };
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        assert_usage( commands[i][0], commands[i][1] );
+    }
+    assert_false( exists( "a.png" ) || exists( "a.csv" ) || exists( "w.wisp" ) );
+}
+
+// ---- wrong files ----
+
+static void input_that_cannot_be_drawn_is_refused_in_one_sentence( void** state )
+{
+    (void)state;
+    static const char* const commands[][2] = {
+        { "render absent.wisp -o b.png", "absent.wisp" },
+        { "render . -o b.png", "." },
+        { "render other.txt -o b.png", "neither a scene" },
+        { "render fly.wisp -o b.png --frame 6", "there is no frame 6, the last one is 5" },
+        { "render fly.wisp -o b.png --frames 0:9", "there is no frame" },
+        { "render fly.wisp -o b.png --frames 7:", "there is no frame 7" },
+        { "render hair.yaml -o b.png --frame 4", "there is no frame 4, the last one is 3" },
+        { "render fly.wisp -o b.png --time 9", "there is no frame at 9 s" },
+        { "render fly.pc2 -o b.png", "--mesh" },
+        { "render fly.pc2 -o b.png --mesh absent.obj", "absent.obj" },
+        { "render fly.pc2 -o b.png --mesh triangle.obj", "it has 3 vertices, and fly.pc2 has 25 points" },
+        { "render fly.pc2 -o b.png --mesh sheet.obj --time 1", "no times" },
+        { "render fly.wisp -o b.png --mesh sheet.obj", "--mesh" },
+        { "render sheet.obj -o b.png --colour strain", "neither strain nor speed" },
+        { "render hair.yaml -o b.png --colour strain", "only surfaces" },
+        { "render sheet.obj -o b.png --camera 0,0,1,0,0,1", "sheet.obj" },
+        { "render fly.wisp -o b.png --size 16000x16000 --sheet", "too much for one sheet" },
+    };
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
+    {
+        assert_refused( commands[i][0], commands[i][1] );
+        assert_string_equal( result.out, "" );
+    }
+    assert_false( exists( "b.png" ) );
+}
+
+static void output_that_cannot_be_written_is_refused_in_one_sentence( void** state )
+{
+    (void)state;
+    assert_int_equal( mkdir( "folder.png", 0700 ), 0 );
+    assert_refused( "render sheet.obj -o no/such/c.png --size 20x20", "no/such/c.png" );
+    assert_refused( "render sheet.obj -o folder.png --size 20x20 --samples 1", "folder.png" );
+    assert_refused( "run hair.yaml --record no/such/c.wisp", "no/such/c.wisp" );
+    assert_refused( "run hair.yaml --record c.mpg", "c.mpg" );
+    assert_refused( "run hair.yaml --track hair:0 --track-file no/such/c.csv", "no/such/c.csv" );
+    assert_refused( "run hair.yaml --track hiar:0 --track-file c.csv", "did you mean 'hair'?" );
+    assert_refused( "run hair.yaml --track hair:800 --track-file c.csv", "no vertex 800, the last one is 799" );
+    assert_false( exists( "c.csv" ) );
+}
+
+// ---- terminals ----
+
+static void the_progress_of_pictures_is_drawn_on_a_terminal_only( void** state )
+{
+    (void)state;
+    setenv( "TERM", "xterm", 1 );
+    run_on_terminal( "render fly.wisp -o bar.png --size 40x30 --samples 1 --frames 0:2" );
+    assert_int_equal( result.status, 0 );
+    // the first phase is always drawn; later ones only if a tenth of a second has passed
+    assert_non_null( strstr( result.err, " % frames" ) );
+    assert_int_equal( result.err[strlen( result.err ) - 1], '\r' );
+    run( "render fly.wisp -o bar.png --size 40x30 --samples 1" );
+    assert_string_equal( result.err, "" );
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || !realpath( argv[1], program ) )
+    {
+        fputs( "usage: test_program_render PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_kind_of_input_becomes_a_picture_of_the_size_asked_for ),
+        cmocka_unit_test( a_picture_does_not_depend_on_the_number_of_workers ),
+        cmocka_unit_test( frames_and_times_name_the_same_pictures ),
+        cmocka_unit_test( a_scene_that_is_drawn_gives_the_pictures_of_its_recording ),
+        cmocka_unit_test( cloth_and_collider_look_alike_in_a_scene_and_in_its_recording ),
+        cmocka_unit_test( a_scene_shows_strain_and_speed_of_its_surfaces ),
+        cmocka_unit_test( a_sequence_is_numbered_from_one ),
+        cmocka_unit_test( parts_of_a_range_of_frames_may_be_left_out ),
+        cmocka_unit_test( a_flying_body_stays_in_view_under_one_camera ),
+        cmocka_unit_test( a_sheet_has_its_pictures_in_columns ),
+        cmocka_unit_test( a_sheet_without_frames_shows_all_of_a_short_recording ),
+        cmocka_unit_test( a_turntable_shows_other_sides_and_keeps_the_body_in_view ),
+        cmocka_unit_test( strain_is_measured_from_the_first_frame ),
+        cmocka_unit_test( speed_is_measured_between_neighbouring_frames ),
+        cmocka_unit_test( the_user_places_camera_ground_and_background ),
+        cmocka_unit_test( a_run_is_recorded_in_every_format ),
+        cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
+        cmocka_unit_test( tracks_are_the_points_of_the_recording ),
+        cmocka_unit_test( a_run_verifies_its_recording_on_other_workers ),
+        cmocka_unit_test( a_difference_of_one_bit_is_named_by_frame_body_and_vertex ),
+        cmocka_unit_test( a_recording_of_something_else_is_not_compared ),
+        cmocka_unit_test( info_names_what_is_wrong_with_a_mesh_by_element ),
+        cmocka_unit_test( info_tells_whether_a_recording_is_whole ),
+        cmocka_unit_test( wrong_words_are_wrong_usage ),
+        cmocka_unit_test( input_that_cannot_be_drawn_is_refused_in_one_sentence ),
+        cmocka_unit_test( output_that_cannot_be_written_is_refused_in_one_sentence ),
+        cmocka_unit_test( the_progress_of_pictures_is_drawn_on_a_terminal_only ),
+    };
+    return cmocka_run_group_tests_name( "program render", tests, enter_folder, leave_folder );
+}

@@ -1,0 +1,428 @@
+// Surfaces, colliders and scripts of good scenes: every key reaches its place, and what is left out has its default.
+#define _XOPEN_SOURCE 700
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+#include "scene_parts.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static wisp_scene good( const char* text )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
+    return scene;
+}
+
+static void demand_refusal( const char* text, const char* sentence )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ), WISP_BAD_INPUT );
+    assert_string_equal( error.sentence, sentence );
+}
+
+static void assert_vector( wisp_vec3 v, float x, float y, float z )
+{
+    assert_true( v.x == x && v.y == y && v.z == z );
+}
+
+// A turn is made of a sine and a cosine within 1e-7 of theirs, and a handful of roundings.
+static void assert_near( wisp_vec3 v, float x, float y, float z )
+{
+    const float tolerance = 1e-6f;
+    assert_true( fabsf( v.x - x ) < tolerance && fabsf( v.y - y ) < tolerance && fabsf( v.z - z ) < tolerance );
+}
+
+// ---- what is left out ----
+
+static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, make: { shape: plane } }\n" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    assert_int_equal( scene.surface_count, 1 );
+    assert_int_equal( s->line, 3 );
+    assert_int_equal( s->column, 5 );
+    assert_true( s->mesh.is_made && !s->mesh.file && s->mesh.scale == 1.0f );
+    assert_int_equal( s->mesh.recipe.columns, wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ).columns );
+    assert_int_equal( s->mesh.repairs + s->mesh.demands, 0 );
+    assert_int_equal( s->instance_of, -1 );
+    assert_true( s->pose.rotation.w == 1.0f );
+    assert_true( s->area_density == wisp_default_surface_def().area_density && s->vertex_mass == 0.0f );
+    assert_vector( s->gravity, 0.0f, -9.8f, 0.0f );
+    assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
+    assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->has_pin_pivot || s->has_outlet_nearest );
+    assert_int_equal( s->pin_count + s->pin_box_count + s->pin_nearest_count + s->pin_path.count, 0 );
+    assert_false( s->want_points || s->want_normals || s->want_strain || s->want_speed || s->want_quality );
+    assert_int_equal( s->cloth.made_by_default, wisp_default_cloth_def().made_by_default );
+    assert_int_equal( s->balloon.made_by_default, wisp_default_balloon_def().made_by_default );
+    assert_int_equal( s->collision.made_by_default, wisp_default_collision_def().made_by_default );
+    wisp_scene_release( &scene );
+}
+
+static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsurfaces:\n"
+                             "  - { name: a, make: { shape: plane } }\n"
+                             "  - { name: b, make: { shape: plane }, gravity: [1, 0, 0] }\n"
+                             "gravity: [0, 0, -1.62]\n" );
+    assert_vector( scene.surfaces[0].gravity, 0.0f, 0.0f, -1.62f );
+    assert_vector( scene.surfaces[1].gravity, 1.0f, 0.0f, 0.0f );
+    wisp_scene_release( &scene );
+}
+
+// ---- what is written ----
+
+static const char CLOTH_KEYS[] =
+    "wisp: 1\nsurfaces:\n  - name: cloth\n    file: meshes/cloth.ply\n    repair: [loose, winding]\n"
+    "    require: [oriented, one_shell]\n    area_density: 0.3\n    vertex_mass: 1e-4\n    pins: [7, 3]\n"
+    "    transform: { scale: 0.5, rotate: { axis: [0, 0, 2], degrees: 90 }, translate: [1, 2, 3] }\n"
+    "    pin_box: { min: [-1, 0, -1], max: [1, 0.5, 1] }\n    pin_nearest: [[0, 1, 0], [0, 2, 0]]\n"
+    "    pin_keyframes: [{ time: 0.5, translate: [0, 1, 0] }, { time: 1, rotate: { degrees: [0, 90, 0] } }]\n"
+    "    pin_pivot: [9, 8, 7]\n    velocity: [1, 0, 0]\n    angular_velocity: [0, 2, 0]\n    gravity: [0, 0, 0]\n"
+    "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    levels: 4\n    sweep: list\n    tile_size: 128\n"
+    "    collision: { thickness: 0.01, friction: 2, recovery_speed: 3, layers: [0, 5] }\n"
+    "    want: [quality, speed, strain, normals, points, contacts]\n"
+    "    cloth: { solver: pbd, warp_compliance: 1e-3, weft_compliance: 2e-3, shear_compliance: 3e-3, "
+    "stretch_stiffness: 0.5, shear_stiffness: 0.25, warp: [0, 0, 1], bending: isometric, bend_stiffness: 0.125, "
+    "bend_compliance: 0.5, bend_rigidity: 1e-4, damping: 4, wind: [5, 6, 7], air_density: 1.5, drag: 0.75, "
+    "lift: 1.75, tethers: true, tether_slack: 1.5, level_passes: 2 }\n";
+
+static void assert_cloth( const wisp_cloth_def* c )
+{
+    assert_int_equal( c->solver, WISP_SOLVER_PBD );
+    assert_true( c->warp_compliance == 1e-3f && c->weft_compliance == 2e-3f && c->shear_compliance == 3e-3f );
+    assert_true( c->stretch_stiffness == 0.5f && c->shear_stiffness == 0.25f );
+    assert_vector( c->warp, 0.0f, 0.0f, 1.0f );
+    assert_int_equal( c->bending, WISP_CLOTH_BENDING_ISOMETRIC );
+    assert_true( c->bend_stiffness == 0.125f && c->bend_compliance == 0.5f && c->bend_rigidity == 1e-4f );
+    assert_true( c->damping == 4.0f && c->air_density == 1.5f && c->drag == 0.75f && c->lift == 1.75f );
+    assert_vector( c->wind, 5.0f, 6.0f, 7.0f );
+    assert_true( c->tethers && c->tether_slack == 1.5f );
+    assert_int_equal( c->level_passes, 2 );
+}
+
+static void assert_pins( const wisp_scene_surface* s )
+{
+    assert_int_equal( s->pin_count, 2 );
+    assert_true( s->pins[0] == 7 && s->pins[1] == 3 );
+    assert_int_equal( s->pin_box_count, 1 );
+    assert_vector( s->pin_boxes[0].high, 1.0f, 0.5f, 1.0f );
+    assert_int_equal( s->pin_nearest_count, 2 );
+    assert_vector( s->pin_nearest[1], 0.0f, 2.0f, 0.0f );
+    assert_true( s->has_pin_pivot );
+    assert_vector( s->pin_pivot, 9.0f, 8.0f, 7.0f );
+    assert_int_equal( s->pin_path.count, 2 );
+    const wisp_scene_pose* poses = s->pin_path.poses;
+    assert_true( poses[0].time == 0.5f && poses[1].time == 1.0f && poses[0].pose.rotation.w == 1.0f );
+    // what the second keyframe does not say is as in the first
+    assert_vector( poses[1].pose.translation, 0.0f, 1.0f, 0.0f );
+    assert_near( wisp_quat_turn( poses[1].pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0.0f, 0.0f, -1.0f );
+}
+
+static void every_key_of_a_cloth_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( CLOTH_KEYS );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    assert_string_equal( s->mesh.file, "scenes/meshes/cloth.ply" );
+    assert_int_equal( s->mesh.repairs, WISP_MESH_DROP_LOOSE | WISP_MESH_TURN_TRIANGLES );
+    assert_int_equal( s->mesh.demands, WISP_MESH_ORIENTED | WISP_MESH_ONE_SHELL );
+    assert_true( s->mesh.scale == 0.5f );
+    assert_near( wisp_rigid_to_world( s->pose, ( wisp_vec3 ){ 1, 0, 0 } ), 1.0f, 3.0f, 3.0f );
+    assert_true( s->area_density == 0.3f && s->vertex_mass == 1e-4f && s->damping == 0.25f );
+    assert_vector( s->velocity, 1.0f, 0.0f, 0.0f );
+    assert_vector( s->angular_velocity, 0.0f, 2.0f, 0.0f );
+    assert_vector( s->gravity, 0.0f, 0.0f, 0.0f );
+    assert_true( s->strain_limit[0] == 0.75f && s->strain_limit[1] == 1.25f );
+    assert_int_equal( s->levels, 4 );
+    assert_int_equal( s->sweep, WISP_SWEEP_LIST );
+    assert_int_equal( s->tile_size, 128 );
+    assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction == 2.0f );
+    assert_true( s->collision.recovery_speed == 3.0f );
+    assert_int_equal( s->collision.mask, 33 );
+    assert_true( s->want_points && s->want_normals && s->want_strain && s->want_speed && s->want_quality );
+    assert_true( s->want_contacts && !s->want_figures );
+    assert_true( s->has_cloth && !s->has_balloon );
+    assert_cloth( &s->cloth );
+    assert_pins( s );
+    wisp_scene_release( &scene );
+}
+
+static void every_key_of_a_balloon_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = good(
+        "wisp: 1\nsurfaces:\n"
+        "  - name: a\n    make: { shape: icosphere, level: 2 }\n    want: [figures]\n"
+        "    balloon: { solver: pbd, edge_stiffness: 10, cross_stiffness: 11, stretch_share: 0.5, bend_share: 0.25, "
+        "volume: pbd, volume_share: 0.75, fill: 1.5, fill_keyframes: [[1, 1.25], [2, 3]], inflation_rate: -0.5, "
+        "least_fill: 0.125, atmospheric_pressure: 9e4, temperature: 300, gas_molar_mass: 0.002, "
+        "air_molar_mass: 0.03, pressure: gas, buoyancy: false, drag_coefficient: 0.25, drag: normal, "
+        "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: printed }\n"
+        "  - { name: b, make: { shape: icosphere }, balloon: { outlet_nearest: [0, 1, 2], outlet_radius: 0.5 } }\n" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    const wisp_balloon_def* b = &s->balloon;
+    assert_true( s->has_balloon && s->want_figures && !s->has_outlet_nearest );
+    assert_true( b->solver == WISP_SOLVER_PBD && b->volume == WISP_SOLVER_PBD );
+    assert_true( b->edge_stiffness == 10.0f && b->cross_stiffness == 11.0f && b->stretch_share == 0.5f );
+    assert_true( b->bend_share == 0.25f && b->volume_share == 0.75f && b->fill == 1.5f &&
+                 b->inflation_rate == -0.5f );
+    assert_true( b->least_fill == 0.125f && b->atmospheric_pressure == 9e4f && b->temperature == 300.0f );
+    assert_true( b->gas_molar_mass == 0.002f && b->air_molar_mass == 0.03f &&
+                 b->pressure == WISP_BALLOON_PRESSURE_GAS );
+    assert_true( !b->buoyancy && b->drag_coefficient == 0.25f && b->drag == WISP_BALLOON_DRAG_NORMAL );
+    assert_int_equal( b->outlet_count, 3 );
+    assert_true( b->outlet[0] == 4 && b->outlet[1] == 2 && b->outlet[2] == 9 );
+    assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_PRINTED );
+    assert_int_equal( s->fill_path_count, 2 );
+    assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].fill == 1.25f && s->fill_path[1].fill == 3.0f );
+    assert_true( scene.surfaces[1].has_outlet_nearest && scene.surfaces[1].outlet_radius == 0.5f );
+    assert_vector( scene.surfaces[1].outlet_nearest, 0.0f, 1.0f, 2.0f );
+    wisp_scene_release( &scene );
+}
+
+static void colliders_have_the_sizes_of_their_shape( void** state )
+{
+    (void)state;
+    wisp_scene scene =
+        good( "wisp: 1\ncolliders:\n"
+              "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
+              "  - { name: s, radius: 2, shape: sphere }\n"
+              "  - { name: c, shape: capsule, radius: 0.5, half_length: 3, friction: [0.75, 0.5] }\n"
+              "  - { name: b, shape: box, half_extent: [1, 2, 3], rotation: { degrees: [0, 0, 90] }, "
+              "keyframes: [{ time: 1, position: [4, 5, 6] }] }\n"
+              "  - { name: m, shape: mesh, file: rock.obj, scale: 2, sheet: true, repair: [loose], require: "
+              "[manifold] }\n" );
+    const wisp_scene_collider* c = scene.colliders;
+    assert_int_equal( scene.collider_count, 5 );
+    assert_true( c[0].def.kind == WISP_COLLIDER_PLANE && c[0].def.thickness == 0.5f && c[0].def.layers == 2 );
+    assert_true( c[0].def.static_friction == 0.25f && c[0].def.kinetic_friction == 0.25f );
+    assert_vector( c[0].def.pose.translation, 0.0f, -1.0f, 0.0f );
+    assert_true( c[1].def.kind == WISP_COLLIDER_SPHERE && c[1].def.radius == 2.0f );
+    assert_true( c[1].def.static_friction == wisp_default_collider_def().static_friction );
+    assert_true( c[2].def.radius == 0.5f && c[2].def.half_length == 3.0f );
+    assert_true( c[2].def.static_friction == 0.75f && c[2].def.kinetic_friction == 0.5f );
+    assert_vector( c[3].def.half_extent, 1.0f, 2.0f, 3.0f );
+    assert_int_equal( c[3].path.count, 1 );
+    // a keyframe without a rotation keeps that of the start
+    assert_near( wisp_rigid_to_world( c[3].path.poses[0].pose, ( wisp_vec3 ){ 1, 0, 0 } ), 4.0f, 6.0f, 6.0f );
+    assert_string_equal( c[4].mesh.file, "scenes/rock.obj" );
+    assert_true( c[4].def.sheet && c[4].mesh.scale == 2.0f && c[4].mesh.demands == WISP_MESH_MANIFOLD );
+    wisp_scene_release( &scene );
+}
+
+static void an_instance_knows_its_source_and_has_effects_of_its_own( void** state )
+{
+    (void)state;
+    wisp_scene scene =
+        good( "wisp: 1\nsurfaces:\n"
+              "  - { name: ball, make: { shape: icosphere }, balloon: {} }\n"
+              "  - { name: twin, instance_of: ball, transform: { translate: [1, 0, 0] }, cloth: {} }\n" );
+    assert_int_equal( scene.surfaces[0].instance_of, -1 );
+    assert_int_equal( scene.surfaces[1].instance_of, 0 );
+    assert_true( scene.surfaces[1].has_cloth && !scene.surfaces[1].has_balloon );
+    wisp_scene_release( &scene );
+}
+
+// ---- turns ----
+
+static void three_angles_turn_about_x_then_y_then_z( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\ncolliders:\n"
+                             "  - { name: a, shape: plane, rotation: { degrees: [90, 90, 0] } }\n"
+                             "  - { name: b, shape: plane, rotation: { degrees: [0, 90, 90] } }\n"
+                             "  - { name: c, shape: plane, rotation: { axis: [1, 1, 1], degrees: -240 } }\n" );
+    // y goes to z by the first turn and to x by the second; x goes to -z, which the third leaves alone
+    assert_near( wisp_quat_turn( scene.colliders[0].def.pose.rotation, ( wisp_vec3 ){ 0, 1, 0 } ), 1, 0, 0 );
+    assert_near( wisp_quat_turn( scene.colliders[1].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 0, -1 );
+    // a third of a turn about the diagonal takes each axis to the next
+    assert_near( wisp_quat_turn( scene.colliders[2].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 1, 0 );
+    wisp_scene_release( &scene );
+}
+
+// ---- recipes ----
+
+static void vertices_are_counted_as_the_maker_makes_them( void** state )
+{
+    (void)state;
+    for ( int shape = 0; shape < WISP_MESH_SHAPE_COUNT; ++shape )
+    {
+        wisp_mesh_recipe recipe = wisp_default_mesh_recipe( (wisp_mesh_shape)shape );
+        recipe.columns = 9;
+        recipe.rows = 7;
+        recipe.level = 2;
+        recipe.segments = 11;
+        recipe.rings = 5;
+        recipe.length_segments = 3;
+        wisp_mesh mesh;
+        assert_int_equal( wisp_mesh_make( &recipe, &mesh, NULL ), WISP_OK );
+        assert_int_equal( scene_recipe_vertices( &recipe ), mesh.vertex_count );
+        wisp_mesh_release( &mesh );
+    }
+}
+
+// ---- the script ----
+
+static void entries_of_the_script_come_in_the_order_of_their_steps( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsteps: 100\n"
+                             "surfaces:\n"
+                             "  - { name: a, make: { shape: plane }, pins: [0], cloth: { drag: 1 } }\n"
+                             "  - { name: b, make: { shape: icosphere }, balloon: { outlet: [0] } }\n"
+                             "script:\n"
+                             "  - { time: 1.5, surface: b, open: true, fill: 1.5, inflation_rate: 0.25 }\n"
+                             "  - { time: 0.5, surface: a, release: true, wind: [1, 2, 3] }\n"
+                             "  - { step: 0, surface: b, velocity: [0, 1, 0], angular_velocity: [0, 0, 2] }\n"
+                             "  - { time: 0.51, surface: a, velocity: [0, 2, 0] }\n" );
+    static const int steps[] = { 0, 30, 31, 90 };
+    assert_int_equal( scene.event_count, 4 );
+    for ( int i = 0; i < 4; ++i )
+    {
+        // 0.5 s and 1.5 s are 30 and 90 steps of 1/60 s, whatever the rounding; the first that begins after 0.51 s is 31
+        assert_int_equal( scene.events[i].step, steps[i] );
+    }
+    assert_vector( scene.events[0].angular_velocity, 0.0f, 0.0f, 2.0f );
+    assert_true( scene.events[0].has_velocity && !scene.events[0].has_fill && !scene.events[0].release );
+    assert_true( scene.events[1].release && scene.events[1].has_wind && !scene.events[1].has_velocity );
+    assert_vector( scene.events[1].wind, 1.0f, 2.0f, 3.0f );
+    assert_true( scene.events[3].has_open && scene.events[3].open && scene.events[3].fill == 1.5f );
+    assert_true( scene.events[3].has_inflation_rate && scene.events[3].inflation_rate == 0.25f );
+    assert_int_equal( scene.events[3].surface, 1 );
+    wisp_scene_release( &scene );
+}
+
+static void a_fill_after_its_keyframes_is_taken( void** state )
+{
+    (void)state;
+    wisp_scene scene =
+        good( "wisp: 1\nsteps: 100\n"
+              "surfaces:\n"
+              "  - { name: b, make: { shape: icosphere }, balloon: { fill_keyframes: [[0, 1], [1, 2]] } }\n"
+              "script: [ { step: 61, surface: b, fill: 1 } ]\n" );
+    assert_int_equal( scene.event_count, 1 );
+    wisp_scene_release( &scene );
+}
+
+static void points_are_wanted_where_an_output_writes_a_surface( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, make: { shape: plane } } ]\n"
+                             "output: [ { surface: a, file: a.ply } ]\n" );
+    assert_true( scene.surfaces[0].want_points );
+    assert_int_equal( scene.outputs[0].surface, 0 );
+    assert_int_equal( scene.outputs[0].strands, -1 );
+    wisp_scene_release( &scene );
+}
+
+// ---- limits ----
+
+static char* repeat( const char* head, const char* part, int count )
+{
+    size_t at = strlen( head ), length = strlen( part );
+    char* text = malloc( at + length * (size_t)count + 1 );
+    assert_non_null( text );
+    memcpy( text, head, at + 1 );
+    for ( int i = 0; i < count; ++i, at += length )
+    {
+        memcpy( text + at, part, length + 1 );
+    }
+    return text;
+}
+
+static void lists_of_surfaces_and_colliders_have_an_end( void** state )
+{
+    (void)state;
+    char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
+    demand_refusal( text, "scenes/test.yaml:3:3: surfaces: has 10001 entries, at most 10000 are read" );
+    free( text );
+    text = repeat( "wisp: 1\ncolliders:\n", "  - 0\n", WISP_SCENE_MAX_COLLIDERS + 1 );
+    demand_refusal( text, "scenes/test.yaml:3:3: colliders: has 1001 entries, at most 1000 are read" );
+    free( text );
+}
+
+static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
+{
+    (void)state;
+    // Times that do not rise are found at the second entry, so a long list of equals costs nothing.
+    char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    make: { shape: icosphere }\n    balloon:\n"
+                         "      fill_keyframes:\n",
+                         "        - [1, 1]\n", 200000 );
+    demand_refusal( text, "scenes/test.yaml:8:12: surfaces[0].balloon.fill_keyframes[1]: time 1 does not come after "
+                          "the one before, 1" );
+    free( text );
+}
+
+// ---- files ----
+
+static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* file;
+        int surfaces, colliders, events;
+    } files[] = {
+        { "bunny_balloon.yaml", 1, 1, 1 }, { "hanging_cloth.yaml", 1, 0, 0 }, { "cloth_on_ball.yaml", 1, 2, 0 },
+        { "flag.yaml", 1, 2, 3 },          { "balloons.yaml", 5, 1, 0 },      { "pear_jet.yaml", 1, 0, 1 },
+    };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char path[1024];
+        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i].file );
+        assert_true( length > 0 && (size_t)length < sizeof path );
+        wisp_scene scene;
+        wisp_error error = { .status = WISP_OK };
+        if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
+        {
+            fail_msg( "refused: %s", error.sentence );
+        }
+        assert_int_equal( scene.surface_count, files[i].surfaces );
+        assert_int_equal( scene.collider_count, files[i].colliders );
+        assert_int_equal( scene.event_count, files[i].events );
+        assert_true( scene.surfaces[0].want_points );
+        wisp_scene_release( &scene );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing ),
+        cmocka_unit_test( a_surface_takes_the_gravity_of_the_scene_wherever_that_stands ),
+        cmocka_unit_test( every_key_of_a_cloth_reaches_its_place ),
+        cmocka_unit_test( every_key_of_a_balloon_reaches_its_place ),
+        cmocka_unit_test( colliders_have_the_sizes_of_their_shape ),
+        cmocka_unit_test( an_instance_knows_its_source_and_has_effects_of_its_own ),
+        cmocka_unit_test( three_angles_turn_about_x_then_y_then_z ),
+        cmocka_unit_test( vertices_are_counted_as_the_maker_makes_them ),
+        cmocka_unit_test( entries_of_the_script_come_in_the_order_of_their_steps ),
+        cmocka_unit_test( a_fill_after_its_keyframes_is_taken ),
+        cmocka_unit_test( points_are_wanted_where_an_output_writes_a_surface ),
+        cmocka_unit_test( lists_of_surfaces_and_colliders_have_an_end ),
+        cmocka_unit_test( a_long_list_of_keyframes_is_read_in_one_walk ),
+        cmocka_unit_test( the_scenes_of_the_project_with_surfaces_are_read ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,98 @@
+/// What the tests of the engine's balloon share: a scene, a flight of it in a world of its own, and the double-precision
+/// oracle fed with the engine's very floats.
+#pragma once
+
+#include "support.h"
+
+#include "balloon.h"
+#include "oracle/balloon_meshes.h"
+#include "oracle/balloon_oracle.h"
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+/// What flies. Zero pins, no gravity, no damping: only what a test asks for acts.
+typedef struct balloon_scene
+{
+    const balloon_mesh* mesh; ///< in double, rounded once to the engine's floats
+    double scale;             ///< the balloon starts at so many times its rest shape
+    wisp_vec3 place;          ///< m, and there
+    float area_density;       ///< kg/m^2
+    wisp_vec3 gravity;        ///< m/s^2
+    float damping;            ///< 1/s
+    const int32_t* pins;
+    int pin_count;
+    bool cross_links;
+    wisp_balloon_def def;
+    float dt; ///< s, a step
+    int substeps, iterations;
+    int workers;
+    const char* isa;
+    wisp_allocator allocator;
+} balloon_scene;
+
+/// The source's balloon in a vacuum: 0.02 kg/m^2, steps of 1/60 s, 10 substeps of 2 iterations, no gravity, buoyancy or
+/// drag, figures wanted.
+balloon_scene balloon_scene_of( const balloon_mesh* mesh );
+/// The same in air under 9.8 m/s^2.
+balloon_scene balloon_scene_in_air( const balloon_mesh* mesh );
+/// With an outlet at one vertex, open or shut.
+void balloon_scene_give_outlet( balloon_scene* scene, int vertex, bool open );
+
+balloon_mesh balloon_sphere( int level, double radius );
+/// An asymmetric body of about 0.15 m.
+balloon_mesh balloon_pear( int level );
+
+typedef struct balloon_flight
+{
+    wisp_world* world;
+    wisp_entity entity;
+    const balloon_scene* scene;
+} balloon_flight;
+
+/// A world with this module alone whose log is silent. @param scene its host; may be null
+wisp_world* balloon_world_create( const balloon_scene* scene );
+/// The mesh of the scene as a surface, not yet a balloon.
+wisp_entity balloon_surface_add( wisp_world* world, const balloon_scene* scene );
+/// As a balloon, with figures of balloon and surface wanted.
+wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene );
+
+/// A flight of a scene, which must live as long.
+void balloon_start( balloon_flight* flight, const balloon_scene* scene );
+void balloon_end( balloon_flight* flight );
+void balloon_steps( const balloon_flight* flight, int steps );
+wisp_balloon_figures balloon_read( const balloon_flight* flight );
+wisp_quality balloon_quality( const balloon_flight* flight );
+double3 balloon_momentum( const balloon_flight* flight );
+double3 balloon_angular_momentum( const balloon_flight* flight );
+double3 balloon_from( const double v[3] );
+
+/// The engine's own column, slot by slot: [slot][4].
+float* balloon_positions( const balloon_flight* flight );
+float* balloon_velocities( const balloon_flight* flight );
+/// Velocities of up to `speed` a coordinate, the same in every run.
+void balloon_stir( const balloon_flight* flight, float speed );
+void balloon_throw( const balloon_flight* flight, wisp_vec3 velocity );
+
+/// Is every position and velocity a number, and is the balloon not frozen?
+bool balloon_is_finite( const balloon_flight* flight );
+uint64_t balloon_hash( const balloon_flight* flight );
+/// Does the plan run this pass?
+bool balloon_has_pass( wisp_world* world, const char* pass );
+
+/// In which order the oracle projects.
+typedef enum balloon_order
+{
+    BALLOON_ORDER_ENGINE, ///< link by link as the engine's schedule has them; edges and cross links need one stiffness
+    BALLOON_ORDER_PARTED, ///< all edges, then all cross links, each in the engine's order
+} balloon_order;
+
+/// The oracle in the very state of a flight: its floats widened, masses, velocities, rest lengths, pins and gas. Pinned
+/// vertices weigh nothing in it, because the engine shares forces among those that move. Vertices are slots.
+balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order order );
+/// Largest distance between a vertex of the engine and the oracle's, m.
+double balloon_distance( const balloon_flight* flight, const balloon_oracle* oracle );
+
+/// Fails unless |actual - expected| <= tolerance; a NaN fails.
+void balloon_assert_close( double actual, double expected, double tolerance );
+/// The same for the share by which they differ.
+void balloon_assert_share( double actual, double expected, double tolerance );

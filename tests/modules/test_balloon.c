@@ -1,0 +1,620 @@
+// The balloon's engine against its double-precision oracle, and its skin and gas against the closed forms. BAL-nn names
+// the row of the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+#include "balloon_engine_fixture.h"
+
+#include "balloon_internal.h"
+#include "kernel_tables.h"
+
+#include <math.h>
+
+// ---- against the oracle ----
+
+// A full pear that moves, spins off its axis and blows: everything acts.
+static balloon_scene busy_scene( const balloon_mesh* mesh )
+{
+    balloon_scene scene = balloon_scene_in_air( mesh );
+    scene.scale = 1.05;
+    scene.damping = 0.5f;
+    scene.def.fill = 1.2f;
+    scene.def.inflation_rate = 1e-3f;
+    scene.def.cross_stiffness = scene.def.edge_stiffness;
+    scene.def.bend_share = scene.def.stretch_share = 0.5f;
+    balloon_scene_give_outlet( &scene, balloon_mesh_farthest( mesh, double3_make( 1.0, 0.3, 0.2 ) ), true );
+    return scene;
+}
+
+// Rounding: places of 0.3 m are kept to 1.5e-8 m, and the some twelve links of a vertex, its volume and its prediction
+// round once each in an iteration.
+static const double ROUNDING = 1e-6;
+
+static void one_substep_is_the_oracles_in_every_mode( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    double worst = 0.0;
+    int modes = 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * 2;
+    for ( int mode = 0; mode < modes; ++mode )
+    {
+        balloon_scene scene = busy_scene( &mesh );
+        bool thrusts = mode / 12 % WISP_BALLOON_DRAG_COUNT == WISP_BALLOON_DRAG_SIGNED;
+        // the engine limits the thrust of `signed` as it limits drag, the oracle does not: at a tenth of the step the two
+        // are a hundredth of that drag's way of 1e-5 m apart
+        scene.dt = thrusts ? 1.0f / 6000.0f : 1.0f / 600.0f;
+        scene.substeps = 1;
+        scene.def.solver = scene.def.volume = mode % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
+        scene.def.pressure = (wisp_balloon_pressure)( mode / 2 % WISP_BALLOON_PRESSURE_COUNT );
+        scene.def.spin = mode / 6 % 2 == 0 ? WISP_BALLOON_SPIN_KICK : WISP_BALLOON_SPIN_PRINTED;
+        scene.def.drag = (wisp_balloon_drag)( mode / 12 % WISP_BALLOON_DRAG_COUNT );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_stir( &flight, thrusts ? 3.0f : 0.5f );
+        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+        for ( int step = 0; step < ( thrusts ? 1 : 2 ); ++step )
+        {
+            // two, because only then the multiplier has been written; a second one of `signed` is twenty times as fast
+            balloon_steps( &flight, 1 );
+            balloon_oracle_step( &oracle );
+        }
+        double distance = balloon_distance( &flight, &oracle );
+        worst = distance > worst ? distance : worst;
+        balloon_assert_close( distance, 0.0, ROUNDING );
+        balloon_oracle_destroy( &oracle );
+        balloon_end( &flight );
+    }
+    print_message( "           %d modes: engine and oracle are %.2g m apart at most\n", modes, worst );
+    balloon_mesh_destroy( &mesh );
+}
+
+static void the_figures_of_a_substep_are_the_oracles( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = busy_scene( &mesh );
+    scene.dt = 1.0f / 600.0f;
+    scene.substeps = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_stir( &flight, 0.5f );
+    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    const double3 place = oracle.x[oracle.outlet_vertex];
+    balloon_steps( &flight, 1 );
+    balloon_oracle_step( &oracle );
+    wisp_balloon_figures f = balloon_read( &flight );
+    // sums of floats in lanes; constants of the definition are floats, too
+    balloon_assert_share( f.rest_volume, oracle.rest_volume, 1e-12 );
+    balloon_assert_share( f.target_volume, oracle.gas_volume, 1e-7 );
+    balloon_assert_share( f.volume, oracle.volume, 1e-6 );
+    balloon_assert_share( f.pressure, oracle.gauge, 1e-5 );
+    balloon_assert_share( f.outlet_speed, oracle.outlet_speed, 1e-5 );
+    balloon_assert_share( f.mass_flow, oracle.mass_flow, 1e-5 );
+    balloon_assert_share( f.gas_lost, oracle.gas_lost, 1e-5 );
+    const double* engine[] = { f.gravity, f.buoyancy, f.drag, f.jet, f.centre };
+    const double3 truth[] = { oracle.forces.gravity, oracle.forces.buoyancy, oracle.forces.drag, oracle.forces.jet,
+                              oracle.centre };
+    for ( int n = 0; n < WISP_COUNT( truth ); ++n )
+    {
+        double size = fmax( double3_length( truth[n] ), 0.01 );
+        balloon_assert_close( double3_distance( balloon_from( engine[n] ), truth[n] ) / size, 0.0, 1e-5 );
+    }
+    double3 torque = balloon_oracle_torque( place, oracle.centre, oracle.forces.jet );
+    balloon_assert_close( double3_distance( balloon_from( f.torque ), torque ) / double3_length( torque ), 0.0,
+                          1e-5 );
+    assert_true( f.jet_starts == 1.0 );
+    balloon_oracle_destroy( &oracle );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// How far engine and oracle are apart.
+typedef struct quantities
+{
+    double volume, target;   // shares
+    double pressure;         // a share, of 100 Pa at least
+    double centre, velocity; // m, m/s
+    double impulse;          // of the jet, a share
+} quantities;
+
+static quantities differences( const balloon_flight* flight, const balloon_oracle* b, double3 engine_impulse )
+{
+    wisp_quality q = balloon_quality( flight );
+    wisp_balloon_figures f = balloon_read( flight );
+    double3 momentum = balloon_oracle_momentum( b->v, b->mass, b->vertex_count );
+    double3 centre = balloon_oracle_centre( b->x, b->mass, b->vertex_count );
+    quantities d = {
+        .volume = q.volume / balloon_oracle_present_volume( b ) - 1.0,
+        .target = f.target_volume / b->gas_volume - 1.0,
+        .pressure = ( f.pressure - b->gauge ) / fmax( b->gauge, 100.0 ),
+        .centre = double3_distance( balloon_from( q.centre ), centre ),
+        .velocity = double3_distance( balloon_from( q.momentum ), momentum ) / b->total_mass,
+        .impulse =
+            double3_distance( engine_impulse, b->jet_impulse ) / fmax( double3_length( b->jet_impulse ), 1e-9 ),
+    };
+    return d;
+}
+
+typedef struct course
+{
+    const char* name;
+    bool pinned, outlet;
+    float fill, rate;
+} course;
+
+static const course COURSES[] = {
+    { "held", true, false, 1.2f, 0.0f },
+    { "inflating", false, false, 1.0f, 5e-3f },
+    { "flying", false, true, 1.2f, 0.0f },
+};
+
+static balloon_scene course_scene( const course* c, const balloon_mesh* mesh, const int32_t* pins, int pin_count )
+{
+    balloon_scene scene = balloon_scene_in_air( mesh );
+    scene.damping = 2.0f;
+    scene.def.fill = c->fill;
+    scene.def.inflation_rate = c->rate;
+    scene.pins = c->pinned ? pins : NULL;
+    scene.pin_count = c->pinned ? pin_count : 0;
+    if ( c->outlet )
+    {
+        balloon_scene_give_outlet( &scene, balloon_mesh_farthest( mesh, double3_make( 1.0, 0.3, 0.2 ) ), true );
+    }
+    return scene;
+}
+
+// One substep a step, so that every substep's jet is read.
+static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int steps, double3* impulse )
+{
+    *impulse = double3_make( 0.0, 0.0, 0.0 );
+    for ( int n = 0; n < steps; ++n )
+    {
+        balloon_steps( flight, 1 );
+        balloon_oracle_step( oracle );
+        wisp_balloon_figures f = balloon_read( flight );
+        *impulse = double3_add( *impulse, double3_scale( (double)flight->scene->dt, balloon_from( f.jet ) ) );
+    }
+}
+
+// 60 frames of 10 substeps. In the engine's order of links what differs is rounding; with all edges before all cross
+// links, as the source has it, both are only as close as the solver is converged.
+static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    // by three vertices, because two let it swing
+    const int32_t pins[3] = { balloon_mesh_farthest( &mesh, double3_make( 0.0, -1.0, 0.0 ) ),
+                              balloon_mesh_farthest( &mesh, double3_make( 0.0, 0.0, 1.0 ) ),
+                              balloon_mesh_farthest( &mesh, double3_make( 1.0, 0.0, 0.0 ) ) };
+    for ( int n = 0; n < WISP_COUNT( COURSES ) * 2; ++n )
+    {
+        const course* c = COURSES + n / 2;
+        balloon_order order = n % 2 == 0 ? BALLOON_ORDER_ENGINE : BALLOON_ORDER_PARTED;
+        balloon_scene scene = course_scene( c, &mesh, pins, WISP_COUNT( pins ) );
+        scene.dt = 1.0f / 600.0f;
+        scene.substeps = 1;
+        if ( order == BALLOON_ORDER_ENGINE )
+        {
+            scene.def.cross_stiffness = scene.def.edge_stiffness;
+        }
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_oracle oracle = balloon_oracle_of( &flight, order );
+        double3 impulse;
+        fly_both( &flight, &oracle, 600, &impulse );
+        quantities d = differences( &flight, &oracle, impulse );
+        print_message(
+            "           %s, %s order: V %.1e, V_0 %.1e, P %.1e, centre %.1e m, velocity %.1e m/s, jet %.1e, "
+            "vertices %.1e m\n",
+            c->name, order == BALLOON_ORDER_ENGINE ? "engine's" : "source's", d.volume, d.target, d.pressure,
+            d.centre, d.velocity, d.impulse, balloon_distance( &flight, &oracle ) );
+        bool same = order == BALLOON_ORDER_ENGINE;
+        balloon_assert_close( d.volume, 0.0, same ? 1e-6 : 0.01 );
+        balloon_assert_close( d.target, 0.0, same ? 1e-6 : 0.01 );
+        balloon_assert_close( d.pressure, 0.0, same ? 1e-3 : 0.05 );
+        balloon_assert_close( d.impulse, 0.0, same ? 1e-5 : 0.05 );
+        // a metre and a half on their way, at 2 m/s; a pear that turns in the air sets small differences forth
+        balloon_assert_close( d.centre, 0.0, same ? 2e-4 : 0.1 );
+        balloon_assert_close( d.velocity, 0.0, same ? 2e-3 : 0.3 );
+        balloon_oracle_destroy( &oracle );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- skin ----
+
+// BAL-05, Fig. 1: eight pairs at once, each alone with its two particles
+static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_their_inverse_masses( void** state )
+{
+    (void)state;
+    static const float WEIGHTS[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
+    const wisp_kernels* kernels = kernels_select( NULL, NULL );
+    for ( int n = 0; n < 6; ++n )
+    {
+        _Alignas( 64 ) float position[16][4];
+        int32_t a4[8], b4[8];
+        float rest[8], stiffness[8], compliance[8];
+        for ( int i = 0; i < 8; ++i )
+        {
+            const float a[4] = { 0.25f, (float)i, 0.0f, WEIGHTS[n / 2][0] },
+                        b[4] = { 1.75f, (float)i, 2.0f, WEIGHTS[n / 2][1] };
+            memcpy( position[2 * i], a, sizeof( a ) );
+            memcpy( position[2 * i + 1], b, sizeof( b ) );
+            a4[i] = 8 * i;
+            b4[i] = 8 * i + 4;
+            rest[i] = 1.0f + 0.5f * (float)( i % 4 ); // 1 and 1.5 are shorter than the pair, 2.5 is its length
+            stiffness[i] = 1.0f;
+            compliance[i] = 0.0f;
+        }
+        wisp_link_job job = { .position = position[0],
+                              .a4 = a4,
+                              .b4 = b4,
+                              .rest = rest,
+                              .stiffness = stiffness,
+                              .compliance = compliance,
+                              .inverse_dt2 = 3600.0f };
+        ( n % 2 == 0 ? kernels->link_pbd : kernels->link_xpbd )( &job, 0, 8 );
+        for ( int i = 0; i < 8; ++i )
+        {
+            double moved[2] = { ( (double)position[2 * i][0] - 0.25 ) / 0.6,
+                                ( 1.75 - (double)position[2 * i + 1][0] ) / 0.6 };
+            double excess = 2.5 - (double)rest[i],
+                   w = (double)WEIGHTS[n / 2][0] / (double)( WEIGHTS[n / 2][0] + WEIGHTS[n / 2][1] );
+            // towards each other where stretched; one projection solves a lone constraint, rounding is left
+            balloon_assert_close( moved[0], w * excess, 1e-6 );
+            balloon_assert_close( moved[1], ( 1.0 - w ) * excess, 1e-6 );
+        }
+    }
+}
+
+// BAL-06, BAL-07, Fig. 2
+static void a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_each( void** state )
+{
+    (void)state;
+    balloon_mesh meshes[4];
+    assert_true( balloon_mesh_tetrahedron( meshes, 1.0 ) && balloon_mesh_bipyramid( meshes + 1, 1.0 ) &&
+                 balloon_mesh_icosphere( meshes + 2, 3, 1.0 ) && balloon_mesh_torus( meshes + 3, 7, 5, 1.0, 0.3 ) );
+    for ( int n = 0; n < WISP_COUNT( meshes ); ++n )
+    {
+        balloon_scene scene = balloon_scene_of( meshes + n );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        const wisp_fabric* f = wisp_world_fabric( flight.world, flight.entity );
+        assert_int_equal( f->edge_count, 3 * f->triangle_count / 2 );
+        assert_int_equal( f->link_count, 2 * f->edge_count );
+        // a compliance each, by what it is
+        const float* compliance = wisp_world_column( flight.world, flight.entity, WISP_LINK_COMPLIANCE, 0 );
+        int crosses[2] = { 0, 0 };
+        for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+        {
+            int link = f->link_order.constraint[slot];
+            float expected = link < 0 ? 0.0f : ( link < f->edge_count ? 1.0f / 2000.0f : 1.0f / 20.0f );
+            assert_true( compliance[slot] == expected );
+            crosses[0] += link >= f->edge_count ? 1 : 0;
+            int a = f->slot_vertex[f->link_a4[slot] / 4], b = f->slot_vertex[f->link_b4[slot] / 4];
+            crosses[1] += link >= f->edge_count && ( a > b ? a : b ) == 4 && ( a > b ? b : a ) == 3 ? 1 : 0;
+        }
+        assert_int_equal( crosses[0], f->edge_count );
+        // A10: over the three edges of the bipyramid's ring, which is no face, lie its two tips and nothing else
+        assert_true( n != 1 || crosses[1] == 3 );
+        balloon_end( &flight );
+        balloon_mesh_destroy( meshes + n );
+    }
+}
+
+static double figure_volume( const balloon_mesh* mesh, wisp_vec3 place )
+{
+    balloon_scene scene = balloon_scene_of( mesh );
+    scene.place = place;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 1 );
+    double volume = balloon_read( &flight ).volume;
+    balloon_end( &flight );
+    return volume;
+}
+
+// BAL-08, Eq. 7: whole numbers, so that not even floats round
+static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state )
+{
+    (void)state;
+    balloon_mesh mesh;
+    assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
+    assert_true( figure_volume( &mesh, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) == 1.0 );
+    balloon_assert_share( figure_volume( &mesh, ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f } ), 1.0, 1e-9 );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-09, Eq. 8: the area vectors that drag, outlet and volume share
+static void area_vectors_are_the_gradient_of_the_volume( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.dt = 1e-6f;
+    scene.substeps = scene.iterations = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
+    balloon_steps( &flight, 1 );
+    const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
+    const float* vectors = wisp_world_column( flight.world, flight.entity, s->rings, 0 );
+    assert_non_null( vectors );
+    double3 sum = { 0.0, 0.0, 0.0 };
+    double dot = 0.0, size = 0.0;
+    for ( int i = 0; i < oracle.vertex_count; ++i )
+    {
+        const float* g = vectors + (size_t)( i / 8 ) * 24 + i % 8;
+        const double of[3] = { (double)g[0], (double)g[8], (double)g[16] };
+        double* coordinates = &oracle.x[i].x;
+        for ( int k = 0; k < 3; ++k )
+        {
+            const double h = 1e-5, kept = coordinates[k];
+            coordinates[k] = kept + h;
+            double above = balloon_oracle_present_volume( &oracle );
+            coordinates[k] = kept - h;
+            double below = balloon_oracle_present_volume( &oracle );
+            coordinates[k] = kept;
+            // section 12: 1e-3 in float, of a vector of its length
+            balloon_assert_close( of[k], ( above - below ) / ( 2.0 * h ),
+                                  1e-3 * double3_length( balloon_from( of ) ) );
+        }
+        sum = double3_add( sum, balloon_from( of ) );
+        dot += double3_dot( oracle.x[i], balloon_from( of ) );
+        size += double3_length( balloon_from( of ) );
+    }
+    balloon_assert_close( double3_length( sum ) / size, 0.0, 1e-6 );
+    balloon_assert_share( dot, 3.0 * oracle.rest_volume, 1e-6 );
+    balloon_oracle_destroy( &oracle );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- volume and gas ----
+
+// BAL-10, Fig. 3
+static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
+{
+    (void)state;
+    const float target[] = { 0.5f, 1.0f, 1.5f, 2.0f };
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    for ( int n = 0; n < 8; ++n )
+    {
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.damping = 5.0f;
+        scene.def.solver = scene.def.volume = n < 4 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
+        scene.def.stretch_share = 0.1f;
+        scene.def.bend_share = 0.01f;
+        scene.def.edge_stiffness = 20.0f;
+        scene.def.cross_stiffness = 0.2f;
+        scene.def.least_fill = 0.5f;
+        scene.def.fill = target[n % 4];
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_steps( &flight, 60 );
+        double reached = balloon_quality( &flight ).volume / balloon_read( &flight ).rest_volume;
+        print_message( "           %s, target %.1f V_rest: V = %.4f V_rest\n", n < 4 ? "xpbd" : "pbd",
+                       (double)target[n % 4], reached );
+        balloon_assert_share( reached, (double)target[n % 4], 0.01 );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-11
+static void the_volume_follows_a_ramp_of_its_gas( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.damping = 30.0f;
+    scene.def.edge_stiffness = 200.0f;
+    scene.def.cross_stiffness = 2.0f;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 10 );
+    double rest = balloon_read( &flight ).rest_volume;
+    for ( int half = 0; half < 2; ++half )
+    {
+        float rate = (float)( ( half == 0 ? 0.3 : -0.3 ) * rest );
+        assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, rate ), WISP_OK );
+        for ( int n = 0; n < 60; ++n )
+        {
+            balloon_steps( &flight, 1 );
+            balloon_assert_share( balloon_quality( &flight ).volume, balloon_read( &flight ).target_volume, 0.01 );
+        }
+        // 600 substeps of a float's length
+        balloon_assert_share( balloon_read( &flight ).target_volume / rest, half == 0 ? 1.3 : 1.0, 1e-6 );
+    }
+    // and no further than V_rest
+    assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, (float)-rest ), WISP_OK );
+    balloon_steps( &flight, 10 );
+    assert_true( balloon_read( &flight ).target_volume == rest );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-12, Eq. 9
+static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.def.fill = 1.3f;
+    scene.def.pressure = WISP_BALLOON_PRESSURE_GAS;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
+    const balloon_gas* gas = wisp_world_column( flight.world, flight.entity, s->gas, 0 );
+    // printed digits
+    balloon_assert_close( gas->gas_density, 0.16639, 5e-6 );
+    balloon_assert_close( gas->air_density, 1.20410, 5e-6 );
+    for ( int n = 0; n < 20; ++n )
+    {
+        balloon_steps( &flight, 1 );
+        wisp_balloon_figures f = balloon_read( &flight );
+        double amount = balloon_oracle_gas_amount( 101325.0, f.target_volume, 293.15 );
+        double product = ( 101325.0 + f.pressure ) * f.volume;
+        balloon_assert_share( product, amount * BALLOON_ORACLE_GAS_CONSTANT * 293.15, 1e-14 );
+    }
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-14: the same sphere read in three ways
+static double settled_pressure( const balloon_mesh* mesh, int substeps, int iterations,
+                                wisp_balloon_pressure reading )
+{
+    balloon_scene scene = balloon_scene_of( mesh );
+    scene.area_density = 0.05f;
+    scene.damping = 30.0f;
+    scene.substeps = substeps;
+    scene.iterations = iterations;
+    scene.cross_links = false;
+    scene.def.fill = 1.2f;
+    scene.def.pressure = reading;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 30 );
+    double pressure = balloon_read( &flight ).pressure;
+    balloon_end( &flight );
+    return pressure;
+}
+
+// The table of section 5, made in double and in another order of links: its virial is met within 1 %, its converged rows
+// within 3 % in every reading, as by the oracle, and a percent for floats, whose volume of 0.017 m^3 is 1e-7 and so 0.01 Pa
+// exact but whose links round to 1e-7 of lengths that strain by 6 %.
+static void the_pressure_readings_agree_where_substeps_make_them( void** state )
+{
+    (void)state;
+    const struct
+    {
+        int substeps, iterations;
+        double virial, multiplier, gas;
+    } row[] = { { 10, 10, 2674, 918, 747 },
+                { 50, 1, 2593, 1331, 1253 },
+                { 100, 1, 2475, 2007, 2033 },
+                { 400, 1, 2417, 2383, 2440 } };
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    for ( int n = 0; n < WISP_COUNT( row ); ++n )
+    {
+        double read[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            read[k] = settled_pressure( &mesh, row[n].substeps, row[n].iterations, (wisp_balloon_pressure)k );
+        }
+        print_message( "           %3d x %2d: virial %.0f, multiplier %.0f, gas %.0f Pa\n", row[n].substeps,
+                       row[n].iterations, read[0], read[1], read[2] );
+        balloon_assert_share( read[0], row[n].virial, 0.01 );
+        double allowed = row[n].substeps >= 100 ? 0.03 * 2410.0 : 100.0;
+        balloon_assert_close( read[1], row[n].multiplier, allowed );
+        balloon_assert_close( read[2], row[n].gas, allowed );
+        if ( row[n].substeps == 400 )
+        {
+            balloon_assert_share( read[1], read[0], 0.05 );
+            balloon_assert_share( read[2], read[0], 0.05 );
+            balloon_assert_share( read[2], read[1], 0.05 );
+        }
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// References, section 1: exact for a mesh whose every length is scaled by s, with a peak at s = 2
+static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    double peak = 0.0;
+    for ( int n = 0; n < 5; ++n )
+    {
+        const double scale[] = { 1.05, 1.2, 1.9, 2.0, 2.1 };
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.scale = scale[n];
+        scene.substeps = 1;
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
+        balloon_steps( &flight, 1 );
+        double sum = 0.0, edges = 0.0;
+        for ( int e = 0; e < oracle.structural_count; ++e )
+        {
+            edges += 2000.0 * oracle.structural[e].rest * oracle.structural[e].rest;
+        }
+        for ( int e = 0; e < oracle.bend_count; ++e )
+        {
+            sum += 20.0 * oracle.bend[e].rest * oracle.bend[e].rest;
+        }
+        double pressure = balloon_read( &flight ).pressure;
+        balloon_assert_share(
+            pressure, balloon_oracle_true_scaled_pressure( sum + edges, oracle.rest_volume, scale[n] ), 1e-5 );
+        // p_max = sum( k l^2 ) / (12 V_0)
+        assert_true( pressure <= ( sum + edges ) / ( 12.0 * oracle.rest_volume ) * ( 1.0 + 1e-6 ) );
+        peak = pressure > peak ? pressure : peak;
+        // a fine sphere: 2 sqrt(3) k e / (R0 (1 + e)^2); 2562 vertices and soft cross links keep it within section 12's 5 %
+        balloon_assert_share( pressure, balloon_oracle_true_sphere_pressure( 2000.0, 0.15, scale[n] - 1.0 ), 0.05 );
+        assert_true( n != 3 || pressure == peak );
+        assert_true( n != 4 || pressure < peak );
+        balloon_oracle_destroy( &oracle );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// A slack skin holds no pressure, however much smaller than its rest shape.
+static void a_slack_skin_reads_no_pressure( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.scale = 0.9;
+    scene.substeps = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 1 );
+    assert_true( balloon_read( &flight ).pressure == 0.0 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// lambda / dt^2 belongs to the substep that made it
+static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.substeps = 1;
+    scene.iterations = 10;
+    scene.damping = 30.0f;
+    scene.dt = 1.0f / 6000.0f;
+    scene.def.fill = 1.2f;
+    scene.def.pressure = WISP_BALLOON_PRESSURE_MULTIPLIER;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 1000 );
+    double settled = balloon_read( &flight ).pressure;
+    scene.dt = 1.0f / 12000.0f;
+    balloon_steps( &flight, 1 );
+    assert_true( settled > 1000.0 );
+    balloon_assert_share( balloon_read( &flight ).pressure, settled, 0.01 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( one_substep_is_the_oracles_in_every_mode ),
+        cmocka_unit_test( the_figures_of_a_substep_are_the_oracles ),
+        cmocka_unit_test( a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles ),
+        cmocka_unit_test( two_particles_return_to_their_distance_and_move_in_the_ratio_of_their_inverse_masses ),
+        cmocka_unit_test( a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_each ),
+        cmocka_unit_test( the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is ),
+        cmocka_unit_test( area_vectors_are_the_gradient_of_the_volume ),
+        cmocka_unit_test( a_soft_skin_takes_half_to_twice_its_rest_volume ),
+        cmocka_unit_test( the_volume_follows_a_ramp_of_its_gas ),
+        cmocka_unit_test( the_gas_obeys_its_law_and_has_the_densities_of_the_source ),
+        cmocka_unit_test( the_pressure_readings_agree_where_substeps_make_them ),
+        cmocka_unit_test( a_scaled_spring_mesh_presses_as_its_closed_form_says ),
+        cmocka_unit_test( a_slack_skin_reads_no_pressure ),
+        cmocka_unit_test( a_step_of_another_length_does_not_change_what_the_multiplier_reads ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,515 @@
+// What acts on the balloon from outside: gravity, buoyancy, drag and jet (BAL section 5, Fig. 4). BAL-nn names the row of
+// the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+#include "balloon_engine_fixture.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
+
+// ---- gravity and buoyancy ----
+
+// BAL-01, BAL-02, BAL-15
+static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    for ( int substeps = 1; substeps <= 10; substeps += 9 )
+    {
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.gravity = ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f };
+        scene.substeps = substeps;
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        double h = 1.0 / ( 60.0 * substeps ), worst = 0.0;
+        for ( int n = 1; n <= 60; ++n )
+        {
+            balloon_steps( &flight, 1 );
+            wisp_quality q = balloon_quality( &flight );
+            double k = (double)n * substeps, speed = q.momentum[1] / q.mass,
+                   fallen = 9.8 * h * h * k * ( k + 1.0 ) / 2.0;
+            // velocities are differences of positions, whose half unit is 2.4e-7 m below 8 m, and all substeps may round to
+            // the same side
+            double allowed = k * 2.4e-7 / h;
+            worst = fmax( worst, fabs( speed + 9.8 * k * h ) );
+            balloon_assert_close( speed, -9.8 * k * h, allowed );
+            balloon_assert_close( q.centre[1], -fallen, allowed * k * h );
+            balloon_assert_close( q.strain_max, 0.0, 1e-4 );
+        }
+        print_message( "           %d substeps: speed within %.1e of %.1f m/s\n", substeps, worst, 9.8 );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-01: w = 0
+static void a_pinned_vertex_stays_whatever_pulls( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    const int32_t pin = 0;
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.def.fill = 1.2f;
+    scene.pins = &pin;
+    scene.pin_count = 1;
+    balloon_scene_give_outlet( &scene, 5, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    const float* x =
+        balloon_positions( &flight ) + 4 * wisp_world_fabric( flight.world, flight.entity )->vertex_slot[0];
+    const float before[3] = { x[0], x[1], x[2] };
+    balloon_steps( &flight, 30 );
+    x = balloon_positions( &flight ) + 4 * wisp_world_fabric( flight.world, flight.entity )->vertex_slot[0];
+    assert_memory_equal( x, before, sizeof( before ) );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+static double height_of_three_grams( double radius )
+{
+    balloon_mesh mesh = balloon_sphere( 4, radius );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.substeps = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 1 );
+    double area = balloon_quality( &flight ).mass / (double)scene.area_density;
+    balloon_end( &flight );
+    scene.area_density = (float)( 0.003 / area );
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 30 );
+    double height = balloon_quality( &flight ).centre[1];
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+    return height;
+}
+
+// BAL-16, Eq. 10
+static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
+{
+    (void)state;
+    // 0.0884 m; the mesh of 5120 faces has 0.3 % less volume than its sphere, so 0.1 % more radius
+    double truth = balloon_oracle_true_lift_off_radius_of_mass( 0.003, AIR - HELIUM );
+    balloon_assert_close( truth, 0.0884, 5e-5 );
+    assert_true( height_of_three_grams( 0.995 * truth ) < -1e-3 );
+    assert_true( height_of_three_grams( 1.005 * truth ) > 1e-3 );
+}
+
+// A13: shared by mass it turns nothing
+static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 3 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.def.drag_coefficient = 0.0f;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 20 );
+    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_quality q = balloon_quality( &flight );
+    balloon_assert_share( f.buoyancy[1], 9.8 * f.volume * ( AIR - HELIUM ), 1e-5 );
+    assert_true( f.buoyancy[0] == 0.0 && f.buoyancy[2] == 0.0 );
+    double gain = ( f.buoyancy[1] + f.gravity[1] ) / q.mass * 20.0 / 60.0;
+    // the volume swings by 1e-4 while the skin settles
+    balloon_assert_share( q.momentum[1] / q.mass, gain, 1e-3 );
+    balloon_assert_close( double3_length( balloon_from( f.angular_velocity ) ), 0.0, 1e-3 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- drag ----
+
+// BAL-17, Eq. 11, A5: 5120 faces; the measured factors of A5 depend in the fourth digit on the direction of flight
+static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
+{
+    (void)state;
+    const double factor[WISP_BALLOON_DRAG_COUNT] = { 0.9987, 1.9975, 0.0, 4.0 / 3.0 };
+    const double allowed[WISP_BALLOON_DRAG_COUNT] = { 1e-3, 2e-3, 1e-5, 3e-3 };
+    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    assert_int_equal( mesh.triangle_count, 5120 );
+    for ( int mode = 0; mode < WISP_BALLOON_DRAG_COUNT; ++mode )
+    {
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.dt = 1e-6f; // so short that the limit of section 9 takes 1e-4
+        scene.substeps = 1;
+        scene.area_density = 1.0f;
+        scene.def.drag_coefficient = 0.5f;
+        scene.def.drag = (wisp_balloon_drag)mode;
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        const wisp_vec3 v = { 1.2f, -0.9f, 2.0f };
+        balloon_throw( &flight, v );
+        balloon_steps( &flight, 1 );
+        double3 f = balloon_from( balloon_read( &flight ).drag ), u = double3_make( 1.2, -0.9, 2.0 );
+        double speed = double3_length( u ), full = 0.5 * AIR * 0.5 * PI * 0.15 * 0.15 * speed * speed;
+        print_message( "           drag mode %d: %.4f pi r^2\n", mode, -double3_dot( f, u ) / speed / full );
+        balloon_assert_close( -double3_dot( f, u ) / speed / full, factor[mode], allowed[mode] );
+        // nothing aside
+        balloon_assert_close( double3_length( double3_cross( f, u ) ) / speed / full, 0.0, 1e-3 );
+        if ( mode == WISP_BALLOON_DRAG_MAX )
+        {
+            balloon_assert_share( -double3_dot( f, u ) / speed, full, 0.01 ); // the contract's row
+        }
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+static void keep_rigid( const balloon_flight* flight )
+{
+    double3 p = balloon_momentum( flight );
+    double mass = balloon_quality( flight ).mass;
+    balloon_throw( flight, ( wisp_vec3 ){ (float)( p.x / mass ), (float)( p.y / mass ), (float)( p.z / mass ) } );
+}
+
+// BAL-17. The limit of section 9 brakes less than the plain force: +2.4 % of speed at substeps of 1/600 s, +0.2 % at
+// 1/6000 s; here each of 480 substeps is 1/1200 s.
+static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
+{
+    (void)state;
+    double truth = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
+    balloon_assert_close( truth, 2.32, 5e-3 );
+    balloon_mesh mesh = balloon_sphere( 4, 0.15 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.area_density = (float)( 0.003 / ( 4.0 * PI * 0.15 * 0.15 ) );
+    scene.dt = 1.0f / 1200.0f;
+    scene.substeps = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    for ( int n = 0; n < 480; ++n )
+    {
+        balloon_steps( &flight, 1 );
+        keep_rigid( &flight );
+    }
+    double reached = balloon_quality( &flight ).momentum[1] / balloon_quality( &flight ).mass;
+    print_message( "           terminal speed %.4f m/s in 480 substeps of 1/1200 s, truth %.4f\n", reached, truth );
+    balloon_assert_share( reached, truth, 0.02 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// Section 9
+static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    for ( int mode = 0; mode < WISP_BALLOON_DRAG_COUNT; ++mode )
+    {
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.substeps = 1;
+        scene.def.drag_coefficient = 0.5f;
+        scene.def.drag = (wisp_balloon_drag)mode;
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 300.0f, 0.0f } );
+        double before = balloon_momentum( &flight ).y;
+        balloon_steps( &flight, 1 );
+        double after = balloon_momentum( &flight ).y;
+        assert_true( balloon_is_finite( &flight ) && after > 0.0 );
+        // the printed form gives the rear of a closed body as much thrust as its front has drag
+        assert_true( mode == WISP_BALLOON_DRAG_SIGNED || after < 0.95 * before );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- jet ----
+
+// A pear without cross links, scaled by 1.1 and just so stiff that it presses with `gauge` (references, section 1).
+static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
+{
+    balloon_scene scene = balloon_scene_of( mesh );
+    scene.cross_links = false;
+    scene.scale = 1.1;
+    scene.def.fill = 1.331f;
+    scene.dt = 1e-4f;
+    scene.substeps = 1;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
+    double sum = 0.0;
+    for ( int e = 0; e < oracle.structural_count; ++e )
+    {
+        sum += oracle.structural[e].rest * oracle.structural[e].rest;
+    }
+    scene.def.edge_stiffness =
+        (float)( gauge / balloon_oracle_true_scaled_pressure( sum, oracle.rest_volume, scene.scale ) );
+    balloon_oracle_destroy( &oracle );
+    balloon_end( &flight );
+    return scene;
+}
+
+// BAL-18 and BAL-19, Eq. 12, section 7
+static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void** state )
+{
+    (void)state;
+    const double gauge[] = { 1000.0, 2500.0, 7500.0 }, speed[] = { 109.6, 173.3, 300.0 };
+    const double flow[] = { 1.82e-3, 2.88e-3, 4.996e-3 }, force[] = { 0.2, 0.5, 1.5 };
+    balloon_mesh mesh = balloon_pear( 2 );
+    for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
+    {
+        balloon_scene scene = pressed_scene( &mesh, gauge[n] );
+        balloon_scene_give_outlet( &scene, 17, true );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_steps( &flight, 1 );
+        wisp_balloon_figures f = balloon_read( &flight );
+        balloon_assert_share( f.pressure, gauge[n], 1e-5 );
+        balloon_assert_close( f.outlet_speed, speed[n], n == 2 ? 0.5 : 0.06 ); // "300" is rounded to the metre
+        balloon_assert_close( f.mass_flow, flow[n], 5e-6 );
+        balloon_assert_share( double3_length( balloon_from( f.jet ) ), force[n], 1e-5 );
+        // F = 2 A_h (P - P_atm) = mdot v_e, in double; the area is a float
+        balloon_assert_share( double3_length( balloon_from( f.jet ) ), 2.0 * (double)1e-4f * f.pressure, 1e-12 );
+        balloon_assert_share( double3_length( balloon_from( f.jet ) ), f.mass_flow * f.outlet_speed, 1e-12 );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-19 at constant pressure: the shape is put back in every step
+static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = pressed_scene( &mesh, 2500.0 );
+    balloon_scene_give_outlet( &scene, 0, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
+    size_t bytes = (size_t)fabric->slot_count * 4 * sizeof( float );
+    float* shape = malloc( bytes );
+    assert_non_null( shape );
+    memcpy( shape, balloon_positions( &flight ), bytes );
+    double gained = 0.0, mass = 0.0;
+    for ( int n = 0; n < 100; ++n )
+    {
+        double before = double3_length( balloon_momentum( &flight ) );
+        balloon_steps( &flight, 1 );
+        mass = balloon_quality( &flight ).mass;
+        gained += double3_length( balloon_momentum( &flight ) ) - before;
+        memcpy( balloon_positions( &flight ), shape, bytes );
+        memset( balloon_velocities( &flight ), 0, bytes );
+    }
+    // velocities come back from positions of 0.17 m: 1.5e-8 m / 1e-4 s a vertex, in the mean of 162 and of 100 steps
+    double allowed = 100.0 * mass * 1.5e-8 / 1e-4 / sqrt( 162.0 * 100.0 ) / ( 0.5 * 0.01 );
+    balloon_assert_share( gained, balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.01 ), 4.0 * allowed );
+    assert_true( 4.0 * allowed < 0.01 );
+    free( shape );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-13, BAL-19: M dv = -sum mdot v_e n dt, and the gas that is missing is the gas that left
+static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.dt = 1.0f / 600.0f;
+    scene.substeps = 1;
+    scene.def.fill = 1.2f;
+    balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.4, 1.0, 0.2 ) ), true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    double3 given = { 0.0, 0.0, 0.0 };
+    double blown = 0.0;
+    for ( int n = 0; n < 600; ++n )
+    {
+        balloon_steps( &flight, 1 );
+        wisp_balloon_figures f = balloon_read( &flight );
+        given = double3_add( given, double3_scale( (double)scene.dt, balloon_from( f.jet ) ) );
+        blown += f.mass_flow * (double)scene.dt;
+        double missing = ( (double)1.2f * f.rest_volume - f.target_volume ) * 101325.0 * (double)4.0026e-3f /
+                         ( BALLOON_ORACLE_GAS_CONSTANT * (double)293.15f );
+        // doubles, and differences of V_0 from its start
+        balloon_assert_close( f.gas_lost, missing, 1e-13 );
+        balloon_assert_close( f.gas_lost, blown, 1e-13 );
+    }
+    double size = double3_length( given );
+    assert_true( size > 1e-3 );
+    // each substep rounds positions of up to a metre to 3e-8 m, so a velocity to 2e-5 m/s, and 600 add up as a walk
+    balloon_assert_close( double3_distance( balloon_momentum( &flight ), given ) / size, 0.0, 1e-3 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-14: 10 Pa and 50 Pa. The skin is put at its pressure by its scale, and read in the step that follows.
+static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
+{
+    (void)state;
+    const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
+    const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    balloon_scene scene = pressed_scene( &mesh, 1000.0 );
+    scene.def.fill = 2.0f;
+    scene.def.outlet_area = 1e-8f;
+    balloon_scene_give_outlet( &scene, 3, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
+    double per = 1000.0 / ( 0.1 / 1.21 ); // P = per (s - 1) / s^2
+    for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
+    {
+        // a float's scale gives the pressure to 1e-2 Pa, so aim beside the border
+        double aim = gauge[n] + ( expected[n] ? 0.2 : -0.2 ), e = 0.0;
+        for ( int k = 0; k < 20; ++k )
+        {
+            e = aim / per * ( 1.0 + e ) * ( 1.0 + e );
+        }
+        float* x = balloon_positions( &flight );
+        for ( int slot = 0; slot < fabric->vertex_count; ++slot )
+        {
+            const float* rest = &fabric->rest[slot].x;
+            for ( int k = 0; k < 3; ++k )
+            {
+                x[4 * slot + k] = (float)( ( 1.0 + e ) * (double)rest[k] );
+            }
+        }
+        memset( balloon_velocities( &flight ), 0, (size_t)fabric->slot_count * 4 * sizeof( float ) );
+        balloon_steps( &flight, 1 );
+        wisp_balloon_figures f = balloon_read( &flight );
+        balloon_assert_close( f.pressure, fmax( 0.0, aim ), 0.1 );
+        assert_int_equal( f.outlet_speed > 0.0, expected[n] );
+    }
+    assert_true( balloon_read( &flight ).jet_starts == 2.0 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    scene.def.fill = 1.2f;
+    balloon_scene_give_outlet( &scene, 0, false );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 10 );
+    wisp_balloon_figures shut = balloon_read( &flight );
+    assert_true( shut.pressure > 1000.0 && shut.gas_lost == 0.0 && shut.outlet_speed == 0.0 );
+    assert_int_equal( wisp_open_balloon( flight.world, flight.entity, true ), WISP_OK );
+    balloon_steps( &flight, 1 );
+    assert_true( balloon_read( &flight ).gas_lost > 0.0 );
+    assert_int_equal( wisp_open_balloon( flight.world, flight.entity, false ), WISP_OK );
+    balloon_steps( &flight, 1 );
+    wisp_balloon_figures again = balloon_read( &flight );
+    balloon_steps( &flight, 5 );
+    assert_true( balloon_read( &flight ).gas_lost == again.gas_lost );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// Several vertices: the outlet is where their mean is and points where their area vectors do.
+static void an_outlet_of_several_vertices_points_along_their_common_normal( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    balloon_scene scene = pressed_scene( &mesh, 1000.0 );
+    double3 mean = { 0.0, 0.0, 0.0 };
+    for ( int v = 0; v < mesh.vertex_count && scene.def.outlet_count < 20; ++v )
+    {
+        if ( mesh.positions[v].y > 0.13 )
+        {
+            scene.def.outlet[scene.def.outlet_count++] = v;
+            mean = double3_add( mean, mesh.positions[v] );
+        }
+    }
+    assert_true( scene.def.outlet_count > 5 );
+    scene.def.outlet_open = true;
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 1 );
+    double3 jet = balloon_from( balloon_read( &flight ).jet );
+    balloon_assert_share( double3_length( jet ), 0.2, 1e-5 );
+    // area vectors are not all of one size: within a tenth of a vertex's distance
+    balloon_assert_close( -double3_dot( jet, mean ) / double3_length( jet ) / double3_length( mean ), 1.0, 1e-3 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// BAL-20, Fig. 4
+static void the_four_external_forces_point_where_they_should( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 3, 0.15 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.substeps = 1;
+    scene.scale = 1.05;
+    scene.def.fill = 1.2f;
+    balloon_scene_give_outlet( &scene, 0, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_throw( &flight, ( wisp_vec3 ){ 1.0f, 2.0f, -0.5f } );
+    balloon_steps( &flight, 1 );
+    wisp_balloon_figures f = balloon_read( &flight );
+    print_message(
+        "           gravity (%.4f %.4f %.4f) buoyancy (%.4f %.4f %.4f) drag (%.4f %.4f %.4f) jet (%.4f %.4f "
+        "%.4f) N\n",
+        f.gravity[0], f.gravity[1], f.gravity[2], f.buoyancy[0], f.buoyancy[1], f.buoyancy[2], f.drag[0], f.drag[1],
+        f.drag[2], f.jet[0], f.jet[1], f.jet[2] );
+    double3 v = { 1.0, 2.0, -0.5 }, drag = balloon_from( f.drag ), jet = balloon_from( f.jet );
+    balloon_assert_share( f.gravity[1], -9.8 * balloon_quality( &flight ).mass, 1e-6 );
+    assert_true( f.buoyancy[1] > 0.0 && f.gravity[0] == 0.0 && f.buoyancy[2] == 0.0 );
+    balloon_assert_close( double3_dot( drag, v ) / double3_length( drag ) / double3_length( v ), -1.0, 1e-3 );
+    // vertex 0 of an icosphere has equal neighbours, so its normal is radial
+    double3 outlet = mesh.positions[0];
+    balloon_assert_close( double3_dot( jet, outlet ) / double3_length( jet ) / double3_length( outlet ), -1.0, 1e-6 );
+    assert_true( f.pressure > 1000.0 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// The drag shown is the one that acted: of the velocity before the other forces.
+static void the_forces_shown_are_the_momentum_gained( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    balloon_scene scene = balloon_scene_in_air( &mesh );
+    scene.dt = 1.0f / 240.0f;
+    scene.substeps = 1;
+    scene.area_density = 0.2f; // heavy, so that it stays near the origin and its velocities are read back well
+    scene.scale = 1.05;
+    scene.def.fill = 1.2f;
+    balloon_scene_give_outlet( &scene, 0, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_throw( &flight, ( wisp_vec3 ){ 4.0f, 2.0f, -3.0f } );
+    for ( int n = 0; n < 10; ++n )
+    {
+        double3 before = balloon_momentum( &flight );
+        balloon_steps( &flight, 1 );
+        wisp_balloon_figures f = balloon_read( &flight );
+        double3 sum = double3_add( double3_add( balloon_from( f.gravity ), balloon_from( f.buoyancy ) ),
+                                   double3_add( balloon_from( f.drag ), balloon_from( f.jet ) ) );
+        double3 gained = double3_sub( balloon_momentum( &flight ), before );
+        double3 given = double3_scale( (double)scene.dt, sum );
+        // some 30 roundings a vertex of 1.5e-8 m over 1/240 s, as a walk, in the mean of 162 of together 0.06 kg
+        balloon_assert_close( double3_distance( gained, given ), 0.0, 1e-7 );
+        assert_true( double3_length( balloon_from( f.drag ) ) > 0.05 && double3_length( given ) > 1e-3 );
+    }
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_balloon_in_a_vacuum_falls_as_a_stone ),
+        cmocka_unit_test( a_pinned_vertex_stays_whatever_pulls ),
+        cmocka_unit_test( three_grams_lift_off_at_the_radius_of_the_source ),
+        cmocka_unit_test( buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing ),
+        cmocka_unit_test( the_drag_of_a_rigid_sphere_is_what_each_variant_says ),
+        cmocka_unit_test( a_rigid_sphere_rises_at_its_terminal_speed ),
+        cmocka_unit_test( drag_stops_a_thrown_balloon_and_does_not_throw_it_back ),
+        cmocka_unit_test( the_outlet_has_the_speed_flow_and_thrust_of_the_specification ),
+        cmocka_unit_test( a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form ),
+        cmocka_unit_test( what_leaves_the_outlet_is_what_the_body_gains ),
+        cmocka_unit_test( the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty ),
+        cmocka_unit_test( a_shut_outlet_blows_nothing_and_an_opened_one_does ),
+        cmocka_unit_test( an_outlet_of_several_vertices_points_along_their_common_normal ),
+        cmocka_unit_test( the_four_external_forces_point_where_they_should ),
+        cmocka_unit_test( the_forces_shown_are_the_momentum_gained ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,341 @@
+// What a balloon cannot be is refused with one sentence that names it, and the refused call has changed nothing.
+#include "balloon_engine_fixture.h"
+
+#include <math.h>
+
+// X( what the sentence must name, the statement that breaks a definition )
+#define BROKEN_DEFS( X )                                                                                             \
+    X( "solver is 2,", d->solver = WISP_SOLVER_COUNT )                                                               \
+    X( "edge_stiffness is 0,", d->edge_stiffness = 0.0f )                                                            \
+    X( "edge_stiffness is -7,", d->edge_stiffness = -7.0f )                                                          \
+    X( "edge_stiffness is 2e+12,", d->edge_stiffness = 2e12f )                                                       \
+    X( "edge_stiffness is", d->edge_stiffness = NAN )                                                                \
+    X( "cross_stiffness is 0,", d->cross_stiffness = 0.0f )                                                          \
+    X( "cross_stiffness is inf,", d->cross_stiffness = INFINITY )                                                    \
+    X( "stretch_share is 1.1,", d->stretch_share = 1.1f )                                                            \
+    X( "bend_share is -0.1,", d->bend_share = -0.1f )                                                                \
+    X( "volume is 2,", d->volume = WISP_SOLVER_COUNT )                                                               \
+    X( "volume_share is 0,", d->volume_share = 0.0f )                                                                \
+    X( "volume_share is 1.5,", d->volume_share = 1.5f )                                                              \
+    X( "fill is 0,", d->fill = 0.0f )                                                                                \
+    X( "fill is 0.99,", d->fill = 0.99f )                                                                            \
+    X( "fill is 0.4,", ( d->fill = 0.4f, d->least_fill = 0.5f ) )                                                    \
+    X( "fill is", d->fill = NAN )                                                                                    \
+    X( "inflation_rate is inf,", d->inflation_rate = INFINITY )                                                      \
+    X( "least_fill is 0,", d->least_fill = 0.0f )                                                                    \
+    X( "least_fill is 1.5,", ( d->least_fill = 1.5f, d->fill = 2.0f ) )                                              \
+    X( "atmospheric_pressure is 0,", d->atmospheric_pressure = 0.0f )                                                \
+    X( "temperature is -1,", d->temperature = -1.0f )                                                                \
+    X( "gas_molar_mass is 0,", d->gas_molar_mass = 0.0f )                                                            \
+    X( "air_molar_mass is 11,", d->air_molar_mass = 11.0f )                                                          \
+    X( "pressure is 3,", d->pressure = WISP_BALLOON_PRESSURE_COUNT )                                                 \
+    X( "drag_coefficient is -0.5,", d->drag_coefficient = -0.5f )                                                    \
+    X( "drag_coefficient is", d->drag_coefficient = NAN )                                                            \
+    X( "drag is 4,", d->drag = WISP_BALLOON_DRAG_COUNT )                                                             \
+    X( "outlet_count is -1,", d->outlet_count = -1 )                                                                 \
+    X( "outlet_count is 65,", d->outlet_count = WISP_BALLOON_MAX_OUTLET + 1 )                                        \
+    X( "outlet_area is 0,", d->outlet_area = 0.0f )                                                                  \
+    X( "spin is 3,", d->spin = WISP_BALLOON_SPIN_COUNT )                                                             \
+    X( "outlet 0 is vertex 42,", ( d->outlet_count = 1, d->outlet[0] = 42 ) )                                        \
+    X( "outlet 1 is vertex -1,", ( d->outlet_count = 2, d->outlet[1] = -1 ) )
+
+enum
+{
+#define COUNT_ONE( sentence, statement ) +1
+    BROKEN_COUNT = 0 BROKEN_DEFS( COUNT_ONE )
+#undef COUNT_ONE
+};
+
+static const char* break_def( int number, wisp_balloon_def* d )
+{
+    int n = 0;
+    const char* expected = NULL;
+#define BREAK_ONE( sentence, statement )                                                                             \
+    if ( n++ == number )                                                                                             \
+    {                                                                                                                \
+        statement;                                                                                                   \
+        expected = sentence;                                                                                         \
+    }
+    BROKEN_DEFS( BREAK_ONE )
+#undef BREAK_ONE
+    return expected;
+}
+
+static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
+{
+    assert_int_equal( actual, expected );
+    const char* sentence = wisp_world_message( world );
+    assert_one_sentence( sentence );
+    if ( strstr( sentence, named ) == NULL )
+    {
+        fail_msg( "'%s' does not say '%s'", sentence, named );
+    }
+}
+
+static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    assert_int_equal( mesh.vertex_count, 42 );
+    // a surface that is no balloon yet, and one that is
+    for ( int balloon = 0; balloon <= 1; ++balloon )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        wisp_world* world = balloon_world_create( &scene );
+        wisp_entity entity = balloon == 1 ? balloon_add( world, &scene ) : balloon_surface_add( world, &scene );
+        assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
+        uint64_t hash = wisp_world_hash( world );
+        int passes = wisp_world_plan_passes( world );
+        for ( int n = 0; n < BROKEN_COUNT; ++n )
+        {
+            wisp_balloon_def bad = scene.def;
+            const char* expected = break_def( n, &bad );
+            expect_refusal( world, wisp_set_balloon( world, entity, &bad ), WISP_BAD_INPUT, expected );
+            assert_true( wisp_world_hash( world ) == hash );
+            assert_int_equal( wisp_world_plan_passes( world ), passes );
+        }
+        wisp_world_destroy( world );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    for ( int high = 0; high <= 1; ++high )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        wisp_balloon_def* d = &scene.def;
+        d->edge_stiffness = d->cross_stiffness = high ? 1e12f : 1e-6f;
+        d->stretch_share = d->bend_share = high ? 1.0f : 0.0f;
+        d->volume_share = high ? 1.0f : 1e-6f;
+        d->least_fill = high ? 1.0f : 1e-3f;
+        d->fill = high ? 1.0f : 1e-3f;
+        d->atmospheric_pressure = high ? 1e7f : 1e-3f;
+        d->drag_coefficient = high ? 1e6f : 0.0f;
+        d->outlet_count = high ? WISP_BALLOON_MAX_OUTLET : 0;
+        for ( int i = 0; i < d->outlet_count; ++i )
+        {
+            d->outlet[i] = i % mesh.vertex_count;
+        }
+        d->outlet_open = true;
+        for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
+        {
+            d->solver = d->volume = (wisp_solver)solver;
+            balloon_flight flight;
+            balloon_start( &flight, &scene );
+            balloon_steps( &flight, 5 );
+            assert_true( balloon_is_finite( &flight ) );
+            balloon_end( &flight );
+        }
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- meshes ----
+
+static void refuse_mesh( const balloon_mesh* mesh, const char* named )
+{
+    balloon_scene scene = balloon_scene_of( mesh );
+    wisp_world* world = balloon_world_create( &scene );
+    wisp_entity entity = balloon_surface_add( world, &scene );
+    uint64_t hash = wisp_world_hash( world );
+    expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), WISP_BAD_INPUT, named );
+    assert_true( wisp_world_hash( world ) == hash );
+    expect_refusal( world, wisp_want_balloon_figures( world, entity, true ), WISP_CONFLICT, "is not a balloon" );
+    assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
+    wisp_world_destroy( world );
+}
+
+static void an_open_mesh_has_no_volume( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    mesh.triangle_count -= 1;
+    refuse_mesh( &mesh, "open at 3 edges" );
+    balloon_mesh_destroy( &mesh );
+}
+
+// A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, whose triangles must run
+// twice in one direction somewhere.
+static void a_one_sided_mesh_encloses_nothing( void** state )
+{
+    (void)state;
+    double3 strip[5] = {
+        { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.2 }, { 0.5, 1.0, 0.0 }, { 1.5, 1.0, 0.5 }, { 1.0, 0.5, 1.0 }
+    };
+    int moebius[15] = { 0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 0, 4, 4, 0, 1 };
+    balloon_mesh mesh = { 5, 5, strip, moebius };
+    refuse_mesh( &mesh, "open at 5 edges" );
+
+    // the projective plane of six vertices
+    double3 six[6];
+    for ( int i = 0; i < 6; ++i )
+    {
+        six[i] = double3_make( i == 0, 0.3 * i, 0.1 * i * i );
+    }
+    int plane[30] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 1, 1, 2, 4, 2, 3, 5, 3, 4, 1, 4, 5, 2, 5, 1, 3 };
+    balloon_mesh projective = { 6, 10, six, plane };
+    refuse_mesh( &projective, "run twice in one direction" );
+}
+
+static void an_edge_of_four_triangles_is_no_skin( void** state )
+{
+    (void)state;
+    // two tetrahedra that share an edge and nothing else
+    double3 points[6] = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 1.0 },  { 1.0, 0.0, 0.5 },
+                          { 1.0, 1.0, 0.5 }, { -1.0, 0.0, 0.5 }, { -1.0, -1.0, 0.5 } };
+    int triangles[24] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 4, 1, 0, 1, 5, 0, 5, 4, 1, 4, 5 };
+    balloon_mesh mesh = { 6, 8, points, triangles };
+    refuse_mesh( &mesh, "1 edges have more than two triangles" );
+}
+
+static void two_shells_are_two_balloons( void** state )
+{
+    (void)state;
+    balloon_mesh one = balloon_sphere( 1, 0.15 ), both;
+    assert_true( balloon_mesh_join( &both, &one, &one, double3_make( 1.0, 0.0, 0.0 ) ) );
+    refuse_mesh( &both, "2 shells" );
+    balloon_mesh_destroy( &both );
+    balloon_mesh_destroy( &one );
+}
+
+static void an_inside_out_mesh_is_told_which_way_to_run( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    for ( int t = 0; t < mesh.triangle_count; ++t )
+    {
+        int kept = mesh.triangles[3 * t + 1];
+        mesh.triangles[3 * t + 1] = mesh.triangles[3 * t + 2];
+        mesh.triangles[3 * t + 2] = kept;
+    }
+    refuse_mesh( &mesh, "counter-clockwise" );
+    balloon_mesh_destroy( &mesh );
+}
+
+static void a_flattened_mesh_encloses_nothing( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        mesh.positions[v].z = 0.0;
+    }
+    refuse_mesh( &mesh, "encloses 0 m^3" );
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- calls ----
+
+static void calls_on_what_is_no_balloon_are_refused( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    wisp_world* world = balloon_world_create( &scene );
+    wisp_entity surface = balloon_surface_add( world, &scene ), strands = test_add_strands( world, 2, 3 );
+    wisp_entity gone = balloon_surface_add( world, &scene );
+    assert_int_equal( wisp_remove( world, gone ), WISP_OK );
+    wisp_balloon_figures figures;
+    expect_refusal( world, wisp_set_balloon( world, strands, &scene.def ), WISP_CONFLICT, "is not a surface" );
+    expect_refusal( world, wisp_set_balloon( world, gone, &scene.def ), WISP_STALE_ID, "does not exist" );
+    expect_refusal( world, wisp_set_balloon_fill( world, surface, 1.2f ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_set_balloon_inflation( world, surface, 1.0f ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_open_balloon( world, surface, true ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT, "is not a balloon" );
+
+    assert_int_equal( wisp_set_balloon( world, surface, &scene.def ), WISP_OK );
+    expect_refusal( world, wisp_open_balloon( world, surface, true ), WISP_CONFLICT, "has no outlet" );
+    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT, "takes no figures" );
+    assert_int_equal( wisp_want_balloon_figures( world, surface, true ), WISP_OK );
+    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT, "make a step" );
+    expect_refusal( world, wisp_set_balloon_fill( world, surface, 0.5f ), WISP_BAD_INPUT, "fill is 0.5," );
+    expect_refusal( world, wisp_set_balloon_fill( world, surface, NAN ), WISP_BAD_INPUT, "fill is" );
+    expect_refusal( world, wisp_set_balloon_inflation( world, surface, NAN ), WISP_BAD_INPUT, "inflation_rate is" );
+    wisp_world_destroy( world );
+    balloon_mesh_destroy( &mesh );
+}
+
+static void a_world_without_the_module_says_so( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    balloon_scene scene = balloon_scene_of( &mesh );
+    test_log log = { 0 };
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = 1;
+    def.log = test_log_listen;
+    def.log_user = &log;
+    wisp_world* world;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    wisp_entity entity = balloon_surface_add( world, &scene );
+    expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), WISP_CONFLICT,
+                    "balloon is not registered" );
+    assert_string_equal( log.last, wisp_world_message( world ) );
+    wisp_world_destroy( world );
+    balloon_mesh_destroy( &mesh );
+}
+
+// Each request in turn is refused: the surface stays what it was, and the same call then succeeds.
+static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    int refused = 0;
+    for ( int again = 0; again <= 1; ++again )
+    {
+        for ( int64_t n = 1; n < 100; ++n )
+        {
+            test_host host = { 0 };
+            balloon_scene scene = balloon_scene_in_air( &mesh );
+            scene.allocator = test_host_allocator( &host );
+            wisp_world* world = balloon_world_create( &scene );
+            wisp_entity entity = again == 1 ? balloon_add( world, &scene ) : balloon_surface_add( world, &scene );
+            assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
+            uint64_t hash = wisp_world_hash( world );
+            balloon_scene_give_outlet( &scene, 3, true );
+            scene.def.solver = WISP_SOLVER_PBD;
+            scene.def.inflation_rate = 1e-3f;
+            test_host_refuse( &host, n, true );
+            wisp_status status = wisp_set_balloon( world, entity, &scene.def );
+            bool was_refused = test_host_has_refused( &host );
+            test_host_refuse( &host, 0, false );
+            if ( was_refused )
+            {
+                assert_int_equal( status, WISP_NO_MEMORY );
+                assert_true( wisp_world_hash( world ) == hash );
+                refused += 1;
+            }
+            assert_int_equal( wisp_set_balloon( world, entity, &scene.def ), WISP_OK );
+            assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
+            wisp_world_destroy( world );
+            assert_host_has_all_back( &host );
+            if ( was_refused == false )
+            {
+                break;
+            }
+        }
+    }
+    assert_true( refused > 10 );
+    balloon_mesh_destroy( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_value_out_of_range_is_named_and_changes_nothing ),
+        cmocka_unit_test( the_ends_of_every_range_are_accepted_and_give_numbers ),
+        cmocka_unit_test( an_open_mesh_has_no_volume ),
+        cmocka_unit_test( a_one_sided_mesh_encloses_nothing ),
+        cmocka_unit_test( an_edge_of_four_triangles_is_no_skin ),
+        cmocka_unit_test( two_shells_are_two_balloons ),
+        cmocka_unit_test( an_inside_out_mesh_is_told_which_way_to_run ),
+        cmocka_unit_test( a_flattened_mesh_encloses_nothing ),
+        cmocka_unit_test( calls_on_what_is_no_balloon_are_refused ),
+        cmocka_unit_test( a_world_without_the_module_says_so ),
+        cmocka_unit_test( a_host_without_memory_leaves_the_surface_as_it_was ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,359 @@
+// Every switch with every other, which passes each of them makes, and the balloons that a scene should not contain but does:
+// collapsed, flat, pinned all over, no longer numbers (BAL section 9).
+#include "balloon_engine_fixture.h"
+
+#include <math.h>
+
+// ---- switches ----
+
+static void every_combination_of_switches_flies_for_half_a_second( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 1 );
+    int count = 0;
+    for ( int n = 0; n < 2 * 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * WISP_BALLOON_SPIN_COUNT;
+          ++n )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        int rest = n;
+        scene.def.solver = (wisp_solver)( rest % 2 );
+        scene.def.volume = (wisp_solver)( ( rest /= 2 ) % 2 );
+        scene.def.pressure = (wisp_balloon_pressure)( ( rest /= 2 ) % WISP_BALLOON_PRESSURE_COUNT );
+        scene.def.drag = (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
+        scene.def.spin = (wisp_balloon_spin)( rest / WISP_BALLOON_DRAG_COUNT );
+        scene.def.fill = 1.2f;
+        scene.damping = 1.0f;
+        balloon_scene_give_outlet( &scene, 7, true );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_steps( &flight, 30 );
+        assert_true( balloon_is_finite( &flight ) );
+        wisp_balloon_figures f = balloon_read( &flight );
+        // half a second after its release a balloon is neither empty of space nor a hundred metres away
+        assert_true( f.volume > 0.5 * f.rest_volume && f.volume < 2.0 * f.rest_volume );
+        assert_true( double3_length( balloon_from( f.centre ) ) < 100.0 );
+        balloon_end( &flight );
+        count += 1;
+    }
+    assert_int_equal( count, 144 );
+    balloon_mesh_destroy( &mesh );
+}
+
+// A name of a pass, and the flags of the scenes below in which it runs.
+typedef struct pass_row
+{
+    const char* pass;
+    const char* scenes; // of "bare air outlet printed nospin rate pbd", one letter each: b a o p n r d
+} pass_row;
+
+static const pass_row PASSES[] = {
+    { "balloon.volume", "baopnrd" }, { "balloon.measure", "aopn" }, { "balloon.body", "aopn" },
+    { "balloon.inflate", "r" },      { "balloon.pressure", "opn" }, { "balloon.outlet", "opn" },
+    { "balloon.jet", "opn" },        { "balloon.spin", "o" },       { "balloon.turn", "p" },
+    { "balloon.drag", "a" },         { "balloon.buoyancy", "a" },   { "balloon.figures", "" },
+    { "links.xpbd", "baopnr" },      { "links.pbd", "d" },          { "particles.gravity", "a" },
+};
+
+static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
+{
+    balloon_scene scene = letter == 'a' ? balloon_scene_in_air( mesh ) : balloon_scene_of( mesh );
+    if ( letter == 'o' || letter == 'p' || letter == 'n' )
+    {
+        balloon_scene_give_outlet( &scene, 3, true );
+        scene.def.spin = letter == 'p' ? WISP_BALLOON_SPIN_PRINTED
+                                       : ( letter == 'n' ? WISP_BALLOON_SPIN_NONE : WISP_BALLOON_SPIN_KICK );
+    }
+    scene.def.inflation_rate = letter == 'r' ? 1e-3f : 0.0f;
+    scene.def.solver = letter == 'd' ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
+    return scene;
+}
+
+static void a_pass_exists_only_where_something_asks_for_it( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 1 );
+    for ( const char* letter = "baopnrd"; *letter != 0; ++letter )
+    {
+        balloon_scene scene = lettered_scene( &mesh, *letter );
+        wisp_world* world = balloon_world_create( &scene );
+        wisp_entity entity = balloon_surface_add( world, &scene );
+        assert_int_equal( wisp_set_balloon( world, entity, &scene.def ), WISP_OK );
+        assert_int_equal( wisp_want( world, entity, WISP_SURFACE_POINTS ), WISP_OK );
+        for ( int i = 0; i < WISP_COUNT( PASSES ); ++i )
+        {
+            bool expected = strchr( PASSES[i].scenes, *letter ) != NULL;
+            if ( balloon_has_pass( world, PASSES[i].pass ) != expected )
+            {
+                fail_msg( "scene '%c': pass %s is %s", *letter, PASSES[i].pass, expected ? "missing" : "there" );
+            }
+        }
+        assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
+        wisp_world_destroy( world );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 1 );
+    balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
+    scene.def.fill = 1.2f;
+    balloon_scene_give_outlet( &scene, 3, true );
+    balloon_flight flight;
+    balloon_start( &flight, &scene );
+    balloon_steps( &flight, 5 );
+    wisp_balloon_figures f = balloon_read( &flight );
+    assert_true( f.gas_lost > 0.0 && double3_length( balloon_from( f.drag ) ) > 0.0 );
+    assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &still.def ), WISP_OK );
+    const char* const gone[] = { "balloon.outlet", "balloon.jet", "balloon.spin", "balloon.drag",
+                                 "balloon.buoyancy" };
+    for ( int i = 0; i < WISP_COUNT( gone ); ++i )
+    {
+        assert_false( balloon_has_pass( flight.world, gone[i] ) );
+    }
+    balloon_steps( &flight, 5 );
+    f = balloon_read( &flight );
+    // nothing of the jet that was is shown
+    assert_true( f.gas_lost == 0.0 && f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.jet_starts == 0.0 );
+    assert_true( double3_length( balloon_from( f.jet ) ) + double3_length( balloon_from( f.drag ) ) == 0.0 );
+    assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 1e-3f ), WISP_OK );
+    assert_true( balloon_has_pass( flight.world, "balloon.inflate" ) );
+    assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 0.0f ), WISP_OK );
+    assert_false( balloon_has_pass( flight.world, "balloon.inflate" ) );
+    assert_int_equal( wisp_set_balloon_fill( flight.world, flight.entity, 1.5f ), WISP_OK );
+    balloon_steps( &flight, 1 );
+    f = balloon_read( &flight );
+    balloon_assert_share( f.target_volume, 1.5 * f.rest_volume, 1e-12 );
+    balloon_end( &flight );
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- guards ----
+
+static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    const int32_t pin = 7;
+    for ( int n = 0; n < 2 * WISP_BALLOON_PRESSURE_COUNT; ++n )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        scene.def.solver = scene.def.volume = n % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
+        scene.def.pressure = (wisp_balloon_pressure)( n / 2 );
+        scene.pins = &pin;
+        scene.pin_count = 1;
+        balloon_scene_give_outlet( &scene, 3, true );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        float* x = balloon_positions( &flight );
+        for ( int i = 0; i < 4 * mesh.vertex_count; ++i )
+        {
+            x[i] = i % 4 == 3 ? x[i] : 0.0f;
+        }
+        balloon_steps( &flight, 20 );
+        assert_true( balloon_is_finite( &flight ) );
+        wisp_balloon_figures f = balloon_read( &flight );
+        // a point has no direction to grow into: (9) sees the least volume that it may
+        balloon_assert_share( f.volume, 1e-3 * f.rest_volume, 1e-12 );
+        assert_true( f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.gas_lost == 0.0 );
+        assert_true( isfinite( f.pressure ) );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// One that is only flat rises again.
+static void a_flattened_or_everted_balloon_stays_finite( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    for ( int n = 0; n < 2; ++n )
+    {
+        balloon_scene scene = balloon_scene_of( &mesh );
+        scene.damping = 5.0f;
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        float* x = balloon_positions( &flight );
+        for ( int slot = 0; slot < mesh.vertex_count; ++slot )
+        {
+            x[4 * slot + 2] *= n == 0 ? 1e-4f : -1.0f;
+        }
+        balloon_steps( &flight, 1 );
+        assert_true( balloon_read( &flight ).volume >= 1e-3 * balloon_read( &flight ).rest_volume * ( 1.0 - 1e-12 ) );
+        balloon_steps( &flight, 120 );
+        assert_true( balloon_is_finite( &flight ) );
+        if ( n == 0 )
+        {
+            balloon_assert_share( balloon_quality( &flight ).volume, balloon_read( &flight ).rest_volume, 0.01 );
+        }
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// Two vertices on one place: an edge without length, two triangles without area.
+static void edges_without_length_and_triangles_without_area_do_no_harm( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 2, 0.15 );
+    mesh.positions[mesh.triangles[1]] = mesh.positions[mesh.triangles[0]];
+    for ( int drag = 0; drag < WISP_BALLOON_DRAG_COUNT; ++drag )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        scene.def.drag = (wisp_balloon_drag)drag;
+        scene.def.fill = 1.2f;
+        balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_steps( &flight, 1 );
+        assert_true( balloon_read( &flight ).rest_volume > 0.01 );
+        balloon_steps( &flight, 30 );
+        assert_true( balloon_is_finite( &flight ) );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_sphere( 1, 0.15 );
+    int32_t pins[42];
+    for ( int i = 0; i < 42; ++i )
+    {
+        pins[i] = i;
+    }
+    for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
+    {
+        balloon_scene scene = balloon_scene_in_air( &mesh );
+        scene.pins = pins;
+        scene.pin_count = 42;
+        scene.def.fill = 1.5f;
+        scene.def.solver = scene.def.volume = (wisp_solver)solver;
+        balloon_scene_give_outlet( &scene, 0, true );
+        balloon_flight flight;
+        balloon_start( &flight, &scene );
+        balloon_steps( &flight, 1 );
+        uint64_t hash = balloon_hash( &flight );
+        balloon_steps( &flight, 10 );
+        assert_true( balloon_hash( &flight ) == hash && balloon_is_finite( &flight ) );
+        assert_true( balloon_momentum( &flight ).y == 0.0 );
+        balloon_end( &flight );
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+// ---- several, and one that breaks ----
+
+static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
+{
+    (void)state;
+    balloon_mesh meshes[3] = { balloon_pear( 2 ), balloon_sphere( 1, 0.15 ), balloon_pear( 4 ) };
+    balloon_scene scenes[3];
+    wisp_entity together[3];
+    for ( int n = 0; n < 3; ++n )
+    {
+        scenes[n] = n == 1 ? balloon_scene_of( meshes + n ) : balloon_scene_in_air( meshes + n );
+        scenes[n].def.fill = 1.1f + 0.1f * (float)n;
+        scenes[n].def.solver = n == 1 ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
+        if ( n != 1 )
+        {
+            balloon_scene_give_outlet( scenes + n, 5, true );
+        }
+    }
+    for ( int workers = 1; workers <= 3; workers += 2 )
+    {
+        scenes[0].workers = workers;
+        wisp_world* world = balloon_world_create( scenes );
+        for ( int n = 0; n < 3; ++n )
+        {
+            together[n] = balloon_add( world, scenes + n );
+        }
+        for ( int n = 0; n < 10; ++n )
+        {
+            assert_int_equal( wisp_world_step( world, scenes[0].dt ), WISP_OK );
+        }
+        for ( int n = 0; n < 3; ++n )
+        {
+            const balloon_flight flight = { world, together[n], scenes + n };
+            balloon_flight alone;
+            balloon_start( &alone, scenes + n );
+            balloon_steps( &alone, 10 );
+            assert_true( balloon_hash( &alone ) == balloon_hash( &flight ) );
+            assert_true( balloon_read( &alone ).gas_lost == balloon_read( &flight ).gas_lost );
+            balloon_end( &alone );
+        }
+        wisp_world_destroy( world );
+    }
+    for ( int n = 0; n < 3; ++n )
+    {
+        balloon_mesh_destroy( meshes + n );
+    }
+}
+
+static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number( void** state )
+{
+    (void)state;
+    balloon_mesh mesh = balloon_pear( 2 );
+    for ( int spin = 0; spin < WISP_BALLOON_SPIN_COUNT; ++spin )
+    {
+        for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT; ++reading )
+        {
+            balloon_scene scene = balloon_scene_in_air( &mesh );
+            scene.def.fill = 1.2f;
+            scene.def.spin = (wisp_balloon_spin)spin;
+            scene.def.pressure = (wisp_balloon_pressure)reading;
+            balloon_scene_give_outlet( &scene, 5, true );
+            balloon_flight bad, alone;
+            balloon_start( &bad, &scene );
+            const balloon_flight good = { bad.world, balloon_add( bad.world, &scene ), &scene };
+            balloon_steps( &bad, 3 );
+            uint64_t before = balloon_hash( &bad );
+            balloon_velocities( &bad )[4] = spin == 0 ? NAN : INFINITY;
+            balloon_steps( &bad, 2 );
+            assert_true( wisp_is_halted( bad.world, bad.entity ) );
+            assert_false( wisp_is_halted( bad.world, good.entity ) );
+            assert_true( balloon_hash( &bad ) == before );
+
+            balloon_start( &alone, &scene );
+            balloon_steps( &alone, 5 );
+            assert_true( balloon_hash( &alone ) == balloon_hash( &good ) );
+            balloon_end( &alone );
+
+            // and once it may go on, it does
+            assert_int_equal( wisp_resume( bad.world, bad.entity ), WISP_OK );
+            balloon_steps( &bad, 5 );
+            assert_true( balloon_is_finite( &bad ) && balloon_hash( &bad ) != before );
+            wisp_balloon_figures f = balloon_read( &bad ), g = balloon_read( &good );
+            // nothing of its gas has gone while it was no number, nor while it stood still
+            assert_true( f.gas_lost <= g.gas_lost );
+            const double numbers[] = {
+                f.target_volume,       f.volume,    f.pressure, f.gas_lost, f.orientation[0], f.orientation[3],
+                f.angular_velocity[0], f.centre[0], f.jet[0]
+            };
+            for ( int n = 0; n < WISP_COUNT( numbers ); ++n )
+            {
+                assert_true( isfinite( numbers[n] ) );
+            }
+            balloon_end( &bad );
+        }
+    }
+    balloon_mesh_destroy( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_combination_of_switches_flies_for_half_a_second ),
+        cmocka_unit_test( a_pass_exists_only_where_something_asks_for_it ),
+        cmocka_unit_test( switches_may_be_changed_in_flight_and_passes_go_with_them ),
+        cmocka_unit_test( a_collapsed_balloon_stays_finite_and_its_outlet_silent ),
+        cmocka_unit_test( a_flattened_or_everted_balloon_stays_finite ),
+        cmocka_unit_test( edges_without_length_and_triangles_without_area_do_no_harm ),
+        cmocka_unit_test( a_balloon_pinned_all_over_stays_where_it_is ),
+        cmocka_unit_test( balloons_in_one_world_fly_as_if_they_were_alone ),
+        cmocka_unit_test( a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,567 @@
+// Bodies in closed form: what rests, what is pushed, what is refused, and what the plan holds.
+#include "collision_fixture.h"
+
+static const float GRAVITY = 9.8f;
+static const float DT = 1.0f / 60.0f;
+
+static double distance_to( const wisp_collider_def* body, wisp_rigid pose, wisp_vec3 p )
+{
+    static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
+                                             WISP_SHAPE_BOX };
+    const wisp_shape shape = { KINDS[body->kind], body->radius, body->half_length, body->half_extent };
+    wisp_surface_point surface;
+    assert_true( wisp_shape_closest( &shape, wisp_rigid_to_body( pose, p ), &surface ) );
+    return (double)surface.distance;
+}
+
+static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def* body, wisp_rigid pose )
+{
+    const wisp_view view = view_of( world, e, WISP_SURFACE_POINTS );
+    double least = INFINITY;
+    for ( int v = 0; v < view.count; ++v )
+    {
+        least = fmin( least, distance_to( body, pose, ( (const wisp_vec3*)view.data )[v] ) );
+    }
+    return least;
+}
+
+// A square cloth with its middle at `middle`.
+static wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_vec3 middle, float gravity )
+{
+    test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ middle.x - 0.5f * side, middle.y, middle.z - 0.5f * side } );
+    wisp_collision_def collision = wisp_default_collision_def();
+    wisp_entity e = add_colliding( world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    give_gravity( world, e, gravity );
+    return e;
+}
+
+static wisp_collider_def body_of( wisp_collider_kind kind )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = kind;
+    def.radius = 0.3f;
+    def.half_length = 0.2f;
+    def.half_extent = ( wisp_vec3 ){ 0.3f, 0.2f, 0.25f };
+    return def;
+}
+
+// ---- rest ----
+
+static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    add_collider( h->world, &plane );
+    wisp_entity e = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
+    run_for( h->world, DT, 120 );
+    for ( int n = 0; n < 120; ++n )
+    {
+        run_for( h->world, DT, 1 );
+        // a place near 1 m is rounded to 6e-8 m, which is 4e-6 m/s in a step; a handful of those
+        assert_true( quality_of( h->world, e ).speed_max < 5e-5 );
+    }
+    assert_near( nearest( h->world, e, &plane, plane.pose ), 0.25 * 0.1 * ( 2.0 + sqrt( 2.0 ) ) / 3.0, 5e-3 );
+    assert_true( collision_of( h->world, e ).penetration < 1e-6f );
+    assert_int_equal( collision_of( h->world, e ).contacts, 81 );
+}
+
+static void contact_never_adds_energy( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    add_collider( h->world, &ball );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = 0.01f;
+    // without a cloth's constraints, so that all that can add energy is the contact
+    test_mesh mesh = test_plane( 9, 0.05f );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -0.2f, 1.0f, -0.2f } );
+    wisp_entity e = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 1 );
+    wisp_quality q = quality_of( h->world, e );
+    const double start = q.kinetic_energy + q.potential_energy;
+    double last = start;
+    for ( int n = 0; n < 120; ++n )
+    {
+        run_for( h->world, DT, 1 );
+        q = quality_of( h->world, e );
+        double now = q.kinetic_energy + q.potential_energy;
+        // velocities are rounded to 4e-6 m/s: some 1e-6 of the energy
+        assert_true( now <= last + 1e-5 * fabs( start ) );
+        last = now;
+    }
+}
+
+static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void** state )
+{
+    (void)state;
+    for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        hosted* h = new_colliding( 4, 4, 1 );
+        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        body.pose = ( wisp_rigid ){ about_z( kind == WISP_COLLIDER_PLANE ? 0.1 : 1.2 ), { 0.1f, 0.5f, -0.1f } };
+        add_collider( h->world, &body );
+        wisp_entity e = add_cloth( h->world, 21, 1.2f, ( wisp_vec3 ){ 0.1f, 1.0f, -0.1f }, GRAVITY );
+        run_for( h->world, DT, 300 );
+        const wisp_collision_figures figures = collision_of( h->world, e );
+        float thickness = 0.25f * 0.06f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
+        assert_true( figures.contacts > 20 );
+        // the share of the thickness that is lost to rounding and to what several contacts leave to each other
+        assert_true( figures.penetration <= 0.01f * thickness );
+        assert_true( nearest( h->world, e, &body, body.pose ) >= 0.94 * (double)thickness );
+        assert_true( nearest( h->world, e, &body, body.pose ) <= 1.06 * (double)thickness );
+        assert_int_equal( figures.dropped, 0 );
+        free_colliding( h );
+    }
+}
+
+static void results_scale_with_the_scene( void** state )
+{
+    (void)state;
+    const float scales[] = { 1.0f, 0.01f, 100.0f };
+    wisp_vec3 at[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        hosted* h = new_colliding( 4, 4, 1 );
+        float s = scales[k];
+        wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+        ball.radius *= s;
+        add_collider( h->world, &ball );
+        wisp_entity e = add_cloth( h->world, 13, 0.6f * s, ( wisp_vec3 ){ 0.05f * s, 0.4f * s, 0.0f }, GRAVITY * s );
+        run_for( h->world, DT, 60 );
+        const wisp_collision_figures figures = collision_of( h->world, e );
+        assert_true( figures.contacts > 20 );
+        assert_true( figures.penetration <= 0.01f * 0.0145f * s );
+        const wisp_quality q = quality_of( h->world, e );
+        at[k] = ( wisp_vec3 ){ (float)q.centre[0] / s, (float)q.centre[1] / s, (float)q.centre[2] / s };
+        free_colliding( h );
+    }
+    for ( int k = 1; k < 3; ++k )
+    {
+        // a cloth that folds makes much of a rounding: a thirtieth of the ball's radius after a second
+        assert_near( at[k].x, at[0].x, 0.01 );
+        assert_near( at[k].y, at[0].y, 0.01 );
+        assert_near( at[k].z, at[0].z, 0.01 );
+    }
+}
+
+static void what_starts_inside_leaves_without_flying_off( void** state )
+{
+    (void)state;
+    for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        hosted* h = new_colliding( 1, 8, 1 );
+        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        add_collider( h->world, &body );
+        wisp_entity e = add_cloth( h->world, 9, 0.24f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f }, 0.0f );
+        float edge = 0.03f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
+        run_for( h->world, DT, 1 );
+        assert_true( collision_of( h->world, e ).penetration > 0.05f );
+        for ( int n = 0; n < 240; ++n )
+        {
+            run_for( h->world, DT, 1 );
+            // a particle is moved by ten edges a second; those that hang on it are drawn along at a few times that
+            assert_true( quality_of( h->world, e ).speed_max < 5.0 * 10.0 * (double)edge );
+        }
+        assert_true( collision_of( h->world, e ).penetration < 0.1f * edge );
+        const wisp_quality q = quality_of( h->world, e );
+        // nothing pulls it back, so what velocity it was given it still has
+        double momentum =
+            sqrt( q.momentum[0] * q.momentum[0] + q.momentum[1] * q.momentum[1] + q.momentum[2] * q.momentum[2] );
+        assert_true( momentum / q.mass < 10.0 * (double)edge );
+        free_colliding( h );
+    }
+}
+
+// ---- motion ----
+
+static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
+{
+    hosted* h = *state;
+    const wisp_collider_kind kinds[] = { WISP_COLLIDER_BOX, WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE };
+    for ( int k = 0; k < 3; ++k )
+    {
+        wisp_collider_def body = body_of( kinds[k] );
+        body.radius = 5.0f;
+        body.half_extent = ( wisp_vec3 ){ 1.0f, 0.002f, 1.0f }; // 1.67 m a step, 4 mm thick
+        const float below = kinds[k] == WISP_COLLIDER_BOX ? -0.8f : -6.0f - ( k == 2 ? 0.2f : 0.0f );
+        body.pose.translation = ( wisp_vec3 ){ 0.0f, below, 0.0f };
+        wisp_entity collider = add_collider( h->world, &body );
+        wisp_entity e = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
+        for ( int n = 1; n <= 5; ++n )
+        {
+            const wisp_rigid pose = { body.pose.rotation, { 0.0f, below + 100.0f * DT * (float)n, 0.0f } };
+            assert_int_equal( wisp_move_collider( h->world, collider, pose ), WISP_OK );
+            run_for( h->world, DT, 1 );
+            assert_true( nearest( h->world, e, &body, pose ) > 0.0 );
+            const wisp_view view = view_of( h->world, e, WISP_SURFACE_POINTS );
+            for ( int v = 0; v < view.count; ++v )
+            {
+                // above the body's middle: pushed along, not passed
+                assert_true( ( (const wisp_vec3*)view.data )[v].y > pose.translation.y );
+            }
+        }
+        assert_true( quality_of( h->world, e ).speed_max < 130.0 );
+        assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+        assert_int_equal( wisp_remove( h->world, collider ), WISP_OK );
+    }
+}
+
+static void a_particle_at_100_m_s_stops_at_a_thin_plate( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
+    plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.001f, 1.0f };
+    plate.static_friction = plate.kinetic_friction = 0.0f;
+    add_collider( h->world, &plate );
+    test_mesh mesh = test_triangle( ( wisp_vec3 ){ -0.3f, 0.9f, 0.0f }, 0.1f );
+    wisp_collision_def collision = wisp_default_collision_def();
+    wisp_entity e = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 2.0f, -100.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
+                      WISP_OK );
+    run_for( h->world, DT, 5 );
+    for ( int v = 0; v < 3; ++v )
+    {
+        assert_true( point_of( h->world, e, v ).y > 0.0f );
+    }
+    // what goes along the plate goes on
+    assert_near( quality_of( h->world, e ).momentum[0] / quality_of( h->world, e ).mass, 2.0, 1e-3 );
+    assert_true( fabs( quality_of( h->world, e ).momentum[1] ) < 1e-6 );
+}
+
+static void a_body_stands_still_when_it_is_not_moved_again( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_entity collider = add_collider( h->world, &plane );
+    wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f }, GRAVITY );
+    const wisp_rigid up = { plane.pose.rotation, { 0.0f, 0.05f, 0.0f } };
+    assert_int_equal( wisp_move_collider( h->world, collider, up ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    double pushed = quality_of( h->world, e ).speed_max;
+    assert_true( pushed > 1.0 );
+    run_for( h->world, DT, 120 );
+    assert_true( quality_of( h->world, e ).speed_max < 5e-5 );
+    assert_true( nearest( h->world, e, &plane, up ) > 0.0 );
+}
+
+static void pinned_vertices_are_not_moved( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    add_collider( h->world, &ball );
+    wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
+    const int32_t middle = 12;
+    assert_int_equal( wisp_pin( h->world, e, &middle, 1 ), WISP_OK );
+    run_for( h->world, DT, 10 );
+    const wisp_vec3 p = point_of( h->world, e, middle );
+    assert_true( fabsf( p.x ) < 1e-6f && p.y == 0.0f && fabsf( p.z ) < 1e-6f );
+}
+
+static void layers_say_who_collides_with_whom( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    plane.layers = 4;
+    add_collider( h->world, &plane );
+    wisp_entity falls = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f }, GRAVITY );
+    wisp_entity lies = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 1.0f, 0.1f, 0.0f }, GRAVITY );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.mask = 3;
+    assert_int_equal( wisp_set_collision( h->world, falls, &collision ), WISP_OK );
+    collision.mask = 5;
+    assert_int_equal( wisp_set_collision( h->world, lies, &collision ), WISP_OK );
+    run_for( h->world, DT, 60 );
+    assert_true( quality_of( h->world, falls ).centre[1] < -4.0 );
+    assert_true( quality_of( h->world, lies ).centre[1] > 0.0 );
+}
+
+static void a_nan_halts_its_own_surface_alone( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    add_collider( h->world, &plane );
+    wisp_entity bad = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, GRAVITY );
+    wisp_entity good = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, GRAVITY );
+    float* velocity = wisp_world_column( h->world, bad, WISP_PARTICLE_VELOCITY, 0 );
+    velocity[1] = NAN;
+    velocity[4] = INFINITY;
+    run_for( h->world, DT, 60 );
+    assert_true( wisp_is_halted( h->world, bad ) );
+    assert_false( wisp_is_halted( h->world, good ) );
+    assert_true( quality_of( h->world, good ).speed_max < 5e-5 );
+}
+
+// ---- the plan ----
+
+static void nothing_to_collide_with_costs_no_pass( void** state )
+{
+    hosted* h = *state;
+    wisp_collision_def collision = wisp_default_collision_def();
+    test_mesh mesh = test_plane( 3, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    test_mesh_free( &mesh );
+    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    int bare = wisp_world_plan_passes( h->world );
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
+    assert_int_equal( wisp_want_collision_figures( h->world, e, true ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_entity body = add_collider( h->world, &plane );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
+    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
+    assert_int_equal( wisp_move_collider( h->world, body, plane.pose ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
+    collision.enabled = false;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 ); // the body is still carried
+    collision.enabled = true;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
+    run_for( h->world, DT, 2 );
+}
+
+static void removed_bodies_and_surfaces_are_forgotten( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_entity first = add_collider( h->world, &plane );
+    wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.02f, 0.0f }, GRAVITY );
+    wisp_entity second = add_collider( h->world, &ball );
+    run_for( h->world, DT, 5 );
+    assert_int_equal( wisp_remove( h->world, second ), WISP_OK );
+    assert_int_equal( wisp_move_collider( h->world, second, plane.pose ), WISP_CONFLICT );
+    // a cloth in the body's slot is not taken for the body
+    wisp_entity other = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 2.0f, 0.02f, 0.0f }, GRAVITY );
+    assert_int_equal( other.index, second.index );
+    run_for( h->world, DT, 60 );
+    assert_true( quality_of( h->world, e ).centre[1] > 0.0 );
+    assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+    assert_int_equal( wisp_remove( h->world, first ), WISP_OK );
+    run_for( h->world, DT, 60 );
+    assert_true( quality_of( h->world, other ).centre[1] < -1.0 );
+}
+
+// ---- determinism and memory ----
+
+// A cloth of several blocks between a ball that moves, a box and a plane.
+static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
+{
+    wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
+    *ball = add_collider( world, &def );
+    def = body_of( WISP_COLLIDER_BOX );
+    def.pose.translation = ( wisp_vec3 ){ 0.5f, 0.0f, 0.3f };
+    add_collider( world, &def );
+    def = body_of( WISP_COLLIDER_PLANE );
+    def.pose.translation.y = -0.3f;
+    add_collider( world, &def );
+    return add_cloth( world, 40, 1.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
+}
+
+static void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
+{
+    for ( int n = from; n < to; ++n )
+    {
+        const wisp_rigid pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
+        assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
+        run_for( world, DT, 1 );
+    }
+}
+
+static void any_number_of_workers_gives_the_same_bits( void** state )
+{
+    (void)state;
+    const int workers[] = { 1, 2, 3, 8 };
+    uint64_t expected = 0;
+    for ( int k = 0; k < WISP_COUNT( workers ); ++k )
+    {
+        hosted* h = new_colliding( 2, 3, workers[k] );
+        wisp_entity ball;
+        wisp_entity e = busy_scene( h->world, &ball );
+        run_busy( h->world, ball, 0, 40 );
+        assert_true( collision_of( h->world, e ).contacts > 100 );
+        uint64_t hash = wisp_world_hash( h->world );
+        expected = k == 0 ? hash : expected;
+        assert_int_equal( hash, expected );
+        free_colliding( h );
+    }
+}
+
+static void a_snapshot_brings_moving_bodies_back( void** state )
+{
+    hosted* h = *state;
+    wisp_entity ball;
+    busy_scene( h->world, &ball );
+    run_busy( h->world, ball, 0, 20 );
+    // taken between being told to move and moving
+    assert_int_equal( wisp_move_collider( h->world, ball, ( wisp_rigid ){ about_z( 1.0 ), { 0.3f, 0.0f, 0.0f } } ),
+                      WISP_OK );
+    size_t size = wisp_world_snapshot_size( h->world );
+    void* bytes = malloc( size );
+    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    run_for( h->world, DT, 5 );
+    uint64_t expected = wisp_world_hash( h->world );
+    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    run_for( h->world, DT, 5 );
+    assert_int_equal( wisp_world_hash( h->world ), expected );
+    free( bytes );
+}
+
+static void a_warm_step_allocates_nothing( void** state )
+{
+    hosted* h = *state;
+    wisp_entity ball;
+    busy_scene( h->world, &ball );
+    run_busy( h->world, ball, 0, 5 );
+    int64_t asked = atomic_load( &h->host.asked );
+    run_busy( h->world, ball, 5, 25 );
+    assert_int_equal( atomic_load( &h->host.asked ), asked );
+}
+
+static void without_memory_a_call_changes_nothing( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 3, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
+    test_mesh_free( &mesh );
+    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    const int bare = wisp_world_plan_passes( h->world );
+    wisp_collision_def collision = wisp_default_collision_def();
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    bool done = false;
+    for ( int n = 1; done == false && n < 100; ++n )
+    {
+        test_host_refuse( &h->host, n, true );
+        done = wisp_set_collision( h->world, e, &collision ) == WISP_OK;
+        test_host_refuse( &h->host, 0, false );
+    }
+    assert_true( done );
+    done = false;
+    for ( int n = 1; done == false && n < 100; ++n )
+    {
+        wisp_entity body;
+        test_host_refuse( &h->host, n, true );
+        done = wisp_add_collider( h->world, &plane, &body ) == WISP_OK;
+        bool refused = test_host_has_refused( &h->host );
+        test_host_refuse( &h->host, 0, false );
+        assert_true( done != refused );
+        assert_true( done || body.index == 0 );
+        assert_int_equal( wisp_world_plan_passes( h->world ), done ? bare + 2 : bare );
+        run_for( h->world, DT, 1 );
+    }
+    assert_true( done );
+}
+
+// ---- refusals ----
+
+static void assert_refused( wisp_world* world, const wisp_collider_def* def, const char* word )
+{
+    wisp_entity e = { 7, 7 };
+    uint64_t before = wisp_world_hash( world );
+    assert_int_equal( wisp_add_collider( world, def, &e ), WISP_BAD_INPUT );
+    assert_int_equal( e.index, 0 );
+    assert_one_sentence( wisp_world_message( world ) );
+    if ( strstr( wisp_world_message( world ), word ) == NULL )
+    {
+        fail_msg( "no '%s' in: %s", word, wisp_world_message( world ) );
+    }
+    assert_int_equal( wisp_world_hash( world ), before );
+}
+
+static void impossible_bodies_are_refused( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def def = body_of( WISP_COLLIDER_SPHERE );
+    def.radius = -1.0f;
+    assert_refused( h->world, &def, "radius" );
+    def.radius = NAN;
+    assert_refused( h->world, &def, "radius" );
+    def = body_of( WISP_COLLIDER_CAPSULE );
+    def.half_length = INFINITY;
+    assert_refused( h->world, &def, "half_length" );
+    def = body_of( WISP_COLLIDER_BOX );
+    def.half_extent.z = 0.0f;
+    assert_refused( h->world, &def, "half_extent.z" );
+    def = body_of( WISP_COLLIDER_PLANE );
+    def.pose.translation.y = NAN;
+    assert_refused( h->world, &def, "not a place" );
+    def = body_of( WISP_COLLIDER_PLANE );
+    def.pose.rotation = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 0.0f };
+    assert_refused( h->world, &def, "no rotation" );
+    def = body_of( WISP_COLLIDER_PLANE );
+    def.kinetic_friction = 0.6f;
+    assert_refused( h->world, &def, "kinetic_friction" );
+    def.kinetic_friction = -0.1f;
+    assert_refused( h->world, &def, "kinetic_friction" );
+    def = body_of( WISP_COLLIDER_PLANE );
+    def.thickness = -1.0f;
+    assert_refused( h->world, &def, "thickness" );
+    def = body_of( (wisp_collider_kind)9 );
+    assert_refused( h->world, &def, "kind" );
+}
+
+static void calls_that_do_not_fit_are_refused_with_a_sentence( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_entity body = add_collider( h->world, &plane );
+    wisp_entity e = add_cloth( h->world, 3, 0.2f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, GRAVITY );
+    wisp_collision_def collision = wisp_default_collision_def();
+    assert_int_equal( wisp_set_collision( h->world, body, &collision ), WISP_CONFLICT );
+    assert_int_equal( wisp_move_collider( h->world, e, plane.pose ), WISP_CONFLICT );
+    wisp_rigid nowhere = plane.pose;
+    nowhere.rotation.x = NAN;
+    assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
+    collision.thickness = -0.1f;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );
+    collision.thickness = 0.0f;
+    collision.friction = NAN;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
+    wisp_entity copy;
+    assert_int_equal( wisp_add_instance( h->world, body, &copy ), WISP_CONFLICT );
+    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
+    wisp_collision_figures figures;
+    assert_int_equal( wisp_read_collision_figures( h->world, e, &figures ), WISP_CONFLICT );
+    assert_int_equal( wisp_read_collision_figures( h->world, body, &figures ), WISP_CONFLICT );
+    assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_STALE_ID );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        COLLISION_TEST( what_falls_on_a_plane_comes_to_rest_and_does_not_jitter ),
+        COLLISION_TEST( contact_never_adds_energy ),
+        cmocka_unit_test( cloth_comes_to_rest_around_each_closed_form_at_its_thickness ),
+        cmocka_unit_test( results_scale_with_the_scene ),
+        cmocka_unit_test( what_starts_inside_leaves_without_flying_off ),
+        COLLISION_TEST( a_body_at_100_m_s_sweeps_a_cloth_along ),
+        COLLISION_TEST( a_particle_at_100_m_s_stops_at_a_thin_plate ),
+        COLLISION_TEST( a_body_stands_still_when_it_is_not_moved_again ),
+        COLLISION_TEST( pinned_vertices_are_not_moved ),
+        COLLISION_TEST( layers_say_who_collides_with_whom ),
+        COLLISION_TEST( a_nan_halts_its_own_surface_alone ),
+        COLLISION_TEST( nothing_to_collide_with_costs_no_pass ),
+        COLLISION_TEST( removed_bodies_and_surfaces_are_forgotten ),
+        cmocka_unit_test( any_number_of_workers_gives_the_same_bits ),
+        COLLISION_TEST( a_snapshot_brings_moving_bodies_back ),
+        COLLISION_TEST( a_warm_step_allocates_nothing ),
+        COLLISION_TEST( without_memory_a_call_changes_nothing ),
+        COLLISION_TEST( impossible_bodies_are_refused ),
+        COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_sentence ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

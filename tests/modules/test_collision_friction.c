@@ -1,0 +1,237 @@
+// Coulomb's law on bodies: inclines, belts, turning rollers, a cord around a post.
+#include "collision_fixture.h"
+
+static const double DEGREE = 3.14159265358979323846 / 180.0;
+static const float GRAVITY = 9.8f;
+static const float THICKNESS = 0.01f;
+
+typedef struct incline
+{
+    hosted* h;
+    wisp_entity surface, plane;
+    double angle;
+    double start; // m, along the slope
+} incline;
+
+static double along( const incline* i )
+{
+    wisp_quality q = quality_of( i->h->world, i->surface );
+    return q.centre[0] * cos( i->angle ) + q.centre[1] * sin( i->angle );
+}
+
+// A stiff patch that lies on a slope at its thickness, and a cloth's constraints to be kept beside the contact.
+static incline new_incline( double angle, float mu_static, float mu_kinetic, int substeps, int iterations )
+{
+    incline i = { .h = new_colliding( substeps, iterations, 1 ), .angle = angle };
+    wisp_collider_def plane = wisp_default_collider_def();
+    plane.pose.rotation = about_z( angle );
+    plane.static_friction = mu_static;
+    plane.kinetic_friction = mu_kinetic;
+    i.plane = add_collider( i.h->world, &plane );
+    test_mesh mesh = test_plane( 4, 0.1f );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const wisp_vec3 p = mesh.points[v];
+        mesh.points[v] = ( wisp_vec3 ){
+            (float)( cos( angle ) * (double)p.x - sin( angle ) * (double)THICKNESS ),
+            (float)( sin( angle ) * (double)p.x + cos( angle ) * (double)THICKNESS ),
+            p.z,
+        };
+    }
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = THICKNESS;
+    i.surface = add_colliding( i.h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( i.h->world, i.surface, &cloth ), WISP_OK );
+    run_for( i.h->world, 1.0f / 60.0f, 1 );
+    i.start = along( &i );
+    give_gravity( i.h->world, i.surface, GRAVITY );
+    return i;
+}
+
+static const struct
+{
+    int substeps, iterations;
+} SOLVERS[] = { { 1, 1 }, { 4, 1 }, { 1, 8 }, { 3, 4 } };
+
+static void a_block_sticks_below_the_angle_of_friction( void** state )
+{
+    (void)state;
+    const double angles[] = { 11.0, 26.0 }, mus[] = { 0.2, 0.5 }; // the limits are 11.30993 and 26.56505 degrees
+    for ( int k = 0; k < 2 * WISP_COUNT( SOLVERS ); ++k )
+    {
+        incline i = new_incline( angles[k % 2] * DEGREE, (float)mus[k % 2], (float)mus[k % 2],
+                                 SOLVERS[k / 2].substeps, SOLVERS[k / 2].iterations );
+        run_for( i.h->world, 1.0f / 60.0f, 300 );
+        // static friction cancels each substep's slip; what is left is the rounding of positions, 3e-8 m, over the steps
+        assert_near( along( &i ), i.start, 2e-5 );
+        free_colliding( i.h );
+    }
+}
+
+static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** state )
+{
+    (void)state;
+    const double angles[] = { 12.0, 27.0, 45.0 }, mus[] = { 0.2, 0.5, 0.5 };
+    for ( int k = 0; k < 3 * WISP_COUNT( SOLVERS ); ++k )
+    {
+        double a = angles[k % 3] * DEGREE, mu = mus[k % 3];
+        incline i = new_incline( a, (float)mu, (float)mu, SOLVERS[k / 3].substeps, SOLVERS[k / 3].iterations );
+        run_for( i.h->world, 1.0f / 60.0f, 60 );
+        wisp_quality q = quality_of( i.h->world, i.surface );
+        double speed = -( q.momentum[0] * cos( a ) + q.momentum[1] * sin( a ) ) / q.mass;
+        double expected = 9.8 * ( sin( a ) - mu * cos( a ) );
+        // exact in each substep but for rounding; at 12 degrees the two terms all but cancel
+        assert_near( speed, expected, 2e-4 + 1e-3 * expected );
+        double h = 1.0 / 60.0 / SOLVERS[k / 3].substeps, n = 60.0 * SOLVERS[k / 3].substeps;
+        assert_near( i.start - along( &i ), expected * h * h * n * ( n + 1.0 ) / 2.0, 2e-4 + 1e-3 * expected );
+        free_colliding( i.h );
+    }
+}
+
+static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** state )
+{
+    (void)state;
+    incline i = new_incline( 20.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
+    const wisp_vec3 push = { (float)( -2.0 * cos( i.angle ) ), (float)( -2.0 * sin( i.angle ) ), 0.0f };
+    assert_int_equal( wisp_set_velocity( i.h->world, i.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
+    run_for( i.h->world, 1.0f / 600.0f, 3000 );
+    double brake = 9.8 * ( 0.5 * cos( i.angle ) - sin( i.angle ) );
+    // v^2 / 2a, and the first step's share of it: the stop falls within a step of 1/600 s at 2 m/s
+    assert_near( i.start - along( &i ), 2.0 * 2.0 / ( 2.0 * brake ), 2.0 / 600.0 );
+    assert_true( quality_of( i.h->world, i.surface ).speed_max < 1e-4 );
+    free_colliding( i.h );
+}
+
+static void static_friction_holds_what_kinetic_friction_would_not( void** state )
+{
+    (void)state;
+    incline held = new_incline( 30.0 * DEGREE, 0.7f, 0.3f, 1, 1 );
+    run_for( held.h->world, 1.0f / 60.0f, 120 );
+    assert_near( along( &held ), held.start, 2e-5 );
+    const wisp_vec3 push = { (float)( -0.5 * cos( held.angle ) ), (float)( -0.5 * sin( held.angle ) ), 0.0f };
+    assert_int_equal( wisp_set_velocity( held.h->world, held.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
+    run_for( held.h->world, 1.0f / 60.0f, 60 );
+    double expected = 0.5 + 9.8 * ( sin( held.angle ) - 0.3 * cos( held.angle ) );
+    wisp_quality q = quality_of( held.h->world, held.surface );
+    double speed = -( q.momentum[0] * cos( held.angle ) + q.momentum[1] * sin( held.angle ) ) / q.mass;
+    assert_near( speed, expected, 5e-3 );
+    free_colliding( held.h );
+}
+
+static void friction_scales_with_the_surfaces_own_factor( void** state )
+{
+    (void)state;
+    incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = THICKNESS;
+    collision.friction = 0.0f;
+    assert_int_equal( wisp_set_collision( i.h->world, i.surface, &collision ), WISP_OK );
+    run_for( i.h->world, 1.0f / 60.0f, 60 );
+    assert_near( quality_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );
+    free_colliding( i.h );
+}
+
+static void a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast( void** state )
+{
+    (void)state;
+    const float dt = 1.0f / 60.0f;
+    const double accelerations[] = { 3.0, 8.0 }; // mu g is 4.9
+    for ( int k = 0; k < 2; ++k )
+    {
+        incline i = new_incline( 0.0, 0.5f, 0.5f, 2, 2 );
+        double belt = 0.0, speed = 0.0;
+        for ( int n = 0; n < 60; ++n )
+        {
+            speed += accelerations[k] * (double)dt;
+            belt += speed * (double)dt;
+            const wisp_rigid pose = { about_z( 0.0 ), { (float)belt, 0.0f, 0.0f } };
+            assert_int_equal( wisp_move_collider( i.h->world, i.plane, pose ), WISP_OK );
+            run_for( i.h->world, dt, 1 );
+        }
+        wisp_quality q = quality_of( i.h->world, i.surface );
+        double expected = accelerations[k] < 4.9 ? speed : 4.9;
+        assert_near( q.momentum[0] / q.mass, expected, 0.01 * expected );
+        free_colliding( i.h );
+    }
+}
+
+static void a_turning_roller_drags_what_lies_on_it( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def roller = wisp_default_collider_def();
+    roller.kind = WISP_COLLIDER_SPHERE;
+    roller.radius = 1.0f;
+    roller.static_friction = roller.kinetic_friction = 10.0f;
+    wisp_entity body = add_collider( h->world, &roller );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = 0.01f;
+    test_mesh mesh = test_triangle( ( wisp_vec3 ){ 0.0f, 1.01f, 0.0f }, 0.01f );
+    wisp_entity e = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, 0.01f, 20 );
+    for ( int n = 1; n <= 20; ++n )
+    {
+        const wisp_rigid pose = { about_z( -0.01 * n ), { 0.0f, 0.0f, 0.0f } };
+        assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+        run_for( h->world, 0.01f, 1 );
+    }
+    const wisp_vec3 p = point_of( h->world, e, 0 );
+    // it rides along on the circle: a turn of 0.2 rad, seen at the thickness above the ball, less than 1% off
+    assert_near( (double)p.x, 1.01 * sin( 0.2 ), 3e-3 );
+    assert_near( sqrt( (double)p.x * (double)p.x + (double)p.y * (double)p.y ), 1.01, 1e-3 );
+}
+
+// A strip that hangs by its upper edge and all but touches the floor, while gravity pulls it sideways a little.
+static float sideways_after_12_steps( bool has_floor )
+{
+    hosted* h = new_colliding( 1, 64, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    if ( has_floor )
+    {
+        add_collider( h->world, &floor );
+    }
+    test_mesh mesh = test_plane( 4, 0.1f );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        mesh.points[v] = ( wisp_vec3 ){ mesh.points[v].x, THICKNESS + mesh.points[v].z, 0.0f };
+    }
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = THICKNESS;
+    wisp_entity e = add_colliding( h->world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+    const int32_t top[4] = { 12, 13, 14, 15 };
+    assert_int_equal( wisp_pin( h->world, e, top, 4 ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -GRAVITY, 1.0f } ), WISP_OK );
+    run_for( h->world, 1.0f / 60.0f, 12 );
+    float sideways = point_of( h->world, e, 1 ).z;
+    free_colliding( h );
+    return sideways;
+}
+
+static void a_push_that_later_iterations_undo_gives_no_friction( void** state )
+{
+    (void)state;
+    // The first iteration finds the strip in the floor, then its links lift it. They are not quite there after 64
+    // iterations, so it rubs a little; were the first push to count in full, it would be held to a twentieth.
+    assert_true( sideways_after_12_steps( true ) > 0.5f * sideways_after_12_steps( false ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_block_sticks_below_the_angle_of_friction ),
+        cmocka_unit_test( a_block_slides_down_with_what_friction_leaves_of_gravity ),
+        cmocka_unit_test( what_slides_below_the_kinetic_angle_comes_to_rest_and_stays ),
+        cmocka_unit_test( static_friction_holds_what_kinetic_friction_would_not ),
+        cmocka_unit_test( friction_scales_with_the_surfaces_own_factor ),
+        cmocka_unit_test( a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast ),
+        COLLISION_TEST( a_turning_roller_drags_what_lies_on_it ),
+        cmocka_unit_test( a_push_that_later_iterations_undo_gives_no_friction ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
