@@ -1,0 +1,41 @@
+/// The case `balloon`: its sizes, and the tables it is made of.
+#pragma once
+
+#include "balloon_scene.h"
+#include "bench.h"
+#include "cells.h"
+
+#define BALLOON_SIZES_MAX 8
+
+/// The gas is pressed together by the skin, at fill 1.2 by 2.5 % of its volume; the volume itself must be within 1 %.
+#define BALLOON_TOLERATED_VOLUME 0.035
+
+/// balloon_default_plan() has the sizes of the case; tests have smaller ones.
+typedef struct balloon_plan
+{
+    int levels[BALLOON_SIZES_MAX], level_count; ///< of icospheres
+    int settle_steps;                           ///< of the pressure table
+    int substeps_max;                           ///< rows of the pressure table with more are left out
+    double seconds;                             ///< of all sizes together
+    int workers[SCENARIO_ENTRANTS_MAX], worker_count;
+    const bench_options* options;
+} balloon_plan;
+
+balloon_plan balloon_default_plan( const bench_options* options );
+wisp_status balloon_bench_run( const balloon_plan* plan, results* out, wisp_error* error );
+
+/// ms a step against vertices, volume and pressure beside them.
+wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* error );
+/// Pressure by its three readings against substeps and iterations.
+wisp_status balloon_pressures( const balloon_plan* plan, results* out, wisp_error* error );
+
+typedef struct balloon_readings
+{
+    double pressure[WISP_BALLOON_PRESSURE_COUNT]; ///< Pa above the atmosphere, by wisp_balloon_pressure
+    double volume_error;                          ///< V / V_0 - 1
+    double closed_form; ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
+} balloon_readings;
+
+/// One more step for each reading.
+wisp_status balloon_read_all( surface_entrant* entrant, const balloon_setting* setting, balloon_readings* out,
+                              wisp_error* error );

@@ -1,0 +1,177 @@
+#include "balloon_scene.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+#include <math.h>
+
+static const float FOUR_PI = 12.5663706f;
+
+// ---- meshes ----
+
+wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_error* error )
+{
+    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
+    recipe.level = level;
+    recipe.radius = radius;
+    return wisp_mesh_make( &recipe, out, error );
+}
+
+static void set_size( wisp_mesh* mesh, double area )
+{
+    double centre[3] = { 0.0, 0.0, 0.0 };
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        centre[0] += (double)mesh->points[i].x / mesh->vertex_count;
+        centre[1] += (double)mesh->points[i].y / mesh->vertex_count;
+        centre[2] += (double)mesh->points[i].z / mesh->vertex_count;
+    }
+    double wanted = (double)( FOUR_PI * BALLOON_RADIUS * BALLOON_RADIUS );
+    double scale = sqrt( wanted / area );
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        wisp_vec3* p = &mesh->points[i];
+        p->x = (float)( scale * ( (double)p->x - centre[0] ) );
+        p->y = (float)( scale * ( (double)p->y - centre[1] ) );
+        p->z = (float)( scale * ( (double)p->z - centre[2] ) );
+    }
+}
+
+wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* error )
+{
+    wisp_error unread = { 0 };
+    *name = "bunny";
+    wisp_status status = wisp_mesh_read( BENCH_DATA "/bunny.obj", out, &unread );
+    if ( status == WISP_IO_ERROR )
+    {
+        wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PEAR );
+        recipe.level = 4;
+        *name = "pear";
+        status = wisp_mesh_make( &recipe, out, &unread );
+    }
+    wisp_mesh_report report;
+    status = status == WISP_OK ? wisp_mesh_examine( out, &report, &unread ) : status;
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s", unread.sentence );
+    }
+    set_size( out, report.area );
+    return WISP_OK;
+}
+
+int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 d )
+{
+    int best = 0;
+    float most = -INFINITY;
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        wisp_vec3 p = mesh->points[i];
+        float along = p.x * d.x + p.y * d.y + p.z * d.z;
+        if ( along > most )
+        {
+            best = i;
+            most = along;
+        }
+    }
+    return best;
+}
+
+double balloon_volume( const wisp_mesh* mesh, const wisp_vec3* points )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        wisp_vec3 a = points[mesh->triangles[3 * t]], b = points[mesh->triangles[3 * t + 1]],
+                  c = points[mesh->triangles[3 * t + 2]];
+        double bx = (double)b.x, by = (double)b.y, bz = (double)b.z;
+        double cx = (double)c.x, cy = (double)c.y, cz = (double)c.z;
+        sum += (double)a.x * ( by * cz - bz * cy ) + (double)a.y * ( bz * cx - bx * cz ) +
+               (double)a.z * ( bx * cy - by * cx );
+    }
+    return sum / 6.0;
+}
+
+// ---- settings ----
+
+balloon_setting balloon_default_setting( void )
+{
+    return ( balloon_setting ){
+        .def = wisp_default_balloon_def(),
+        .area_density = BALLOON_AREA_DENSITY,
+        .gravity = { 0.0f, -9.8f, 0.0f },
+        .substeps = BALLOON_SUBSTEPS,
+        .iterations = BALLOON_ITERATIONS,
+        .workers = 1,
+        .seconds = BALLOON_STEP,
+    };
+}
+
+balloon_setting balloon_setting_in_vacuum( void )
+{
+    balloon_setting setting = balloon_default_setting();
+    setting.def.buoyancy = false;
+    setting.def.drag_coefficient = 0.0f;
+    setting.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    return setting;
+}
+
+wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting, wisp_fabric** out,
+                          wisp_error* error )
+{
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
+    def.sweep = setting->sweep;
+    return surface_cook( mesh, def, out, error );
+}
+
+// A balloon has no switch for levels, since they only resist stretching; here they are given to it to show what they do.
+static wisp_status give_levels( surface_entrant* entrant )
+{
+    wisp_status status = wisp_world_attach( entrant->world, entrant->entity, WISP_SURFACE_LEVELS );
+    if ( status == WISP_OK )
+    {
+        *(int32_t*)wisp_world_column( entrant->world, entrant->entity, WISP_SURFACE_LEVELS, 0 ) = 1;
+    }
+    return status;
+}
+
+wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* setting, surface_entrant* out,
+                                    wisp_error* error )
+{
+    surface_recipe recipe = surface_default_recipe( &wisp_balloon_module, fabric );
+    recipe.pins = setting->pins;
+    recipe.pin_count = setting->pin_count;
+    recipe.area_density = setting->area_density;
+    recipe.gravity = setting->gravity;
+    recipe.damping = setting->damping;
+    recipe.substeps = setting->substeps;
+    recipe.iterations = setting->iterations;
+    recipe.workers = setting->workers;
+    recipe.seconds = setting->seconds;
+    wisp_status status = surface_entrant_create( &recipe, out, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_set_balloon( out->world, out->entity, &setting->def );
+    if ( status == WISP_OK && setting->levels )
+    {
+        status = give_levels( out );
+    }
+    if ( status == WISP_OK )
+    {
+        status = wisp_want_balloon_figures( out->world, out->entity, true );
+    }
+    if ( status != WISP_OK )
+    {
+        surface_entrant_fail( out, status, error );
+        surface_entrant_destroy( out );
+    }
+    return status;
+}
+
+wisp_status balloon_entrant_read( surface_entrant* entrant, wisp_balloon_figures* out, wisp_error* error )
+{
+    wisp_status status = wisp_read_balloon_figures( entrant->world, entrant->entity, out );
+    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+}

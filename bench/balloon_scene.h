@@ -1,0 +1,53 @@
+/// Balloons to be measured: spheres of any fineness and a scanned figure, with the outlet and gas that an experiment asks.
+#pragma once
+
+#include "surface_scenario.h"
+
+#include "balloon/balloon.h"
+
+#define BALLOON_RADIUS 0.15f
+#define BALLOON_AREA_DENSITY 0.02f
+#define BALLOON_STEP ( 1.0f / 60.0f )
+#define BALLOON_SUBSTEPS 10
+#define BALLOON_ITERATIONS 2
+
+/// 10 * 4^level + 2 vertices about the origin.
+wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_error* error );
+
+/// The Stanford bunny of data/, moved to the origin and scaled to the area of the default sphere; where the file is not
+/// at hand, an asymmetric closed body of about as many vertices.
+/// @param name receives "bunny" or "pear", static
+wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* error );
+
+/// The vertex farthest along a direction, the lowest of equals.
+int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
+
+/// What an experiment asks for besides the mesh. Start from balloon_default_setting().
+typedef struct balloon_setting
+{
+    wisp_balloon_def def;
+    float area_density; ///< kg/m^2
+    wisp_vec3 gravity;  ///< m/s^2
+    float damping;      ///< 1/s
+    bool levels;        ///< one pass over coarse levels a substep
+    wisp_sweep sweep;
+    const int32_t* pins;
+    int pin_count;
+    int substeps, iterations, workers;
+    float seconds; ///< a step
+} balloon_setting;
+
+/// In still air at rest: 9.8 m/s^2, buoyancy, drag; 10 substeps of two iterations, steps of 1/60 s.
+balloon_setting balloon_default_setting( void );
+/// In a vacuum without gravity: nothing but skin and gas.
+balloon_setting balloon_setting_in_vacuum( void );
+
+wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting, wisp_fabric** out,
+                          wisp_error* error );
+/// A balloon whose figures are wanted.
+wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* setting, surface_entrant* out,
+                                    wisp_error* error );
+wisp_status balloon_entrant_read( surface_entrant* entrant, wisp_balloon_figures* out, wisp_error* error );
+
+/// Volume of a closed mesh, m^3.
+double balloon_volume( const wisp_mesh* mesh, const wisp_vec3* points );

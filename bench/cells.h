@@ -1,0 +1,23 @@
+/// A row of a table, written cell by cell from left to right.
+#pragma once
+
+#include "results.h"
+
+#define CELLS_MAX 24
+
+typedef struct cells
+{
+    char text[CELLS_MAX][40];
+    int count;
+} cells;
+
+/// A cell of at most 39 bytes; what is longer is cut.
+void cells_put( cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+/// A number with so many digits behind the point; "-" if it is not finite, which stands for a number that there is not.
+void cells_put_number( cells* row, double value, int digits );
+/// Two numbers with a stroke between them: the largest and the mean of something.
+void cells_put_pair( cells* row, double first, int first_digits, double second, int second_digits );
+void cells_put_hash( cells* row, uint64_t hash );
+/// A table whose header is this row. @return its number
+int cells_begin_table( const cells* header, const char* title, results* out );
+void cells_end_row( const cells* row, int table, results* out );

@@ -1,0 +1,80 @@
+#include "cloth_bench.h"
+
+#include <math.h>
+
+// Below so many seconds the largest levels are left out, and converged runs have half the substeps.
+#define FULL_SECONDS 40.0
+
+cloth_plan cloth_default_plan( const bench_options* options )
+{
+    bool is_full = bench_seconds( options ) >= FULL_SECONDS;
+    cloth_plan plan = {
+        .race_sizes = { 32, 64, 128, 256, 512 },
+        .race_count = 5,
+        .hang_sizes = { 32, 64, 128, 256 },
+        .hang_count = 4,
+        .level_sizes = { 64, 128 },
+        .level_count = is_full ? 2 : 1,
+        .irregular_size = 64,
+        .has_balloon = true,
+        .sweep_size = 64,
+        .scenario = { .warm_steps = 60, .measured_steps = 100, .turn_steps = 10 },
+        .truth_factor = is_full ? 16 : 8,
+        .truth_vertices_max = is_full ? 128 * 128 : 64 * 64,
+        .oracle_vertices_max = 128 * 128,
+        .race_seconds = 0.2 * bench_seconds( options ),
+        .workers = { 1, options->workers },
+        .worker_count = options->workers > 1 ? 2 : 1,
+        .options = options,
+    };
+    return plan;
+}
+
+const char* cloth_workers_word( int workers )
+{
+    return workers == 1 ? "worker" : "workers";
+}
+
+void cloth_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
+{
+    results_add_note( out, "Claim: %s. Measured %.2f%s: %s.", claim, measured, unit,
+                      is_met ? "met" : "claim not met on this machine" );
+}
+
+void cloth_check_error( double error, double tolerance, const char* what, results* out )
+{
+    if ( !( error <= tolerance ) )
+    {
+        results_add_failure( out, "%s: the error is %.3g m, more than the tolerated %.3g m.", what, error,
+                             tolerance );
+    }
+}
+
+wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* error )
+{
+    static const struct
+    {
+        wisp_status ( *make )( const cloth_plan* plan, results* out, wisp_error* error );
+        const char* what;
+        double share; // of the case that is done when it begins
+    } tables[] = {
+        { cloth_race, "cloth against plain C", 0.0 },
+        { cloth_hang, "hanging cloth", 0.3 },
+        { cloth_levels, "cloth with levels and tethers", 0.5 },
+        { cloth_levels_of_balloon, "balloon with levels", 0.8 },
+        { cloth_sweeps, "sweeps", 0.95 },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
+    {
+        bench_progress( plan->options, tables[i].share, tables[i].what );
+        status = tables[i].make( plan, out, error );
+    }
+    return status;
+}
+
+wisp_status cloth_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    cloth_plan plan = cloth_default_plan( options );
+    return cloth_bench_run( &plan, out, error );
+}

@@ -1,0 +1,56 @@
+/// The case `cloth`: its sizes, and the tables it is made of.
+#pragma once
+
+#include "bench.h"
+#include "cells.h"
+#include "cloth_scene.h"
+
+#define CLOTH_SIZES_MAX 8
+
+/// What float may lose to double in one step of ten substeps, in roundings (FLT_EPSILON) of the farthest coordinate.
+/// The engine stays below three.
+#define CLOTH_TOLERATED_ROUNDINGS 16.0
+
+/// Sizes and steps. cloth_default_plan() has those of the case; tests have smaller ones.
+typedef struct cloth_plan
+{
+    int race_sizes[CLOTH_SIZES_MAX], race_count;   ///< against plain C
+    int hang_sizes[CLOTH_SIZES_MAX], hang_count;   ///< beside other engines
+    int level_sizes[CLOTH_SIZES_MAX], level_count; ///< levels and tethers
+    int irregular_size;                            ///< the same on an irregular mesh
+    bool has_balloon;                              ///< and on a balloon
+    int sweep_size;                                ///< residuals of sweeps
+    scenario_plan scenario;
+    int truth_factor;        ///< the converged run has so many times the substeps of the first setting
+    int truth_vertices_max;  ///< no converged run beyond so many vertices
+    int oracle_vertices_max; ///< no double precision step beyond so many
+    double race_seconds;     ///< of all sizes together
+    int workers[SCENARIO_ENTRANTS_MAX], worker_count;
+    const bench_options* options; ///< for progress
+} cloth_plan;
+
+cloth_plan cloth_default_plan( const bench_options* options );
+
+/// All tables of a plan.
+wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* error );
+
+// ---- the tables ----
+
+/// ns a constraint and pass beside plain C in mesh order, and the claims about it.
+wisp_status cloth_race( const cloth_plan* plan, results* out, wisp_error* error );
+/// ms a step beside other engines.
+wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error );
+/// What levels, tethers and the order of the sweep make of error and time.
+wisp_status cloth_levels( const cloth_plan* plan, results* out, wisp_error* error );
+/// The same for a closed skin that is being inflated.
+wisp_status cloth_levels_of_balloon( const cloth_plan* plan, results* out, wisp_error* error );
+/// Residual after k passes.
+wisp_status cloth_sweeps( const cloth_plan* plan, results* out, wisp_error* error );
+
+// ---- what they share ----
+
+const char* cloth_workers_word( int workers );
+/// Sentence of a claim: met, or not met on this machine. Speed is not correctness, so it never fails the run.
+void cloth_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out );
+/// A failure unless error <= tolerance; a NaN fails.
+void cloth_check_error( double error, double tolerance, const char* what, results* out );

@@ -1,0 +1,178 @@
+// Levels only resist stretching, and a balloon is stretched on purpose: this table shows what they do to one.
+#include "cloth_levels_table.h"
+
+#include "balloon_scene.h"
+
+#include <math.h>
+
+typedef struct skin_setting
+{
+    const char* name;
+    int substeps;
+    bool levels;
+    wisp_sweep sweep;
+} skin_setting;
+
+static const skin_setting settings[] = {
+    { "10 x 2", 10, false, WISP_SWEEP_COLOUR },       { "10 x 2, list sweep", 10, false, WISP_SWEEP_LIST },
+    { "2 x 2", 2, false, WISP_SWEEP_COLOUR },         { "40 x 2", 40, false, WISP_SWEEP_COLOUR },
+    { "1 x 2 + levels", 1, true, WISP_SWEEP_COLOUR }, { "2 x 2 + levels", 2, true, WISP_SWEEP_COLOUR },
+    { "3 x 2 + levels", 3, true, WISP_SWEEP_COLOUR }, { "10 x 2 + levels", 10, true, WISP_SWEEP_COLOUR },
+};
+
+#define FILL 1.2f
+// The gas starts at full volume in a skin at rest, and without damping the skin would ring for long.
+#define DAMPING 30.0f // 1/s
+// Held at its feet, the lowest part of its height, so that the path is of the shape and not of a drift.
+#define FEET 0.03f
+#define FEET_MAX 256
+
+typedef struct held_figure
+{
+    wisp_mesh mesh;
+    const char* name;
+    int32_t feet[FEET_MAX];
+    int foot_count;
+} held_figure;
+
+static void find_feet( held_figure* figure )
+{
+    const wisp_mesh* mesh = &figure->mesh;
+    float low = INFINITY, high = -INFINITY;
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        low = fminf( low, mesh->points[i].y );
+        high = fmaxf( high, mesh->points[i].y );
+    }
+    for ( int i = 0; i < mesh->vertex_count && figure->foot_count < FEET_MAX; ++i )
+    {
+        if ( mesh->points[i].y <= low + FEET * ( high - low ) )
+        {
+            figure->feet[figure->foot_count++] = i;
+        }
+    }
+}
+
+static wisp_status enter( const held_figure* figure, const skin_setting* skin, int workers, wisp_fabric** fabric,
+                          surface_entrant* out, wisp_error* error )
+{
+    balloon_setting setting = balloon_setting_in_vacuum();
+    setting.def.fill = FILL;
+    setting.damping = DAMPING;
+    setting.substeps = skin->substeps;
+    setting.levels = skin->levels;
+    setting.sweep = skin->sweep;
+    setting.workers = workers;
+    setting.pins = figure->feet;
+    setting.pin_count = figure->foot_count;
+    wisp_status status = *fabric ? WISP_OK : balloon_cook( &figure->mesh, &setting, fabric, error );
+    return status == WISP_OK ? balloon_entrant_create( *fabric, &setting, out, error ) : status;
+}
+
+static wisp_status volume_error( surface_entrant* entrant, const wisp_mesh* mesh, double* out, wisp_error* error )
+{
+    const wisp_vec3* points;
+    wisp_status status = surface_entrant_points( entrant, &points, error );
+    if ( status == WISP_OK )
+    {
+        double wanted = (double)FILL * balloon_volume( mesh, mesh->points );
+        *out = balloon_volume( mesh, points ) / wanted - 1.0;
+    }
+    return status;
+}
+
+// @param record where to keep the path, or null @param truth what to compare with, or null
+static wisp_status run_setting( const cloth_plan* plan, const held_figure* figure, const skin_setting* skin,
+                                int worker_count, const path_record* truth, path_record* record, level_line* line,
+                                results* out, wisp_error* error )
+{
+    surface_entrant entrants[SCENARIO_ENTRANTS_MAX] = { { 0 } };
+    wisp_fabric* fabric = NULL;
+    wisp_status status = WISP_OK;
+    *line = ( level_line ){ .name = skin->name, .volume_error = NAN };
+    for ( int e = 0; e < worker_count && status == WISP_OK; ++e )
+    {
+        status = enter( figure, skin, plan->workers[e], &fabric, &entrants[e], error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = scenario_run( entrants, worker_count, &plan->scenario, truth, record, &line->figures, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = volume_error( &entrants[0], &figure->mesh, &line->volume_error, error );
+    }
+    if ( status == WISP_OK && truth )
+    {
+        char what[100];
+        snprintf( what, sizeof( what ), "balloon, %s", skin->name );
+        scenario_check_hashes( entrants, worker_count, line->figures.hash, what, out );
+        scenario_add_rows( entrants, worker_count, &line->figures, "cloth.levels.balloon", skin->name,
+                           "converged run", out );
+    }
+    for ( int e = 0; e < worker_count; ++e )
+    {
+        surface_entrant_destroy( &entrants[e] );
+    }
+    wisp_fabric_release( fabric );
+    return status;
+}
+
+static wisp_status compare( const cloth_plan* plan, const held_figure* figure, results* out, wisp_error* error )
+{
+    path_record truth = { 0 };
+    level_table table = { .has_volume = true, .truth_energy_lost = NAN };
+    char truth_name[40], title[160];
+    skin_setting converged = settings[0];
+    converged.substeps *= plan->truth_factor;
+    snprintf( truth_name, sizeof( truth_name ), "%d x 2, engine", converged.substeps );
+    converged.name = truth_name;
+    wisp_status status =
+        path_record_create( figure->mesh.vertex_count, scenario_path_looks( &plan->scenario ), &truth, error );
+    level_line line;
+    if ( status == WISP_OK )
+    {
+        status = run_setting( plan, figure, &converged, 1, NULL, &truth, &line, out, error );
+    }
+    if ( status == WISP_OK )
+    {
+        table.truth_name = truth_name;
+    }
+    for ( int i = 0; i < WISP_COUNT( settings ) && status == WISP_OK; ++i )
+    {
+        status = run_setting( plan, figure, &settings[i], plan->worker_count, &truth, NULL,
+                              &table.lines[table.line_count++], out, error );
+    }
+    if ( status == WISP_OK )
+    {
+        snprintf( title, sizeof( title ), "Levels on a balloon: %s, %d vertices, filled to %.1f times its volume",
+                  figure->name, figure->mesh.vertex_count, (double)FILL );
+        level_table_write( plan, &table, title, out );
+        results_add_note(
+            out,
+            "Levels on a balloon: the converged run is the engine itself at %d substeps, its volume "
+            "%.3f %% beside the gas's volume V_0, where it belongs because the skin resists. Levels only "
+            "resist stretching, so they hold an inflated skin back, and the figure is held by its feet so that they "
+            "cannot carry it away: a balloon has no switch for them.",
+            converged.substeps, 100.0 * line.volume_error );
+    }
+    path_record_destroy( &truth );
+    return status;
+}
+
+wisp_status cloth_levels_of_balloon( const cloth_plan* plan, results* out, wisp_error* error )
+{
+    if ( !plan->has_balloon )
+    {
+        return WISP_OK;
+    }
+    held_figure figure = { .name = NULL };
+    wisp_status status = balloon_mesh_figure( &figure.mesh, &figure.name, error );
+    if ( status == WISP_OK )
+    {
+        find_feet( &figure );
+        status = compare( plan, &figure, out, error );
+    }
+    wisp_mesh_release( &figure.mesh );
+    return status;
+}

@@ -1,0 +1,62 @@
+#include "cloth_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+wisp_status cloth_scene_make( int n, bool is_irregular, cloth_scene* out, wisp_error* error )
+{
+    *out = ( cloth_scene ){ .n = n, .pins = { 0, n - 1 } };
+    wisp_mesh_recipe recipe =
+        wisp_default_mesh_recipe( is_irregular ? WISP_MESH_PLANE_IRREGULAR : WISP_MESH_PLANE_ALTERNATING );
+    recipe.columns = n;
+    recipe.rows = n;
+    recipe.spacing = CLOTH_SPACING;
+    return wisp_mesh_make( &recipe, &out->mesh, error );
+}
+
+void cloth_scene_free( cloth_scene* scene )
+{
+    wisp_mesh_release( &scene->mesh );
+}
+
+wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out, wisp_error* error )
+{
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.attachments = scene->pins;
+    def.attachment_count = WISP_COUNT( scene->pins );
+    def.tethers = setting->tethers;
+    def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
+    def.sweep = setting->sweep;
+    return surface_cook( &scene->mesh, def, out, error );
+}
+
+wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
+                                  const wisp_vec3* points, int workers, surface_entrant* out, wisp_error* error )
+{
+    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, fabric );
+    recipe.points = points;
+    recipe.pins = scene->pins;
+    recipe.pin_count = WISP_COUNT( scene->pins );
+    recipe.vertex_mass = 1.0f;
+    recipe.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
+    recipe.substeps = setting->substeps;
+    recipe.iterations = setting->iterations;
+    recipe.workers = workers;
+    wisp_status status = surface_entrant_create( &recipe, out, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_cloth_def def = wisp_default_cloth_def();
+    def.solver = WISP_SOLVER_PBD;
+    def.bend_stiffness = CLOTH_BEND_STIFFNESS;
+    def.tethers = setting->tethers;
+    def.level_passes = setting->levels ? 1 : 0;
+    status = wisp_set_cloth( out->world, out->entity, &def );
+    if ( status != WISP_OK )
+    {
+        surface_entrant_fail( out, status, error );
+        surface_entrant_destroy( out );
+    }
+    return status;
+}

@@ -1,0 +1,65 @@
+/// The hanging cloth on which other engines were measured: n x n vertices 0.05 m apart, horizontal at the start, two
+/// corners of one side pinned, every edge a distance, every interior edge a link between its opposite vertices.
+#pragma once
+
+#include "plain/cloth_plain.h"
+#include "surface_scenario.h"
+
+#include "cloth/cloth.h"
+
+#define CLOTH_SPACING 0.05f
+#define CLOTH_BEND_STIFFNESS 0.2f
+#define CLOTH_GRAVITY 9.81f
+#define CLOTH_STEP ( 1.0f / 60.0f )
+
+typedef struct cloth_scene
+{
+    int n;
+    wisp_mesh mesh;
+    int32_t pins[2];
+} cloth_scene;
+
+/// @param is_irregular shifted at random and Delaunay, else with alternating diagonals
+wisp_status cloth_scene_make( int n, bool is_irregular, cloth_scene* out, wisp_error* error );
+void cloth_scene_free( cloth_scene* scene );
+
+/// A way to solve it.
+typedef struct cloth_setting
+{
+    const char* name;
+    int substeps, iterations;
+    bool tethers, levels;
+    wisp_sweep sweep;
+} cloth_setting;
+
+/// Cook the scene with what a setting needs.
+wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out,
+                        wisp_error* error );
+/// @param points where the vertices start, null: the rest shape
+wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
+                                  const wisp_vec3* points, int workers, surface_entrant* out, wisp_error* error );
+
+// ---- the same cloth in double precision ----
+
+/// Links in the order in which the fabric has them, one after another: what the engine computes, without its lanes,
+/// tiles and roundings. It is the truth of one step, and with many substeps the converged run.
+typedef struct cloth_truth
+{
+    int slot_count, link_count;
+    double ( *position )[3], ( *previous )[3], ( *velocity )[3]; ///< [slot_count]
+    double* inverse_mass;
+    int ( *links )[2];
+    double *rest, *stiffness;
+    const wisp_fabric* fabric;
+} cloth_truth;
+
+wisp_status cloth_truth_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_truth* out,
+                                wisp_error* error );
+void cloth_truth_destroy( cloth_truth* truth );
+void cloth_truth_step( cloth_truth* truth, int substeps );
+/// Largest distance of a vertex to the truth's, m; NaN if a coordinate is.
+double cloth_truth_distance( const cloth_truth* truth, const wisp_vec3* points );
+/// Step through the warm-up of a scenario and keep the path at its looks.
+/// @param energy_lost as scenario_figures has it
+void cloth_truth_run( cloth_truth* truth, int substeps, const scenario_plan* plan, path_record* record,
+                      double* energy_lost );

@@ -1,0 +1,203 @@
+// Residual against passes and time: in which order a sweep goes decides how far an error travels in one pass.
+#include "cloth_bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// The cloth is pulled from its pins by so much, and has to come back.
+#define PULLED 1.02f
+#define REPEATS 5
+
+static const int passes[] = { 1, 4, 16, 64, 256 };
+
+enum
+{
+    PASS_COUNTS = WISP_COUNT( passes ),
+};
+
+typedef struct sweep_figures
+{
+    double ms[PASS_COUNTS];       ///< of all passes over links
+    double residual[PASS_COUNTS]; ///< mean |l/l0 - 1| after them
+    double largest[PASS_COUNTS];
+} sweep_figures;
+
+static wisp_vec3* pulled_points( const cloth_scene* scene )
+{
+    const wisp_mesh* mesh = &scene->mesh;
+    wisp_vec3* points = malloc( (size_t)mesh->vertex_count * sizeof( wisp_vec3 ) );
+    float held = mesh->points[scene->pins[0]].z;
+    for ( int i = 0; points && i < mesh->vertex_count; ++i )
+    {
+        points[i] = mesh->points[i];
+        points[i].z = held + PULLED * ( points[i].z - held );
+    }
+    return points;
+}
+
+// The same step again and again, from the same state. Columns that only the plan asks for are there once it is compiled.
+static wisp_status repeat_step( surface_entrant* entrant, wisp_error* error )
+{
+    if ( wisp_world_plan_passes( entrant->world ) < 0 )
+    {
+        return surface_entrant_fail( entrant, WISP_CONFLICT, error );
+    }
+    size_t size = wisp_world_snapshot_size( entrant->world );
+    void* start = malloc( size );
+    wisp_status status = start ? wisp_world_snapshot( entrant->world, start, size )
+                               : wisp_fail( error, WISP_NO_MEMORY, "no memory for a snapshot of the sweeps' cloth" );
+    for ( int i = 0; i < REPEATS && status == WISP_OK; ++i )
+    {
+        status = wisp_world_restore( entrant->world, start, size );
+        if ( status != WISP_OK )
+        {
+            surface_entrant_fail( entrant, status, error );
+            break;
+        }
+        status = surface_entrant_step( entrant, error );
+        status = status == WISP_OK ? surface_entrant_keep_profile( entrant ) : status;
+    }
+    free( start );
+    return status;
+}
+
+static wisp_status run_sweep( const cloth_scene* scene, wisp_sweep sweep, const wisp_vec3* points, sweep_figures* out,
+                              wisp_error* error )
+{
+    cloth_setting setting = { "sweep", 1, 1, false, false, sweep };
+    wisp_fabric* fabric = NULL;
+    wisp_status status = cloth_cook( scene, &setting, &fabric, error );
+    for ( int i = 0; i < PASS_COUNTS && status == WISP_OK; ++i )
+    {
+        surface_entrant entrant = { 0 };
+        setting.iterations = passes[i];
+        status = cloth_entrant_create( scene, fabric, &setting, points, 1, &entrant, error );
+        status = status == WISP_OK ? repeat_step( &entrant, error ) : status;
+        if ( status == WISP_OK )
+        {
+            surface_look look = surface_entrant_look( &entrant );
+            out->ms[i] = surface_entrant_pass_ms( &entrant, "links." );
+            out->residual[i] = look.stretch_mean;
+            out->largest[i] = look.stretch_max;
+        }
+        surface_entrant_destroy( &entrant );
+    }
+    wisp_fabric_release( fabric );
+    return status;
+}
+
+// ---- plain C ----
+
+static void look_at_plain( const plain_cloth* cloth, double* mean, double* largest )
+{
+    *mean = *largest = 0.0;
+    for ( int i = 0; i < cloth->edge_count; ++i )
+    {
+        wisp_vec3 a = cloth->position[cloth->links[i].a], b = cloth->position[cloth->links[i].b];
+        double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+        double stretch = fabs( sqrt( x * x + y * y + z * z ) / (double)cloth->links[i].rest - 1.0 );
+        *largest = stretch <= *largest ? *largest : stretch;
+        *mean += stretch / cloth->edge_count;
+    }
+}
+
+static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points, sweep_figures* out,
+                              wisp_error* error )
+{
+    plain_cloth cloth;
+    const wisp_mesh* mesh = &scene->mesh;
+    if ( !plain_cloth_create( &cloth, mesh->points, mesh->vertex_count, mesh->triangles, mesh->triangle_count, 1.0f,
+                              CLOTH_BEND_STIFFNESS ) )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version" );
+    }
+    plain_cloth_pin( &cloth, scene->pins[0] );
+    plain_cloth_pin( &cloth, scene->pins[1] );
+    for ( int i = 0; i < PASS_COUNTS; ++i )
+    {
+        for ( int v = 0; v < mesh->vertex_count; ++v )
+        {
+            cloth.position[v] = points[v];
+            cloth.velocity[v] = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        }
+        cloth.passes = passes[i];
+        double start = wisp_clock_seconds();
+        plain_cloth_step( &cloth, CLOTH_STEP );
+        out->ms[i] = 1e3 * ( wisp_clock_seconds() - start );
+        look_at_plain( &cloth, &out->residual[i], &out->largest[i] );
+    }
+    plain_cloth_destroy( &cloth );
+    return WISP_OK;
+}
+
+// ---- the table ----
+
+// The time at which a sweep has a residual, on straight lines between logarithms; NaN if it never gets there.
+static double time_to_reach( const sweep_figures* f, double residual )
+{
+    for ( int i = 1; i < PASS_COUNTS; ++i )
+    {
+        if ( f->residual[i] <= residual && f->residual[i - 1] >= residual && f->residual[i - 1] > f->residual[i] )
+        {
+            double share = log( f->residual[i - 1] / residual ) / log( f->residual[i - 1] / f->residual[i] );
+            return exp( log( f->ms[i - 1] ) + share * log( f->ms[i] / f->ms[i - 1] ) );
+        }
+    }
+    return NAN;
+}
+
+static void add_table( const cloth_scene* scene, const sweep_figures figures[3], results* out )
+{
+    static const char* const names[3] = { "plain C", "colours", "list" };
+    char title[160];
+    snprintf( title, sizeof( title ),
+              "Residual after k passes of one step, n = %d pulled by %.0f %%: ms and stretch max / mean %%, 1 worker",
+              scene->n, 100.0 * ( (double)PULLED - 1.0 ) );
+    cells header = { .count = 0 };
+    cells_put( &header, "k" );
+    for ( int s = 0; s < 3; ++s )
+    {
+        cells_put( &header, "%s ms", names[s] );
+        cells_put( &header, "%s %%", names[s] );
+    }
+    int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < PASS_COUNTS; ++i )
+    {
+        cells row = { .count = 0 };
+        cells_put( &row, "%d", passes[i] );
+        for ( int s = 0; s < 3; ++s )
+        {
+            cells_put_number( &row, figures[s].ms[i], 3 );
+            cells_put_pair( &row, 100.0 * figures[s].largest[i], 2, 100.0 * figures[s].residual[i], 4 );
+        }
+        cells_end_row( &row, table, out );
+    }
+    double wanted = figures[1].residual[3];
+    results_add_note(
+        out,
+        "Error against time: the mean residual that colours have after %d passes in %.2f ms is reached by "
+        "the list in %.2f ms and by plain C in the order of the mesh in %.2f ms.",
+        passes[3], figures[1].ms[3], time_to_reach( &figures[2], wanted ), time_to_reach( &figures[0], wanted ) );
+}
+
+wisp_status cloth_sweeps( const cloth_plan* plan, results* out, wisp_error* error )
+{
+    cloth_scene scene = { 0 };
+    sweep_figures figures[3] = { { { 0 }, { 0 }, { 0 } } };
+    wisp_status status = cloth_scene_make( plan->sweep_size, false, &scene, error );
+    wisp_vec3* points = status == WISP_OK ? pulled_points( &scene ) : NULL;
+    if ( status == WISP_OK && !points )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the pulled cloth" );
+    }
+    status = status == WISP_OK ? run_plain( &scene, points, &figures[0], error ) : status;
+    status = status == WISP_OK ? run_sweep( &scene, WISP_SWEEP_COLOUR, points, &figures[1], error ) : status;
+    status = status == WISP_OK ? run_sweep( &scene, WISP_SWEEP_LIST, points, &figures[2], error ) : status;
+    if ( status == WISP_OK )
+    {
+        add_table( &scene, figures, out );
+    }
+    free( points );
+    cloth_scene_free( &scene );
+    return status;
+}

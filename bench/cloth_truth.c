@@ -1,0 +1,189 @@
+#include "cloth_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// The schedule runs tile by tile and colour by colour; nothing in it shares a vertex with what runs beside it, so one
+// link after another gives the same.
+static void collect_links( cloth_truth* truth )
+{
+    const wisp_fabric* f = truth->fabric;
+    for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
+    {
+        int link = f->link_order.constraint[slot];
+        if ( link >= 0 )
+        {
+            int i = truth->link_count++;
+            truth->links[i][0] = f->link_a4[slot] / 4;
+            truth->links[i][1] = f->link_b4[slot] / 4;
+            truth->rest[i] = (double)f->link_rest[slot];
+            truth->stiffness[i] = link < f->edge_count ? 1.0 : (double)CLOTH_BEND_STIFFNESS;
+        }
+    }
+}
+
+static void place_vertices( const cloth_scene* scene, cloth_truth* truth )
+{
+    const wisp_fabric* f = truth->fabric;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        int slot = f->vertex_slot[v];
+        wisp_vec3 p = scene->mesh.points[v];
+        truth->position[slot][0] = (double)p.x;
+        truth->position[slot][1] = (double)p.y;
+        truth->position[slot][2] = (double)p.z;
+        truth->inverse_mass[slot] = v == scene->pins[0] || v == scene->pins[1] ? 0.0 : 1.0;
+    }
+}
+
+wisp_status cloth_truth_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_truth* out,
+                                wisp_error* error )
+{
+    size_t slots = (size_t)fabric->slot_count, links = (size_t)fabric->link_count;
+    *out = ( cloth_truth ){
+        .slot_count = fabric->slot_count,
+        .position = calloc( slots, sizeof( *out->position ) ),
+        .previous = calloc( slots, sizeof( *out->previous ) ),
+        .velocity = calloc( slots, sizeof( *out->velocity ) ),
+        .inverse_mass = calloc( slots, sizeof( double ) ),
+        .links = calloc( links, sizeof( *out->links ) ),
+        .rest = calloc( links, sizeof( double ) ),
+        .stiffness = calloc( links, sizeof( double ) ),
+        .fabric = fabric,
+    };
+    if ( !out->position || !out->previous || !out->velocity || !out->inverse_mass || !out->links || !out->rest ||
+         !out->stiffness )
+    {
+        cloth_truth_destroy( out );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the cloth in double precision" );
+    }
+    collect_links( out );
+    place_vertices( scene, out );
+    return WISP_OK;
+}
+
+void cloth_truth_destroy( cloth_truth* truth )
+{
+    free( truth->position );
+    free( truth->previous );
+    free( truth->velocity );
+    free( truth->inverse_mass );
+    free( truth->links );
+    free( truth->rest );
+    free( truth->stiffness );
+    *truth = ( cloth_truth ){ 0 };
+}
+
+static void predict( cloth_truth* truth, double h )
+{
+    for ( int i = 0; i < truth->slot_count; ++i )
+    {
+        bool moves = truth->inverse_mass[i] > 0.0;
+        truth->velocity[i][1] -= moves ? h * (double)CLOTH_GRAVITY : 0.0;
+        for ( int k = 0; k < 3; ++k )
+        {
+            truth->previous[i][k] = truth->position[i][k];
+            truth->position[i][k] += moves ? h * truth->velocity[i][k] : 0.0;
+        }
+    }
+}
+
+// Eq. 6 of the balloon source times stiffness.
+static void project( cloth_truth* truth )
+{
+    for ( int i = 0; i < truth->link_count; ++i )
+    {
+        double *a = truth->position[truth->links[i][0]], *b = truth->position[truth->links[i][1]];
+        double wa = truth->inverse_mass[truth->links[i][0]], wb = truth->inverse_mass[truth->links[i][1]];
+        double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+        double length = sqrt( x * x + y * y + z * z );
+        double weight = length * ( wa + wb );
+        double s = weight > 0.0 ? truth->stiffness[i] * ( length - truth->rest[i] ) / weight : 0.0;
+        a[0] -= wa * s * x;
+        a[1] -= wa * s * y;
+        a[2] -= wa * s * z;
+        b[0] += wb * s * x;
+        b[1] += wb * s * y;
+        b[2] += wb * s * z;
+    }
+}
+
+void cloth_truth_step( cloth_truth* truth, int substeps )
+{
+    double h = (double)CLOTH_STEP / substeps;
+    for ( int s = 0; s < substeps; ++s )
+    {
+        predict( truth, h );
+        project( truth );
+        for ( int i = 0; i < truth->slot_count; ++i )
+        {
+            for ( int k = 0; k < 3; ++k )
+            {
+                truth->velocity[i][k] = ( truth->position[i][k] - truth->previous[i][k] ) / h;
+            }
+        }
+    }
+}
+
+double cloth_truth_distance( const cloth_truth* truth, const wisp_vec3* points )
+{
+    double largest = 0.0;
+    for ( int v = 0; v < truth->fabric->vertex_count; ++v )
+    {
+        const double* q = truth->position[truth->fabric->vertex_slot[v]];
+        double x = (double)points[v].x - q[0], y = (double)points[v].y - q[1], z = (double)points[v].z - q[2];
+        double distance = sqrt( x * x + y * y + z * z );
+
+        // Not fmax: that would step over a NaN.
+        largest = distance <= largest ? largest : distance;
+    }
+    return largest;
+}
+
+static double kinetic_energy( const cloth_truth* truth )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < truth->slot_count; ++i )
+    {
+        const double* v = truth->velocity[i];
+        sum += truth->inverse_mass[i] > 0.0 ? 0.5 * ( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] ) : 0.0;
+    }
+    return sum;
+}
+
+// The cloth starts in the plane y = 0.
+static double released_energy( const cloth_truth* truth )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < truth->slot_count; ++i )
+    {
+        sum -= truth->inverse_mass[i] > 0.0 ? (double)CLOTH_GRAVITY * truth->position[i][1] : 0.0;
+    }
+    return sum;
+}
+
+static void keep_path( const cloth_truth* truth, int look, path_record* record )
+{
+    double* q = record->points + (size_t)look * (size_t)record->vertex_count * 3;
+    for ( int v = 0; v < record->vertex_count; ++v, q += 3 )
+    {
+        const double* p = truth->position[truth->fabric->vertex_slot[v]];
+        q[0] = p[0];
+        q[1] = p[1];
+        q[2] = p[2];
+    }
+}
+
+void cloth_truth_run( cloth_truth* truth, int substeps, const scenario_plan* plan, path_record* record,
+                      double* energy_lost )
+{
+    for ( int step = 1; step <= plan->warm_steps; ++step )
+    {
+        cloth_truth_step( truth, substeps );
+        if ( step % plan->turn_steps == 0 )
+        {
+            keep_path( truth, step / plan->turn_steps - 1, record );
+        }
+    }
+    *energy_lost = 1.0 - kinetic_energy( truth ) / released_energy( truth );
+}

@@ -1,0 +1,53 @@
+#include "figures_bench.h"
+
+#include <stdarg.h>
+
+void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool is_met,
+                  const char* format, ... )
+{
+    char measured[300];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( measured, sizeof( measured ), format, arguments );
+    va_end( arguments );
+    const char* const row[] = { id, experiment, expected, measured, is_met ? "yes" : "NO" };
+    results_add_cells( page->out, page->table, row );
+    if ( !is_met )
+    {
+        results_add_failure( page->out, "%s, %s: expected %s; measured %s.", id, experiment, expected, measured );
+    }
+}
+
+wisp_status figures_run( figures_fn* const* experiments, int count, const bench_options* options, results* out,
+                         wisp_error* error )
+{
+    static const char* const header[] = { "figure", "experiment", "expected", "measured", "met" };
+    figures_case page = { .out = out, .pictures = options->pictures };
+    page.table =
+        results_add_table( out, "The figures of the balloon source as experiments", WISP_COUNT( header ), header );
+    wisp_status status = balloon_mesh_figure( &page.figure, &page.figure_name, error );
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        bench_progress( options, (double)i / count, "figures" );
+        status = experiments[i]( &page, error );
+    }
+    if ( status == WISP_OK )
+    {
+        results_add_note(
+            out,
+            "Figures: the scanned body is the %s, %d vertices, scaled to the area of a sphere of 0.15 m; "
+            "where nothing else is said steps of 1/60 s, 10 x 2, 0.02 kg/m^2, k_edge 2000 N/m, helium.",
+            page.figure_name, page.figure.vertex_count );
+    }
+    wisp_mesh_release( &page.figure );
+    return status;
+}
+
+wisp_status figures_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    static figures_fn* const all[] = {
+        figures_two_particles,   figures_links, figures_fixed_volume,     figures_four_forces,
+        figures_inflate_release, figures_spin,  figures_rise_and_reverse, figures_real_time,
+    };
+    return figures_run( all, WISP_COUNT( all ), options, out, error );
+}

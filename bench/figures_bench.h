@@ -1,0 +1,64 @@
+/// The case `figures`: the figures of the balloon source as experiments, each with a measured check (BAL section 8).
+#pragma once
+
+#include "balloon_scene.h"
+#include "bench.h"
+
+/// What the experiments share.
+typedef struct figures_case
+{
+    results* out;
+    int table;
+    const char* pictures; ///< folder, or null
+    wisp_mesh figure;     ///< an asymmetric closed body
+    const char* figure_name;
+} figures_case;
+
+/// A row of the page. A check that is not met fails the run.
+/// @param format what was measured
+void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool is_met,
+                  const char* format, ... ) __attribute__( ( format( printf, 6, 7 ) ) );
+
+typedef wisp_status figures_fn( figures_case* page, wisp_error* error );
+
+figures_fn figures_two_particles;   ///< F1: one projection restores the length, in proportion to inverse masses
+figures_fn figures_links;           ///< F2: edges and bend pairs of a pair of triangles and of a closed mesh
+figures_fn figures_fixed_volume;    ///< F3: the body shrinks and swells to a given volume
+figures_fn figures_four_forces;     ///< F4: gravity, buoyancy, drag and jet
+figures_fn figures_inflate_release; ///< F5: volume rises, then falls; pressure nears the atmosphere's; the body turns
+figures_fn figures_spin;            ///< F6: an outlet beside the centre, tracks of four vertices
+figures_fn figures_rise_and_reverse; ///< F7: rises in free air, comes back when the outlet opens
+figures_fn figures_real_time;        ///< F8: milliseconds a step against vertices
+
+/// Run some of the experiments. @param pictures folder, or null
+wisp_status figures_run( figures_fn* const* experiments, int count, const bench_options* options, results* out,
+                         wisp_error* error );
+
+// ---- pictures ----
+
+#define FIGURES_SHOTS_MAX 8
+
+/// Shapes of one mesh, in the order in which they were taken.
+typedef struct figures_album
+{
+    const wisp_mesh* mesh;
+    wisp_vec3* shots[FIGURES_SHOTS_MAX]; ///< [vertex_count]
+    char labels[FIGURES_SHOTS_MAX][40];
+    int count;
+} figures_album;
+
+/// Lines through space, such as the tracks of vertices.
+typedef struct figures_tracks
+{
+    wisp_vec3* points; ///< [track_count][length]
+    int track_count, length;
+} figures_tracks;
+
+/// Keep the present shape of an entrant. Does nothing if there is no folder for pictures.
+wisp_status figures_take( const figures_case* page, figures_album* album, surface_entrant* entrant, wisp_error* error,
+                          const char* format, ... ) __attribute__( ( format( printf, 5, 6 ) ) );
+/// Write the shapes side by side as FOLDER/<name>.png and link it from the page.
+/// @param tracks drawn into every picture, or null
+wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,
+                           const char* name, const char* caption, wisp_error* error );
+void figures_album_free( figures_album* album );

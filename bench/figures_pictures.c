@@ -1,0 +1,147 @@
+#include "figures_bench.h"
+
+#include "render.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SIDE 360
+#define TRACK_RADIUS 0.0015f // m
+
+wisp_status figures_take( const figures_case* page, figures_album* album, surface_entrant* entrant, wisp_error* error,
+                          const char* format, ... )
+{
+    if ( !page->pictures || album->count == FIGURES_SHOTS_MAX )
+    {
+        return WISP_OK;
+    }
+    const wisp_vec3* points;
+    wisp_status status = surface_entrant_points( entrant, &points, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    size_t bytes = (size_t)album->mesh->vertex_count * sizeof( wisp_vec3 );
+    wisp_vec3* shot = malloc( bytes );
+    if ( !shot )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
+    }
+    memcpy( shot, points, bytes );
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( album->labels[album->count], sizeof( album->labels[0] ), format, arguments );
+    va_end( arguments );
+    album->shots[album->count++] = shot;
+    return WISP_OK;
+}
+
+void figures_album_free( figures_album* album )
+{
+    for ( int i = 0; i < album->count; ++i )
+    {
+        free( album->shots[i] );
+    }
+    album->count = 0;
+}
+
+/// A scene of one shape and perhaps tracks.
+typedef struct shot_scene
+{
+    render_mesh mesh;
+    render_curves curves;
+    int32_t offsets[FIGURES_SHOTS_MAX + 1];
+    render_scene scene;
+} shot_scene;
+
+static void set_scene( const figures_album* album, int shot, const figures_tracks* tracks, shot_scene* out )
+{
+    out->mesh = render_default_mesh( RENDER_LATEX );
+    out->mesh.points = album->shots[shot];
+    out->mesh.triangles = album->mesh->triangles;
+    out->mesh.vertex_count = album->mesh->vertex_count;
+    out->mesh.triangle_count = album->mesh->triangle_count;
+    out->scene = render_default_scene();
+    out->scene.meshes = &out->mesh;
+    out->scene.mesh_count = 1;
+    if ( tracks )
+    {
+        out->curves = render_default_curves();
+        for ( int i = 0; i <= tracks->track_count; ++i )
+        {
+            out->offsets[i] = i * tracks->length;
+        }
+        out->curves.points = tracks->points;
+        out->curves.offsets = out->offsets;
+        out->curves.strand_count = tracks->track_count;
+        out->curves.radius = TRACK_RADIUS;
+        out->scene.curves = &out->curves;
+        out->scene.curves_count = 1;
+    }
+}
+
+// One camera for all shapes, so that sizes can be compared.
+static wisp_status find_camera( const figures_album* album, const figures_tracks* tracks, render_camera* camera,
+                                wisp_error* error )
+{
+    render_bounds all = { .is_filled = false };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
+    {
+        shot_scene shot;
+        render_bounds one = { .is_filled = false };
+        set_scene( album, i, tracks, &shot );
+        status = render_scene_bounds( &shot.scene, &one, error );
+        all = render_bounds_union( all, one );
+    }
+    const render_view view = render_default_view();
+    return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
+}
+
+static wisp_status draw( const figures_album* album, const figures_tracks* tracks, image* pictures, image* sheet,
+                         wisp_error* error )
+{
+    render_camera camera;
+    render_options options = render_default_options();
+    options.width = SIDE;
+    options.height = SIDE;
+    options.threads = 2;
+    wisp_status status = find_camera( album, tracks, &camera, error );
+    const char* labels[FIGURES_SHOTS_MAX];
+    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
+    {
+        shot_scene shot;
+        set_scene( album, i, tracks, &shot );
+        status = render_picture( &shot.scene, &camera, &options, &pictures[i], error );
+        labels[i] = album->labels[i];
+    }
+    return status == WISP_OK ? image_sheet( pictures, album->count, album->count, labels, sheet, error ) : status;
+}
+
+wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,
+                           const char* name, const char* caption, wisp_error* error )
+{
+    if ( !page->pictures || album->count == 0 )
+    {
+        return WISP_OK;
+    }
+    char path[4096];
+    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
+    }
+    image pictures[FIGURES_SHOTS_MAX] = { { 0 } }, sheet = { 0 };
+    wisp_status status = draw( album, tracks, pictures, &sheet, error );
+    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
+    for ( int i = 0; i < album->count; ++i )
+    {
+        image_release( &pictures[i] );
+    }
+    image_release( &sheet );
+    if ( status == WISP_OK )
+    {
+        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
+    }
+    return status;
+}

@@ -1,0 +1,71 @@
+/// A surface in a world of its own: what the cases of cloth and balloons step, time and look at.
+#pragma once
+
+#include "profile_samples.h"
+#include "stats.h"
+
+#include "mesh.h"
+#include "wisp/fabric.h"
+
+/// What there is besides the effect. Start from surface_default_recipe().
+typedef struct surface_recipe
+{
+    const wisp_module* module; ///< the one effect of the world
+    wisp_fabric* fabric;       ///< the caller's, who keeps it until the entrant is gone
+    const wisp_vec3* points;   ///< [vertex_count] where the vertices start; null: the rest shape
+    const int32_t* pins;
+    int pin_count;
+    float area_density; ///< kg/m^2
+    float vertex_mass;  ///< kg, above 0 it counts instead
+    wisp_vec3 gravity;  ///< m/s^2
+    float damping;      ///< 1/s
+    int substeps, iterations;
+    int workers;
+    float seconds; ///< a step
+} surface_recipe;
+
+/// Steps of 1/60 s, one substep of one iteration, one worker, no gravity.
+surface_recipe surface_default_recipe( const wisp_module* module, wisp_fabric* fabric );
+
+/// Cook a mesh. @param def what to cook; points and triangles are filled in here
+wisp_status surface_cook( const wisp_mesh* mesh, wisp_fabric_def def, wisp_fabric** out, wisp_error* error );
+
+typedef struct surface_entrant
+{
+    wisp_world* world;
+    wisp_entity entity;
+    wisp_fabric* fabric;
+    surface_recipe recipe;
+    profile_samples profile; ///< of the steps that were kept
+    int steps;
+    int halted_at; ///< the step at which the engine halted it because it left its bounds; 0: it never did
+} surface_entrant;
+
+/// A surface that nothing acts on yet, with WISP_SURFACE_POINTS wanted as a renderer would.
+wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entrant* out, wisp_error* error );
+void surface_entrant_destroy( surface_entrant* entrant );
+/// What the world says about its last failure.
+wisp_status surface_entrant_fail( const surface_entrant* entrant, wisp_status status, wisp_error* error );
+
+/// One step. @param context the entrant, as a bench_variant has it
+wisp_status surface_entrant_step( void* context, wisp_error* error );
+/// Keep the last step's profile.
+wisp_status surface_entrant_keep_profile( void* context );
+/// Hash of the vertices in the user's order.
+wisp_status surface_entrant_hash( surface_entrant* entrant, uint64_t* hash, wisp_error* error );
+/// The vertices in the user's order, valid until the next step.
+wisp_status surface_entrant_points( surface_entrant* entrant, const wisp_vec3** points, wisp_error* error );
+/// Velocities in the user's order. @param out [vertex_count]
+void surface_entrant_velocities( surface_entrant* entrant, wisp_vec3* out );
+/// Median milliseconds a step of all passes whose names begin so.
+double surface_entrant_pass_ms( surface_entrant* entrant, const char* beginning );
+
+typedef struct surface_look
+{
+    double stretch_max, stretch_mean; ///< |l/l0 - 1| of the edges
+    double kinetic, potential;        ///< J; potential is 0 at the rest shape
+    bool is_finite;
+} surface_look;
+
+/// Look at the present state, in double.
+surface_look surface_entrant_look( surface_entrant* entrant );

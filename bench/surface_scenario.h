@@ -1,0 +1,55 @@
+/// A scenario: so many steps to warm up, so many measured, the same for every worker count, with looks at the state.
+#pragma once
+
+#include "results.h"
+#include "surface_entrant.h"
+
+#define SCENARIO_ENTRANTS_MAX 2
+
+typedef struct scenario_plan
+{
+    int warm_steps, measured_steps;
+    int turn_steps; ///< entrants take turns of so many; the first step of a turn refills the caches and is not counted
+} scenario_plan;
+
+/// Where all vertices were at the looks of the warm-up: what falls has not folded yet, and folds are chaotic. No two
+/// solvers agree on them, so a path through them measures nothing.
+typedef struct path_record
+{
+    int vertex_count, look_count;
+    double* points; ///< [look_count][vertex_count][3], the user's order; null: there is none
+} path_record;
+
+/// Looks at the path: after every `turn_steps` of the warm-up.
+int scenario_path_looks( const scenario_plan* plan );
+/// @return WISP_NO_MEMORY
+wisp_status path_record_create( int vertex_count, int look_count, path_record* out, wisp_error* error );
+void path_record_destroy( path_record* record );
+
+/// What a scenario showed. Averages are over looks at the end of each turn of the measured steps.
+typedef struct scenario_figures
+{
+    stats_summary ms[SCENARIO_ENTRANTS_MAX]; ///< NaN if the surface was halted
+    double links_ms[SCENARIO_ENTRANTS_MAX];  ///< of the passes over links
+    double stretch_max, stretch_mean;        ///< averages
+    double kinetic;                          ///< J, average
+    double energy_lost; ///< share of the potential energy released by the end of the warm-up that is no longer there
+    double path;        ///< m, root mean square distance to the truth's path over the warm-up; NaN without one
+    uint64_t hash[SCENARIO_ENTRANTS_MAX];
+    int halted_at; ///< 0: never
+} scenario_figures;
+
+/// Run a scenario with entrants that differ only in workers.
+/// @param truth the path to compare with, or null
+/// @param record [scenario_path_looks()] receives the first entrant's path, or null
+wisp_status scenario_run( surface_entrant* entrants, int count, const scenario_plan* plan, const path_record* truth,
+                          path_record* record, scenario_figures* out, wisp_error* error );
+
+/// A failure unless all hashes are the same.
+/// @param what names the row in the sentence
+void scenario_check_hashes( const surface_entrant* entrants, int count, const uint64_t* hashes, const char* what,
+                            results* out );
+
+/// A row for machines for each entrant.
+void scenario_add_rows( const surface_entrant* entrants, int count, const scenario_figures* figures, const char* name,
+                        const char* variant, const char* truth_name, results* out );
