@@ -1,0 +1,346 @@
+// The cases of cloth, balloon and figures at sizes of moments: which tables and rows they make, that both sides of a race
+// compute the same, and that what is wrong fails the run.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "balloon_bench.h"
+#include "cloth_bench.h"
+#include "figures_bench.h"
+#include "oracle/constraint_oracle.h"
+#include "wisp/module.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bench_options quick = { .quick = true, .workers = 2 };
+
+static cloth_plan small_plan( void )
+{
+    cloth_plan plan = cloth_default_plan( &quick );
+    plan.race_sizes[0] = 8;
+    plan.race_sizes[1] = 12;
+    plan.race_count = 2;
+    plan.hang_sizes[0] = 12;
+    plan.hang_count = 1;
+    plan.level_sizes[0] = 12;
+    plan.level_count = 1;
+    plan.irregular_size = 12;
+    plan.has_balloon = false;
+    plan.sweep_size = 12;
+    plan.scenario = ( scenario_plan ){ .warm_steps = 6, .measured_steps = 10, .turn_steps = 3 };
+    plan.race_seconds = 0.0;
+    plan.truth_factor = 16;
+    return plan;
+}
+
+static const results_table* find_table( const results* all, const char* beginning )
+{
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
+        {
+            return &all->tables[t];
+        }
+    }
+    fail_msg( "there is no table '%s'", beginning );
+    return NULL;
+}
+
+static const char* cell( const results_table* table, int row, int column )
+{
+    return table->cells[row * table->column_count + column];
+}
+
+static bool has_note( const results* all, const char* part )
+{
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        if ( strstr( all->notes[i], part ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void expect_ok( wisp_status status, const wisp_error* error )
+{
+    if ( status != WISP_OK )
+    {
+        fail_msg( "%s", error->sentence );
+    }
+}
+
+// ---- the case of cloth ----
+
+static void the_race_has_a_line_a_size_with_an_error_and_a_hash( void** state )
+{
+    (void)state;
+    cloth_plan plan = small_plan();
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( cloth_race( &plan, &all, &error ), &error );
+    assert_false( all.failed );
+    const results_table* table = find_table( &all, "Cloth against plain C" );
+    assert_int_equal( table->row_count, 1 + 2 );
+    assert_string_equal( cell( table, 2, 0 ), "12" );
+    assert_int_equal( strlen( cell( table, 1, table->column_count - 1 ) ), 16 );
+
+    // plain step, plain pass and two worker counts a size
+    assert_int_equal( all.row_count, 2 * 4 );
+    for ( int r = 0; r < all.row_count; ++r )
+    {
+        const results_row* row = &all.rows[r];
+        assert_true( row->ms_median > 0.0 );
+        bool is_ours = strcmp( row->variant, "wisp" ) == 0;
+        assert_int_equal( row->has_hash, is_ours );
+        assert_int_equal( row->error.count > 0, is_ours );
+    }
+    assert_true( has_note( &all, "Claim: " ) );
+    results_free( &all );
+}
+
+static void other_engines_stand_beside_only_where_they_were_measured( void** state )
+{
+    (void)state;
+    cloth_plan plan = small_plan();
+    plan.hang_sizes[1] = 32;
+    plan.hang_count = 2;
+    plan.worker_count = 1;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( cloth_hang( &plan, &all, &error ), &error );
+    assert_false( all.failed );
+    const results_table* table = find_table( &all, "Hanging cloth" );
+    int first_peer = table->column_count - 5;
+    assert_string_equal( cell( table, 1, first_peer ), "-" );
+    assert_string_equal( cell( table, 2, first_peer ), "0.165 / 0.109" );
+    assert_true( has_note( &all, "on the reference machine" ) );
+    results_free( &all );
+}
+
+static void levels_are_compared_with_a_converged_run_on_both_meshes( void** state )
+{
+    (void)state;
+    cloth_plan plan = small_plan();
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( cloth_levels( &plan, &all, &error ), &error );
+    assert_false( all.failed );
+    const results_table* grid = find_table( &all, "Levels and tethers, alternating" );
+    find_table( &all, "Levels and tethers, irregular" );
+    assert_string_equal( cell( grid, grid->row_count - 1, 0 ), "160 in double" );
+    assert_string_equal( cell( grid, 1, 0 ), "10" );
+    for ( int r = 0; r < all.row_count; ++r )
+    {
+        assert_string_equal( all.rows[r].error_reference, "160 in double" );
+        assert_true( all.rows[r].has_hash );
+    }
+    // more substeps come nearer to the converged run
+    double path_10 = NAN, path_40 = NAN;
+    for ( int r = 0; r < all.row_count; ++r )
+    {
+        const results_row* row = &all.rows[r];
+        double path = row->error.items[row->error.count - 1].value;
+        bool is_grid = strcmp( row->name, "cloth.levels.grid" ) == 0;
+        path_10 = is_grid && strcmp( row->variant, "10" ) == 0 ? path : path_10;
+        path_40 = is_grid && strcmp( row->variant, "40" ) == 0 ? path : path_40;
+    }
+    assert_true( path_40 < path_10 );
+    results_free( &all );
+}
+
+static void residuals_fall_with_passes_in_every_order( void** state )
+{
+    (void)state;
+    cloth_plan plan = small_plan();
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( cloth_sweeps( &plan, &all, &error ), &error );
+    const results_table* table = find_table( &all, "Residual after k passes" );
+    for ( int order = 0; order < 3; ++order )
+    {
+        const char* one = strchr( cell( table, 1, 2 * order + 2 ), '/' );
+        const char* many = strchr( cell( table, table->row_count - 1, 2 * order + 2 ), '/' );
+        assert_non_null( one );
+        assert_non_null( many );
+        assert_true( atof( many + 1 ) < 0.5 * atof( one + 1 ) );
+    }
+    results_free( &all );
+}
+
+// ---- its truth ----
+
+static void the_truth_projects_as_the_oracle_does( void** state )
+{
+    (void)state;
+    cloth_scene scene;
+    wisp_fabric* fabric;
+    cloth_truth truth;
+    wisp_error error = { 0 };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR };
+    expect_ok( cloth_scene_make( 6, true, &scene, &error ), &error );
+    expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
+    expect_ok( cloth_truth_create( &scene, fabric, &truth, &error ), &error );
+    assert_int_equal( truth.link_count, fabric->link_count );
+    double3* p = calloc( (size_t)truth.slot_count, sizeof( double3 ) );
+    assert_non_null( p );
+    double h = (double)CLOTH_STEP;
+    for ( int i = 0; i < truth.slot_count; ++i )
+    {
+        const double* q = truth.position[i];
+        double fall = truth.inverse_mass[i] > 0.0 ? h * h * (double)CLOTH_GRAVITY : 0.0;
+        p[i] = double3_make( q[0], q[1] - fall, q[2] );
+    }
+    for ( int i = 0; i < truth.link_count; ++i )
+    {
+        int a = truth.links[i][0], b = truth.links[i][1];
+        double3 da, db;
+        constraint_oracle_distance_step( p[a], p[b], truth.inverse_mass[a], truth.inverse_mass[b], truth.rest[i], &da,
+                                         &db );
+        p[a] = double3_add( p[a], double3_scale( truth.stiffness[i], da ) );
+        p[b] = double3_add( p[b], double3_scale( truth.stiffness[i], db ) );
+    }
+    cloth_truth_step( &truth, 1 );
+    for ( int i = 0; i < truth.slot_count; ++i )
+    {
+        const double* q = truth.position[i];
+        // the same arithmetic in another association
+        assert_true( double3_distance( p[i], double3_make( q[0], q[1], q[2] ) ) < 1e-14 );
+    }
+    free( p );
+    cloth_truth_destroy( &truth );
+    wisp_fabric_release( fabric );
+    cloth_scene_free( &scene );
+}
+
+// ---- what fails ----
+
+static void a_hash_of_its_own_fails_the_run( void** state )
+{
+    (void)state;
+    surface_entrant entrants[2] = { { .recipe = { .workers = 1 } }, { .recipe = { .workers = 2 } } };
+    results all = { 0 };
+    const uint64_t same[2] = { 7, 7 }, apart[2] = { 7, 8 };
+    scenario_check_hashes( entrants, 2, same, "a row", &all );
+    assert_false( all.failed );
+    scenario_check_hashes( entrants, 2, apart, "a row", &all );
+    assert_true( all.failed );
+    assert_true( has_note( &all, "FAILED: a row: 2 workers give hash 0000000000000008" ) );
+    results_free( &all );
+}
+
+static void an_error_above_its_tolerance_or_without_a_number_fails_the_run( void** state )
+{
+    (void)state;
+    const double wrong[] = { 2e-6, NAN, INFINITY };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        results all = { 0 };
+        cloth_check_error( 1e-6, 1e-6, "a row", &all );
+        assert_false( all.failed );
+        cloth_check_error( wrong[i], 1e-6, "a row", &all );
+        assert_true( all.failed );
+        results_free( &all );
+    }
+}
+
+static void a_claim_that_is_not_met_is_a_sentence_and_no_failure( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    cloth_add_claim( false, "it is fast", 1.5, " times", &all );
+    assert_false( all.failed );
+    assert_true( has_note( &all, "claim not met on this machine" ) );
+    results_free( &all );
+}
+
+static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
+{
+    (void)state;
+    cloth_scene scene;
+    wisp_fabric* fabric;
+    surface_entrant entrant;
+    scenario_figures figures;
+    wisp_error error = { 0 };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR };
+    const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
+    expect_ok( cloth_scene_make( 6, false, &scene, &error ), &error );
+    expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
+    expect_ok( cloth_entrant_create( &scene, fabric, &setting, NULL, 1, &entrant, &error ), &error );
+    expect_ok( surface_entrant_step( &entrant, &error ), &error );
+    float* position = wisp_world_column( entrant.world, entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    position[4 * fabric->vertex_slot[17]] = NAN;
+    expect_ok( scenario_run( &entrant, 1, &plan, NULL, NULL, &figures, &error ), &error );
+    assert_int_equal( figures.halted_at, entrant.halted_at );
+    assert_int_equal( figures.halted_at, 2 );
+    assert_true( isnan( figures.ms[0].median ) && isnan( figures.stretch_max ) && isnan( figures.path ) );
+    surface_entrant_destroy( &entrant );
+    wisp_fabric_release( fabric );
+    cloth_scene_free( &scene );
+}
+
+// ---- the other two cases ----
+
+static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** state )
+{
+    (void)state;
+    balloon_plan plan = balloon_default_plan( &quick );
+    plan.levels[0] = 1;
+    plan.levels[1] = 2;
+    plan.level_count = 2;
+    plan.settle_steps = 60;
+    plan.substeps_max = 100;
+    plan.seconds = 0.0;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( balloon_bench_run( &plan, &all, &error ), &error );
+    assert_false( all.failed );
+    assert_int_equal( find_table( &all, "Balloon: icospheres" )->row_count, 1 + 2 );
+    assert_int_equal( all.row_count, 2 * 2 );
+
+    // 100 substeps: the virial reading within 2 % of the closed form, as the specification's table has it
+    const results_table* pressure = find_table( &all, "Pressure of a sphere" );
+    const char* wrong = cell( pressure, pressure->row_count - 1, 6 );
+    assert_true( fabs( atof( wrong ) ) < 2.0 );
+    results_free( &all );
+}
+
+static void a_figure_that_is_not_met_fails_the_run( void** state )
+{
+    (void)state;
+    static figures_fn* const small[] = { figures_two_particles, figures_links, figures_four_forces };
+    results all = { 0 };
+    wisp_error error = { 0 };
+    expect_ok( figures_run( small, WISP_COUNT( small ), &quick, &all, &error ), &error );
+    assert_false( all.failed );
+    assert_int_equal( all.tables[0].row_count, 1 + 4 );
+
+    figures_case page = { .out = &all, .table = 0 };
+    figures_add( &page, "F0", "an experiment", "one", false, "%d", 2 );
+    assert_true( all.failed );
+    assert_true( has_note( &all, "FAILED: F0, an experiment: expected one; measured 2." ) );
+    results_free( &all );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_race_has_a_line_a_size_with_an_error_and_a_hash ),
+        cmocka_unit_test( other_engines_stand_beside_only_where_they_were_measured ),
+        cmocka_unit_test( levels_are_compared_with_a_converged_run_on_both_meshes ),
+        cmocka_unit_test( residuals_fall_with_passes_in_every_order ),
+        cmocka_unit_test( the_truth_projects_as_the_oracle_does ),
+        cmocka_unit_test( a_hash_of_its_own_fails_the_run ),
+        cmocka_unit_test( an_error_above_its_tolerance_or_without_a_number_fails_the_run ),
+        cmocka_unit_test( a_claim_that_is_not_met_is_a_sentence_and_no_failure ),
+        cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
+        cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
+        cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),
+    };
+    return cmocka_run_group_tests_name( "bench cloth", tests, NULL, NULL );
+}
