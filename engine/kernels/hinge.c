@@ -2,6 +2,9 @@
 #include "kernel_isa.h"
 #include "lane_trig.h"
 
+// A lever below a thousandth of the steepest gradient's, squared, is not one.
+#define LEAST_LEVER 1e-6f
+
 enum
 {
     END_I, // of the edge
@@ -141,7 +144,13 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end )
             of_l,
         };
         lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( job->rest + hinge ) ) );
-        lane8 step = change_of_lambda( job, hinge, error, weighted_square( &c, gradient ), f.usable );
+        // Where what may move has no lever on the angle, such as the free corner of a hinge whose other corners are pinned in
+        // a line, gradient and sum are rounding, and their quotient would throw the corner about.
+        lane8 sum = weighted_square( &c, gradient );
+        lane8 steep = lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
+        lane8 weights = lane8_add( lane8_add( c.weight[0], c.weight[1] ), lane8_add( c.weight[2], c.weight[3] ) );
+        lane8m levered = lane8_ge( sum, lane8_mul( lane8_set1( LEAST_LEVER ), lane8_mul( weights, steep ) ) );
+        lane8 step = change_of_lambda( job, hinge, error, sum, lane8m_and( f.usable, levered ) );
         move_corners( job, hinge, &c, gradient, step );
     }
 }

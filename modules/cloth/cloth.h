@@ -22,9 +22,9 @@ typedef enum wisp_cloth_bending
 /// What a surface is made of and what air does to it. Fill from wisp_default_cloth_def(). Copied.
 ///
 /// Compliances are of one link, in m/N: a mesh of equilateral triangles whose links have the stiffness k is a sheet of
-/// 2/sqrt(3) k N/m where it is pulled one way and of sqrt(3) k pulled both ways, whatever the size of the mesh. Their direction dependence is that of an orthotropic sheet without
-/// Poisson effect: c(t) = warp cos^4 t + weft sin^4 t + shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both
-/// are equal.
+/// 2/sqrt(3) k N/m where it is pulled one way and of sqrt(3) k pulled both ways, whatever the size of the mesh. Their
+/// direction dependence is that of an orthotropic sheet without Poisson effect: c(t) = warp cos^4 t + weft sin^4 t +
+/// shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both are equal.
 typedef struct wisp_cloth_def
 {
     wisp_solver solver;      ///< default xpbd
@@ -38,9 +38,9 @@ typedef struct wisp_cloth_def
     wisp_cloth_bending bending; ///< default cross
     float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
     float bend_compliance;      ///< xpbd, cross links only, m/N, default 0.1
-    float bend_rigidity;        ///< xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet where it is
-        ///< rolled up, exact for equilateral triangles, > 0, default 5e-6 (light cotton). A strip
-        ///< between free edges has 8/9 of it (Poisson's ratio is -1/3)
+    /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet where it is rolled up, exact for equilateral
+    /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
+    float bend_rigidity;
 
     float damping;     ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay, unless
                        ///< the cloth is pinned: then all velocity dies; default 0

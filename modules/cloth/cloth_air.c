@@ -4,8 +4,8 @@
 //
 //   F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ),   n' = n turned to the side u blows to,
 //
-// so that drag is 1/2 rho C_d A |u|^2 where the wind is square on, and lift is perpendicular to u. Each vertex takes a third
-// of the forces of its triangles, gathered over its ring: no scatter, so the order of the sum is fixed.
+// so that drag is 1/2 rho C_d A |u|^2 where the wind is square on, and lift is perpendicular to u. Each vertex takes
+// a third of the forces of its triangles, gathered over its ring: no scatter, so the order of the sum is fixed.
 #include "cloth_internal.h"
 
 #include <math.h>
@@ -67,7 +67,8 @@ static wisp_vec3 triangle_force( const air_loop* loop, int slot, int a, int b, f
     return combine( pressure * loop->air.drag, u, pressure * loop->air.lift, across );
 }
 
-// Explicit air can turn a light vertex round in one step; an implicit factor in the rate keeps it from passing the wind.
+// Explicit air can turn a light vertex round in one step; an implicit factor in the rate keeps it from passing the
+// wind.
 static void blow_slot( const air_loop* loop, int slot )
 {
     const wisp_fabric* f = loop->fabric;

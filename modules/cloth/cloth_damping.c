@@ -1,5 +1,5 @@
-// Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): what a velocity differs from that of the
-// rigid motion with the same momentum and angular momentum dies away; the rigid motion stays.
+// Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): what a velocity differs from that of
+// the rigid motion with the same momentum and angular momentum dies away; the rigid motion stays.
 #include "cloth_internal.h"
 
 #include <math.h>
@@ -17,8 +17,9 @@ static void cross_product( const double a[3], const double b[3], double out[3] )
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two moments
-// across the line are equal, each half the trace, and L is across it too; with all mass at one point there is no turning.
+// Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two
+// moments across the line are equal, each half the trace, and L is across it too; with all mass at one point there is
+// no turning.
 static void solve_inertia( const double i[6], const double l[3], double w[3] )
 {
     const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
@@ -103,8 +104,8 @@ static bool has_triangle( const wisp_fabric* f, int slot )
     return false;
 }
 
-// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest. A loose vertex is pinned for want of mass,
-// but it holds nothing.
+// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest. A loose vertex is pinned for want
+// of mass, but it holds nothing.
 static bool is_pinned( const wisp_fabric* f, const float* position )
 {
     for ( int slot = 0; slot < f->vertex_count; ++slot )

@@ -146,10 +146,11 @@ static void bending_row( const hinge_shape* s, double c[4] )
     c[3] = -( at_i_l + at_j_l );
 }
 
-// Energy of an angle t over an edge e whose triangles have the area A together: 1/2 B e^2 t^2 / A. Summed over a mesh of
-// equilateral triangles this is 1/2 B times the square of the curvature times the area, whatever the direction in which the
-// sheet is rolled. (Bergou et al. 2006 weigh it by 3 / A, which is right for a sphere and three times too stiff for a
-// cylinder, and what hardly stretches bends as a cylinder does.) Compliance is the inverse of the second derivative.
+// Energy of an angle t over an edge e whose triangles have the area A together: 1/2 B e^2 t^2 / A. Summed over a mesh
+// of equilateral triangles this is 1/2 B times the square of the curvature times the area, whatever the direction in
+// which the sheet is rolled. (Bergou et al. 2006 weigh it by 3 / A, which is right for a sphere and three times too
+// stiff for a cylinder, and what hardly stretches bends as a cylinder does.) Compliance is the inverse of the second
+// derivative.
 static float dihedral_compliance( const hinge_shape* s, float rigidity )
 {
     return s->sound ? (float)( s->area / ( (double)rigidity * s->edge * s->edge ) ) : NOTHING;

@@ -162,8 +162,8 @@ enum
     COMPONENT_COUNT = 10,
 };
 
-// What the definition asks for, where the fabric has rows for it. A mesh too small for a coarse level has no level pass, and
-// one without interior edges no hinges.
+// What the definition asks for, where the fabric has rows for it. A mesh too small for a coarse level has no level
+// pass, and one without interior edges no hinges.
 static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
                              wanted_component all[COMPONENT_COUNT] )
 {

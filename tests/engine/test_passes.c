@@ -1,5 +1,5 @@
-// What the passes of every world do with components that a module attaches: links, hinges, limits, tethers, levels, carried
-// pins, the guard and what is observed.
+// What the passes of every world do with components that a module attaches: links, hinges, limits, tethers, levels,
+// carried pins, the guard and what is observed.
 #include "surface_fixture.h"
 
 static const float DT = 0.01f;
@@ -396,7 +396,8 @@ static void figures_of_a_turning_ball_are_those_of_the_mesh( void** state )
         inertia += 0.01 * ( (double)ball.points[v].x * (double)ball.points[v].x +
                             (double)ball.points[v].z * (double)ball.points[v].z );
     }
-    // velocities are differences of places of 1 m, rounded to 6e-8 m, over 1e-4 s: 6e-4 m/s each, averaged over 258 vertices
+    // velocities are differences of places of 1 m, rounded to 6e-8 m, over 1e-4 s: 6e-4 m/s each, averaged over 258
+    // vertices
     assert_near( q.mass, mass, 1e-6 );
     assert_near( q.volume, volume, 1e-5 );
     assert_true( q.volume > 0.9 * 4.0 / 3.0 * 3.14159265358979 );

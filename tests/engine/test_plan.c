@@ -608,7 +608,8 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
     printed own = { 0 };
     assert_int_equal( wisp_world_plan( bare, keep_line, &own ), WISP_OK );
     wisp_world_destroy( bare );
-    assert_int_equal( p.count, own.count - WISP_COUNT( LONE ) + WISP_COUNT( passes ) ); // the engine's own passes, too
+    assert_int_equal( p.count,
+                      own.count - WISP_COUNT( LONE ) + WISP_COUNT( passes ) ); // the engine's own passes, too
     assert_non_null( strstr( p.lines[0], "3 passes" ) );
     assert_non_null( strstr( p.lines[0], "with a substep loop" ) );
     assert_printed( &p, "before", "make", "fake.A by bend, fake.A by show" );

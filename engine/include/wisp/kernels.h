@@ -148,7 +148,7 @@ typedef struct wisp_hinge_job
     const int32_t* slot4; ///< [group][4][8] i, j, k, l, slots times 4
     const float* rest; ///< dihedral: [hinge] rad, rest angle between the normals, 0 is flat. Isometric: [group][4][8]
                        ///< the vector c of Q = c c^T / A, so that Q x = c (c . x) / A (Bergou et al. 2006)
-    const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles times 1/3
+    const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles
     const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd
     const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
     float* lambda;           ///< [hinge], null: one iteration

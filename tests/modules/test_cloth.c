@@ -1,0 +1,448 @@
+// Cloth as a whole: what stiffness means, far constraints, and cases that broke others.
+#include "cloth_fixture.h"
+
+// ---- threads ----
+
+// A strip of 2 x 9 vertices that hangs under its weight: in double precision, relaxed until nothing moves, and in the
+// engine.
+enum
+{
+    ROWS = 9,
+    COUNT = 2 * ROWS,
+};
+
+static double compliance_at( const wisp_cloth_def* c, double x, double y )
+{
+    double along = x * (double)c->warp.x + y * (double)c->warp.y;
+    double bottom =
+        ( x * x + y * y ) * ( (double)c->warp.x * (double)c->warp.x + (double)c->warp.y * (double)c->warp.y );
+    double c2 = along * along / bottom, s2 = 1.0 - c2;
+    return (double)c->warp_compliance * c2 * c2 + (double)c->weft_compliance * s2 * s2 +
+           (double)c->shear_compliance * s2 * c2;
+}
+
+// By descent on the energy of its springs, `weight` on each vertex.
+static double relaxed_extension( const test_mesh* mesh, const wisp_cloth_def* cloth, double weight )
+{
+    static double p[COUNT][2], pull[COUNT][2], v[COUNT][2];
+    memset( v, 0, sizeof( v ) );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        p[i][0] = (double)mesh->points[i].x;
+        p[i][1] = (double)mesh->points[i].y;
+    }
+    for ( int sweep = 0; sweep < 60000; ++sweep )
+    {
+        for ( int i = 0; i < COUNT; ++i )
+        {
+            pull[i][0] = 0.0;
+            pull[i][1] = -weight;
+        }
+        for ( int t = 0; t < mesh->triangle_count; ++t )
+        {
+            for ( int k = 0; k < 3; ++k )
+            {
+                int a = mesh->triangles[3 * t + k], b = mesh->triangles[3 * t + ( k + 1 ) % 3];
+                double rx = (double)mesh->points[b].x - (double)mesh->points[a].x;
+                double ry = (double)mesh->points[b].y - (double)mesh->points[a].y;
+                double x = p[b][0] - p[a][0], y = p[b][1] - p[a][1], rest = hypot( rx, ry ), now = hypot( x, y );
+                // an edge of two triangles is visited twice, one of the border once: only the diagonals and the rungs
+                // inside are inner edges of this strip
+                bool inner = ( rx != 0.0 && ry != 0.0 ) || ( ry == 0.0 && a / 2 != 0 && a / 2 != ROWS - 1 );
+                double tension = ( inner ? 0.5 : 1.0 ) * ( now - rest ) / ( compliance_at( cloth, rx, ry ) * now );
+                pull[a][0] += tension * x;
+                pull[a][1] += tension * y;
+                pull[b][0] -= tension * x;
+                pull[b][1] -= tension * y;
+            }
+        }
+        for ( int i = 2; i < COUNT; ++i )
+        {
+            for ( int k = 0; k < 2; ++k )
+            {
+                v[i][k] = 0.99 * ( v[i][k] + 0.05 * pull[i][k] * 0.01 );
+                p[i][k] += v[i][k];
+            }
+        }
+    }
+    return -0.5 * ( p[COUNT - 1][1] + p[COUNT - 2][1] ) - ( ROWS - 1 ) * 0.05;
+}
+
+static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth, double weight )
+{
+    hosted h;
+    open_world( &h, 8, 64 );
+    const int32_t pins[2] = { 0, 1 };
+    wisp_fabric_def fabric = test_fabric_def( mesh );
+    fabric.cross_links = false;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.vertex_mass = (float)( weight / 9.81 );
+    surface.pins = pins;
+    surface.pin_count = 2;
+    wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, EARTH );
+    assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
+    run_steps( h.world, 180, 1.0f / 60.0f );
+    double ends = (double)point_of( h.world, e, COUNT - 1 ).y + (double)point_of( h.world, e, COUNT - 2 ).y;
+    close_world( &h );
+    return -0.5 * ends - ( ROWS - 1 ) * 0.05;
+}
+
+static void strips_along_warp_weft_and_between_stretch_by_their_compliances( void** state )
+{
+    (void)state;
+    test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
+    const wisp_vec3 warps[] = { { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
+    const char* const names[] = { "warp", "weft", "45 degrees" };
+    double extension[3];
+    for ( int i = 0; i < WISP_COUNT( warps ); ++i )
+    {
+        wisp_cloth_def cloth = wisp_default_cloth_def();
+        cloth.bending = WISP_CLOTH_BENDING_NONE;
+        cloth.warp = warps[i];
+        cloth.warp_compliance = 0.01f;
+        cloth.weft_compliance = 0.03f;
+        cloth.shear_compliance = 0.4f;
+        extension[i] = hung_extension( &mesh, &cloth, 0.01 );
+        double expected = relaxed_extension( &mesh, &cloth, 0.01 );
+        print_message( "           %-10s %.6f m, relaxed in double %.6f m\n", names[i], extension[i], expected );
+        // a place of 0.4 m is rounded to 1.5e-8 m of g dt^2 = 4e-5 m
+        assert_near( extension[i] / expected, 1.0, 2e-3 );
+    }
+    assert_true( extension[0] < 0.5 * extension[1] );
+    assert_true( extension[2] > extension[0] );
+    test_mesh_free( &mesh );
+}
+
+// ---- stretch of a hanging cloth ----
+
+typedef struct hanging
+{
+    int n;
+    double side; // m
+    wisp_solver solver;
+    bool cross_links, tethers, levels;
+    float compliance, vertex_mass;
+    int substeps, iterations;
+    float seconds;
+    bool corners_alone; // pinned there, else the whole row
+    bool still;         // damped, else free
+} hanging;
+
+typedef struct stretch
+{
+    double sag;           // m, of the middle of the last row below its rest place
+    double largest, mean; // strain, averaged over the second half of the time
+} stretch;
+
+static stretch hang( const hanging* c, double time )
+{
+    hosted h;
+    open_world( &h, c->substeps, c->iterations );
+    const int n = c->n;
+    const float spacing = (float)( c->side / ( n - 1 ) );
+    test_mesh mesh = c->still ? hanging_mesh( n, n, spacing, spacing ) : test_plane( n, spacing );
+    int32_t pins[128];
+    int pin_count = 0;
+    for ( int i = 0; i < n; i += c->corners_alone ? n - 1 : 1 )
+    {
+        pins[pin_count++] = i;
+    }
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.cross_links = c->cross_links;
+    fabric.tethers = c->tethers;
+    fabric.levels = c->levels ? WISP_FABRIC_MAX_LEVELS : 0;
+    fabric.attachments = pins;
+    fabric.attachment_count = pin_count;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.vertex_mass = c->vertex_mass;
+    surface.pins = pins;
+    surface.pin_count = pin_count;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.solver = c->solver;
+    cloth.bending = c->cross_links ? WISP_CLOTH_BENDING_CROSS : WISP_CLOTH_BENDING_NONE;
+    cloth.warp_compliance = cloth.weft_compliance = c->compliance;
+    cloth.shear_compliance = 2.0f * c->compliance;
+    cloth.tethers = c->tethers;
+    cloth.level_passes = c->levels ? 1 : 0;
+    wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    assert_status( h.world, wisp_set_damping( h.world, e, c->still ? 10.0f : 0.0f ), WISP_OK );
+    int steps = (int)( time / (double)c->seconds ), counted = 0;
+    stretch s = { 0 };
+    for ( int i = 0; i < steps; ++i )
+    {
+        run_steps( h.world, 1, c->seconds );
+        if ( i >= steps / 2 )
+        {
+            wisp_quality q = quality_of( h.world, e );
+            s.largest += q.strain_max;
+            s.mean += q.strain_mean;
+            counted += 1;
+        }
+    }
+    s.largest /= counted;
+    s.mean /= counted;
+    s.sag = -c->side - (double)point_of( h.world, e, n * ( n - 1 ) + n / 2 ).y;
+    assert_int_equal( count_passes_named( h.world, "surface.levels" ),
+                      wisp_world_fabric( h.world, e )->level_count > 0 && c->levels ? 1 : 0 );
+    test_mesh_free( &mesh );
+    close_world( &h );
+    return s;
+}
+
+// A sheet of links of the same compliance is the same sheet whatever its mesh, but for the border: n columns of links
+// carry n - 1 columns of mass, so the sheet of 17 is 3 % stiffer than that of 33.
+static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
+{
+    (void)state;
+    for ( int cross = 0; cross < 2; ++cross )
+    {
+        hanging c = { .n = 17,
+                      .side = 0.8,
+                      .cross_links = cross == 1,
+                      .compliance = 0.02f,
+                      .substeps = 8,
+                      .iterations = 24,
+                      .seconds = 1.0f / 60.0f,
+                      .still = true };
+        stretch coarse = hang( &c, 2.5 );
+        c.n = 33;
+        stretch fine = hang( &c, 2.5 );
+        print_message( "           %s cross links: %.5f m with 17 x 17, %.5f m with 33 x 33\n", cross ? "with" : "no",
+                       coarse.sag, fine.sag );
+        assert_near( coarse.sag / fine.sag, 1.0, 0.03 );
+    }
+}
+
+static void static_stretch_does_not_depend_on_iterations_or_frame_rate( void** state )
+{
+    (void)state;
+    const struct
+    {
+        int substeps, iterations;
+        float seconds;
+    } ways[] = { { 8, 24, 1.0f / 60.0f }, { 8, 48, 1.0f / 60.0f }, { 8, 24, 1.0f / 30.0f }, { 8, 24, 1.0f / 90.0f } };
+    double first = 0.0;
+    for ( int i = 0; i < WISP_COUNT( ways ); ++i )
+    {
+        hanging c = { .n = 17,
+                      .side = 0.8,
+                      .compliance = 0.02f,
+                      .substeps = ways[i].substeps,
+                      .iterations = ways[i].iterations,
+                      .seconds = ways[i].seconds,
+                      .still = true };
+        double sag = hang( &c, 2.5 ).sag;
+        first = i == 0 ? sag : first;
+        print_message( "           %d substeps, %d iterations, 1/%.0f s: %.6f m\n", ways[i].substeps,
+                       ways[i].iterations, 1.0 / (double)ways[i].seconds, sag );
+        assert_near( sag / first, 1.0, 0.02 );
+    }
+}
+
+// The hanging cloth of performance.md: 64 x 64, two corners, 1 kg a vertex.
+static hanging big_cloth( void )
+{
+    return ( hanging ){ .n = 64,
+                        .side = 63 * 0.05,
+                        .solver = WISP_SOLVER_PBD,
+                        .cross_links = true,
+                        .vertex_mass = 1.0f,
+                        .substeps = 10,
+                        .iterations = 1,
+                        .seconds = 1.0f / 60.0f,
+                        .corners_alone = true };
+}
+
+static void tethers_bound_the_stretch_of_a_hanging_cloth( void** state )
+{
+    (void)state;
+    hanging c = big_cloth();
+    c.tethers = true;
+    stretch with = hang( &c, 2.6 );
+    c.tethers = false;
+    stretch without = hang( &c, 2.6 );
+    print_message( "           with tethers %.2f %% max, %.3f %% mean; without %.1f %%, %.3f %%\n",
+                   100.0 * with.largest, 100.0 * with.mean, 100.0 * without.largest, 100.0 * without.mean );
+    assert_true( with.largest < 0.05 );
+    assert_true( with.largest < 0.2 * without.largest );
+}
+
+static void levels_do_in_one_substep_what_ten_cannot( void** state )
+{
+    (void)state;
+    hanging c = big_cloth();
+    c.tethers = c.levels = true;
+    c.substeps = 1;
+    stretch s = hang( &c, 2.6 );
+    print_message( "           1 substep, levels, tethers: %.2f %% max, %.3f %% mean\n", 100.0 * s.largest,
+                   100.0 * s.mean );
+    assert_true( s.largest < 0.15 );
+    assert_true( s.mean < 0.009 );
+}
+
+// ---- hard cases ----
+
+typedef enum start
+{
+    AT_REST,
+    IN_A_BOX,
+    FLATTENED,
+    AT_A_POINT,
+    START_COUNT,
+} start;
+
+static void place( start how, wisp_vec3* points, int count, float size )
+{
+    for ( int v = 0; v < count; ++v )
+    {
+        const wisp_vec3 random = { test_random_float( v, 0, -size, size ), test_random_float( v, 1, -size, size ),
+                                   test_random_float( v, 2, -size, size ) };
+        points[v] = how == IN_A_BOX     ? random
+                    : how == FLATTENED  ? ( wisp_vec3 ){ points[v].x, 0.0f, 0.0f }
+                    : how == AT_A_POINT ? ( wisp_vec3 ){ 0.25f * size, 0.25f * size, 0.25f * size }
+                                        : points[v];
+    }
+}
+
+// After two seconds the cloth is finite, or halted, counted and told; its neighbour, which nothing was done to, is
+// not halted.
+static void assert_survives( float scale, start how, float heavy, float seconds, wisp_cloth_bending bending,
+                             wisp_solver solver )
+{
+    hosted h;
+    open_world( &h, 4, 1 );
+    test_mesh mesh = test_plane( 9, 0.1f * scale );
+    wisp_vec3 points[81];
+    memcpy( points, mesh.points, sizeof( points ) );
+    place( how, points, 81, 0.8f * scale );
+    const int32_t pins[2] = { 0, 8 };
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.points = points;
+    surface.pins = pins;
+    surface.pin_count = 2;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = bending;
+    cloth.solver = solver;
+    wisp_entity hard = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    surface.points = NULL;
+    wisp_entity easy = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    float* position = wisp_world_column( h.world, hard, WISP_PARTICLE_POSITION, 0 );
+    position[4 * wisp_world_fabric( h.world, hard )->vertex_slot[80] + 3] /= heavy;
+    run_steps( h.world, (int)( 2.0f / seconds ), seconds );
+    assert_true( is_finite( h.world, hard ) );
+    assert_true( is_finite( h.world, easy ) );
+    assert_false( wisp_is_halted( h.world, easy ) );
+    assert_int_equal( wisp_world_counter( h.world, WISP_COUNT_HALTED ), wisp_is_halted( h.world, hard ) ? 1 : 0 );
+    assert_true( wisp_is_halted( h.world, hard ) == false || h.log.level == WISP_LOG_ERROR ||
+                 h.log.level == WISP_LOG_WARNING );
+    test_mesh_free( &mesh );
+    close_world( &h );
+}
+
+static void hard_starts_scales_and_mass_ratios_stay_finite( void** state )
+{
+    (void)state;
+    const float scales[] = { 1e-3f, 1.0f, 1e3f }, steps[] = { 0.2f, 1.0f / 60.0f };
+    for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT * WISP_SOLVER_COUNT; ++b )
+    {
+        for ( int k = 0; k < WISP_COUNT( scales ) * WISP_COUNT( steps ); ++k )
+        {
+            for ( int how = 0; how < START_COUNT; ++how )
+            {
+                assert_survives( scales[k / 2], (start)how, 1.0f, steps[k % 2], (wisp_cloth_bending)( b / 2 ),
+                                 (wisp_solver)( b % 2 ) );
+            }
+            assert_survives( scales[k / 2], AT_REST, 1e6f, steps[k % 2], (wisp_cloth_bending)( b / 2 ),
+                             (wisp_solver)( b % 2 ) );
+        }
+    }
+}
+
+static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 9, 0.1f );
+    const int32_t pin = 0;
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = &pin;
+    surface.pin_count = 1;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_entity e = add_cloth( h->world, &fabric, surface, &cloth, EARTH );
+    assert_status( h->world, wisp_set_damping( h->world, e, 5.0f ), WISP_OK );
+    const wisp_vec3 far = { 100.0f, 0.0f, 0.0f };
+    assert_status( h->world, wisp_move_pins( h->world, e, &pin, &far, 1 ), WISP_OK );
+    run_steps( h->world, 1200, 0.01f );
+    assert_true( is_finite( h->world, e ) );
+    assert_false( wisp_is_halted( h->world, e ) );
+    const wisp_vec3 at = point_of( h->world, e, 0 ), other = point_of( h->world, e, 80 );
+    assert_true( at.x == 100.0f );
+    // a diagonal of 1.13 m hangs from it, and has as much stretch as one pass a step leaves
+    assert_true( distance_of( at, other ) < 1.5 );
+    test_mesh_free( &mesh );
+}
+
+static void bad_meshes_are_cloth_all_the_same( void** state )
+{
+    hosted* h = *state;
+    // a square, its first triangle twice and once turned round, one without area, a vertex that nobody names
+    const wisp_vec3 points[] = { { 0, 0, 0 },    { 0.1f, 0, 0 }, { 0.1f, 0, 0.1f },
+                                 { 0, 0, 0.1f }, { 0.2f, 0, 0 }, { 1, 1, 1 } };
+    const int32_t triangles[] = { 0, 2, 1, 0, 3, 2, 0, 2, 1, 0, 1, 2, 0, 1, 4 };
+    wisp_fabric_def fabric = wisp_default_fabric_def();
+    fabric.points = points;
+    fabric.triangles = triangles;
+    fabric.vertex_count = WISP_COUNT( points );
+    fabric.triangle_count = WISP_COUNT( triangles ) / 3;
+    fabric.hinges = true;
+    for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT; ++b )
+    {
+        wisp_cloth_def cloth = wisp_default_cloth_def();
+        cloth.bending = (wisp_cloth_bending)b;
+        cloth.drag = cloth.lift = cloth.damping = 1.0f;
+        int before = h->log.count;
+        wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+        assert_int_equal( h->log.count, before + 1 );
+        assert_one_sentence( h->log.last );
+        run_steps( h->world, 100, 0.01f );
+        assert_true( is_finite( h->world, e ) );
+        assert_false( wisp_is_halted( h->world, e ) );
+        const wisp_vec3 loose = point_of( h->world, e, 5 );
+        assert_true( loose.x == 1.0f && loose.y == 1.0f && loose.z == 1.0f );
+    }
+}
+
+static void a_mesh_too_small_for_levels_has_no_level_pass( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 }, ( wisp_vec3 ){ 1, 0, 0 } );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.levels = 4;
+    fabric.hinges = true;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.level_passes = 3;
+    cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
+    add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    step( h->world );
+    assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
+    assert_int_equal( count_passes_named( h->world, "hinges.dihedral_xpbd" ), 0 );
+    test_mesh_free( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( strips_along_warp_weft_and_between_stretch_by_their_compliances ),
+        cmocka_unit_test( static_stretch_does_not_depend_on_the_vertex_count ),
+        cmocka_unit_test( static_stretch_does_not_depend_on_iterations_or_frame_rate ),
+        cmocka_unit_test( tethers_bound_the_stretch_of_a_hanging_cloth ),
+        cmocka_unit_test( levels_do_in_one_substep_what_ten_cannot ),
+        cmocka_unit_test( hard_starts_scales_and_mass_ratios_stay_finite ),
+        WORLD_TEST( a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along ),
+        WORLD_TEST( bad_meshes_are_cloth_all_the_same ),
+        WORLD_TEST( a_mesh_too_small_for_levels_has_no_level_pass ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,244 @@
+// Bending against the elastica: rigidity in N m, whatever the mesh, the kind of hinge and the size of the strip.
+//
+// How a strip between free edges must bend follows from the energy of a hinge, 1/2 B e^2 t^2 / A. A moment M a metre
+// of width W turns every hinge that crosses the strip at an angle f to its normal by t = M W cos f / (B e^2 / A),
+// which turns the strip by t cos f:
+//   one row of equilateral triangles of edge a: W = a sqrt(3)/2, e^2/A = 2/sqrt(3), f = 30 degrees, a hinge every
+// a/2:
+//   curvature 9/8 M/B, so the strip has 8/9 of the rigidity (a plate of Poisson's ratio -1/3 between free edges);
+//   one row of right triangles: a rung with e^2/A = 1, f = 0 and a diagonal with 2, 45 degrees in every cell: 5/4
+// M/B.
+#include "cloth_fixture.h"
+
+typedef enum strip_mesh
+{
+    EQUILATERAL,
+    RIGHT,
+} strip_mesh;
+
+typedef struct beam
+{
+    strip_mesh mesh;
+    wisp_cloth_bending bending;
+    double load;   // G = rho g L^3 / EI of the strip
+    int cells;     // along the length
+    double length; // m
+} beam;
+
+typedef struct shape
+{
+    double drop, reach; // of the tip, over the length
+} shape;
+
+// The first cell is pinned. The first hinge that can turn stands for the clamp and half a spacing of hinges on both
+// sides of it, so the clamped edge is half a spacing behind it: the free length makes the error of a discrete beam
+// second order.
+static test_mesh strip_of( const beam* b, double* clamp )
+{
+    const bool equal = b->mesh == EQUILATERAL;
+    const double a = b->length / ( equal ? b->cells + 2.0 - 1.25 : b->cells + 0.5 );
+    const int columns = b->cells + 2;
+    test_mesh m = hanging_mesh( columns, 2, 1.0f, 1.0f );
+    *clamp = 0.5 * a;
+    m.triangle_count = 0;
+    for ( int i = 0; i < columns; ++i )
+    {
+        m.points[i] = ( wisp_vec3 ){ (float)( a * i - *clamp ), 0.0f, 0.0f };
+        m.points[columns + i] = ( wisp_vec3 ){ (float)( a * ( equal ? i + 0.5 : i ) - *clamp ), 0.0f,
+                                               (float)( equal ? a * sqrt( 0.75 ) : a ) };
+    }
+    for ( int i = 0; i + 1 < columns; ++i )
+    {
+        int p = i, q = i + 1, r = columns + i, s = r + 1;
+        const int32_t one[6] = { p, r, q, q, r, s }, other[6] = { p, r, s, p, s, q };
+        memcpy( m.triangles + 6 * (size_t)i, equal || i % 2 == 0 ? one : other, sizeof( one ) );
+        m.triangle_count += 2;
+    }
+    return m;
+}
+
+static wisp_cloth_def cloth_of( const beam* b )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    double of_sheet = b->mesh == EQUILATERAL ? 9.0 / 8.0 : 5.0 / 4.0;
+    cloth.bending = b->bending;
+    cloth.bend_rigidity = (float)( of_sheet * 0.15 * 9.81 * b->length * b->length * b->length / b->load );
+    return cloth;
+}
+
+static shape hang_out( const beam* b )
+{
+    hosted h;
+    open_world( &h, 32, 64 );
+    double clamp;
+    test_mesh mesh = strip_of( b, &clamp );
+    const int columns = b->cells + 2;
+    const int32_t pins[4] = { 0, 1, columns, columns + 1 };
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    fabric.cross_links = false;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = pins;
+    surface.pin_count = b->mesh == EQUILATERAL ? 3 : 4;
+    wisp_cloth_def cloth = cloth_of( b );
+    wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    // the first mode has 3.516 sqrt(g / (G L)) rad/s and is damped critically; it has 20 of its times to settle
+    double slowest = 3.516 * sqrt( 9.81 / ( b->load * b->length ) );
+    assert_status( h.world, wisp_set_damping( h.world, e, (float)( 2.0 * slowest ) ), WISP_OK );
+    const float seconds = (float)( sqrt( b->length / 0.1 ) / 60.0 );
+    run_steps( h.world, (int)( 20.0 / slowest / (double)seconds ), seconds );
+    assert_false( wisp_is_halted( h.world, e ) );
+    const wisp_vec3 p = point_of( h.world, e, columns - 1 ), q = point_of( h.world, e, 2 * columns - 1 );
+    test_mesh_free( &mesh );
+    close_world( &h );
+    return ( shape ){ -0.5 * ( (double)p.y + (double)q.y ) / b->length,
+                      0.5 * ( (double)p.x + (double)q.x ) / b->length };
+}
+
+static const wisp_cloth_bending KINDS[] = { WISP_CLOTH_BENDING_DIHEDRAL, WISP_CLOTH_BENDING_ISOMETRIC };
+
+// What the heavy elastica says: theta'' = -G (1 - s) cos theta.
+static const shape AT_1 = { 0.12347140, 0.99124640 }, AT_10 = { 0.70019972, 0.65635376 };
+
+// A beam of ten hinges is off by 1/12 of the squared spacing where it is bent most: 1 to 2 % of the drop.
+static void a_clamped_strip_bends_as_the_heavy_elastica( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
+    {
+        shape stiff = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 1.0, 8, 0.1 } );
+        shape soft = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, 8, 0.1 } );
+        print_message( "           G = 1: drop %.4f (%.4f), G = 10: drop %.4f (%.4f), reach %.4f (%.4f)\n",
+                       stiff.drop, AT_1.drop, soft.drop, AT_10.drop, soft.reach, AT_10.reach );
+        assert_near( stiff.drop / AT_1.drop, 1.0, 0.02 );
+        assert_near( stiff.reach / AT_1.reach, 1.0, 0.005 );
+        assert_near( soft.drop / AT_10.drop, 1.0, 0.02 );
+        assert_near( soft.reach / AT_10.reach, 1.0, 0.02 );
+    }
+}
+
+static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
+    {
+        for ( int cells = 5; cells <= 15; cells += 5 )
+        {
+            shape equal = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, cells, 0.1 } );
+            shape right = hang_out( &( beam ){ RIGHT, KINDS[k], 10.0, cells, 0.1 } );
+            print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal.drop,
+                           right.drop, AT_10.drop );
+            // the clamp takes one diagonal in five, ten or fifteen out of a row of right triangles
+            assert_near( equal.drop / AT_10.drop, 1.0, 0.02 );
+            assert_near( right.drop / AT_10.drop, 1.0, 0.3 / cells );
+        }
+    }
+}
+
+// The same load G at ten times the size is the same shape. Steps are scaled likewise, so only rounding differs: a
+// float loses up to half of 7e-9 m of g dt^2 = 2.7e-6 m at 0.1 m.
+static void rigidity_is_in_units_so_size_does_not_matter( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
+    {
+        shape small = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, 6, 0.1 } );
+        shape large = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, 6, 1.0 } );
+        assert_near( small.drop / large.drop, 1.0, 0.005 );
+    }
+}
+
+// ---- a crease ----
+
+// Four by four vertices creased along the third column by 0.5 rad.
+static test_mesh creased_mesh( void )
+{
+    test_mesh m = test_plane( 4, 0.1f );
+    for ( int v = 0; v < m.vertex_count; ++v )
+    {
+        m.points[v].y = v % 4 == 3 ? 0.1f * sinf( 0.5f ) : 0.0f;
+        m.points[v].x = v % 4 == 3 ? 0.2f + 0.1f * cosf( 0.5f ) : m.points[v].x;
+    }
+    return m;
+}
+
+// How far the flap's end is from the other end after two seconds without gravity, m.
+static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
+{
+    hosted h;
+    open_world( &h, 4, 4 );
+    test_mesh flat = test_plane( 4, 0.1f ), creased = creased_mesh();
+    wisp_fabric_def fabric = test_fabric_def( born_creased ? &creased : &flat );
+    fabric.hinges = true;
+    fabric.cross_links = false;
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.points = creased.points;
+    wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, ( wisp_vec3 ){ 0 } );
+    assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
+    run_steps( h.world, 120, 1.0f / 60.0f );
+    double span = distance_of( point_of( h.world, e, 4 ), point_of( h.world, e, 7 ) );
+    test_mesh_free( &flat );
+    test_mesh_free( &creased );
+    close_world( &h );
+    return span;
+}
+
+static void a_crease_of_the_rest_shape_stays_and_another_opens( void** state )
+{
+    (void)state;
+    const double crease = sqrt( 0.05 + 0.04 * cos( 0.5 ) ),
+                 flat = 0.3; // two sides of 0.2 and 0.1 m, and stretched out
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bend_rigidity = 1e-3f;
+    for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
+    {
+        cloth.solver = (wisp_solver)solver;
+        cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
+        // an angle is measured to 4e-7 rad, and every step may move it by as much
+        assert_near( span_in_the_end( &cloth, true ), crease, 1e-5 );
+        assert_near( span_in_the_end( &cloth, false ), flat, 1e-4 );
+        cloth.bending = WISP_CLOTH_BENDING_ISOMETRIC; // knows no rest angle: it flattens whatever is creased
+        assert_near( span_in_the_end( &cloth, false ), flat, 1e-4 );
+        cloth.bending = WISP_CLOTH_BENDING_NONE;
+        assert_near( span_in_the_end( &cloth, false ), crease, 1e-5 );
+    }
+}
+
+static void bending_that_is_chosen_brings_its_pass_and_no_other( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 5, 0.1f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
+    const char* const names[2][2] = { { "hinges.dihedral_xpbd", "hinges.dihedral_pbd" },
+                                      { "hinges.isometric_xpbd", "hinges.isometric_pbd" } };
+    int bare = wisp_world_plan_passes( h->world );
+    for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
+    {
+        for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
+        {
+            cloth.bending = KINDS[k];
+            cloth.solver = (wisp_solver)solver;
+            assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
+            assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
+            step( h->world );
+            assert_int_equal( count_passes_named( h->world, names[k][solver] ), 1 );
+        }
+    }
+    test_mesh_free( &mesh );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_clamped_strip_bends_as_the_heavy_elastica ),
+        cmocka_unit_test( rigidity_does_not_depend_on_the_mesh_or_its_resolution ),
+        cmocka_unit_test( rigidity_is_in_units_so_size_does_not_matter ),
+        cmocka_unit_test( a_crease_of_the_rest_shape_stays_and_another_opens ),
+        WORLD_TEST( bending_that_is_chosen_brings_its_pass_and_no_other ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
