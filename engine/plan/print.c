@@ -31,30 +31,64 @@ static const char* name_of( const wisp_registry* r, wisp_component c )
     return r->store->components[c].def.name;
 }
 
-// Who wants what the pass writes: a wish of an entity, or a pass that reads it.
+static bool is_wished( const wisp_registry* r, wisp_component c )
+{
+    bool wished = false;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        wished = wished || ( r->store->entities[slot].wants & store_bit( c ) ) != 0;
+    }
+    return wished;
+}
+
+static bool is_reader( const plan* p, const wisp_registry* r, int number, const wisp_pass* writer, wisp_component c )
+{
+    const wisp_pass* pass = r->passes + number;
+    return ( p->live >> number & 1 ) != 0 && pass != writer && plan_lists( pass->reads, c );
+}
+
+// Who wants what the pass writes: a wish of an entity, or passes that read it. Of many readers the last ones are named:
+// they are nearest to what the scene asked for.
 static void append_reasons( print_line* line, const plan* p, const wisp_registry* r, const wisp_pass* pass )
 {
+    enum
+    {
+        NAMED = 3,
+    };
     const char* separator = "wanted: ";
     for ( int i = 0; i < WISP_MAX_USES && pass->writes[i] != 0; ++i )
     {
         wisp_component c = pass->writes[i];
-        bool wished = false;
-        for ( int slot = 0; slot < r->store->entity_count; ++slot )
+        int readers = 0;
+        for ( int k = 0; k < r->pass_count; ++k )
         {
-            wished = wished || ( r->store->entities[slot].wants & store_bit( c ) ) != 0;
+            readers += is_reader( p, r, k, pass, c ) ? 1 : 0;
         }
-        for ( int k = -1; k < r->pass_count; ++k )
+        if ( is_wished( r, c ) )
         {
-            bool reads =
-                k >= 0 && ( p->live >> k & 1 ) != 0 && r->passes + k != pass && plan_lists( r->passes[k].reads, c );
-            if ( reads || ( k < 0 && wished ) )
+            append( line, separator );
+            append( line, name_of( r, c ) );
+            append( line, " by the scene" );
+            separator = ", ";
+        }
+        for ( int k = 0, seen = 0; k < r->pass_count; ++k )
+        {
+            bool reads = is_reader( p, r, k, pass, c );
+            seen += reads ? 1 : 0;
+            if ( reads && seen > readers - NAMED )
             {
                 append( line, separator );
                 append( line, name_of( r, c ) );
-                append( line, k < 0 ? " by the scene" : " by " );
-                append( line, k < 0 ? "" : r->passes[k].name );
+                append( line, " by " );
+                append( line, r->passes[k].name );
                 separator = ", ";
             }
+        }
+        if ( readers > NAMED )
+        {
+            char more[48];
+            snprintf( more, sizeof( more ), " and by %d more", readers - NAMED );
+            append( line, more );
         }
     }
 }
