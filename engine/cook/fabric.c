@@ -362,6 +362,17 @@ static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
            fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot4 );
 }
 
+static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_pool* scratch )
+{
+    fabric_pool fans = { .allocator = scratch->allocator };
+    fabric_rings rings = { 0 };
+    bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->keep, &rings );
+    cooked->fabric.ring_begin = rings.begin;
+    cooked->fabric.ring4 = rings.ring4;
+    fabric_pool_release( &fans );
+    return done;
+}
+
 // Scratch memory of a stage goes back before the next one starts, so that the peak stays low.
 static bool cook_lists( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
 {
@@ -395,8 +406,8 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     bool across = def->tethers || def->levels > 0;
     bool done = order( def, cooked, scratch, &graph ) && rename( def, cooked, scratch ) &&
                 fabric_mesh_connect( &graph, across, scratch, cooked, &mesh ) &&
-                fabric_mesh_surround( &mesh, scratch, cooked ) && cook_lists( def, cooked, scratch ) &&
-                cook_parts( def, &mesh, cooked );
+                fabric_mesh_measure_areas( &mesh, scratch, cooked ) && cook_rings( &mesh, cooked, scratch ) &&
+                cook_lists( def, cooked, scratch ) && cook_parts( def, &mesh, cooked );
     if ( done )
     {
         f->hash = fabric_hash( f );

@@ -65,8 +65,27 @@ bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const in
 bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* scratch, cook_fabric* cooked,
                           fabric_mesh* out );
 
-/// Areas and rings.
-bool fabric_mesh_surround( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
+/// Triangles at every vertex of a checked fabric, in the user's order: corner_begin and corner of the mesh.
+bool fabric_mesh_list_corners( const wisp_fabric* fabric, fabric_pool* scratch, fabric_mesh* mesh );
+
+/// A third of the areas of the triangles at each vertex.
+bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
+
+// ---- fabric_rings.c ----
+
+/// The triangles around every vertex as fans, see wisp_fabric.
+typedef struct fabric_rings
+{
+    const int32_t* begin;                        ///< [slice + 1]
+    const int32_t ( *ring4 )[WISP_FABRIC_LANES]; ///< [begin[last]]
+} fabric_rings;
+
+/// Linear in the triangles, also where one vertex has them all.
+/// @param fabric its counts and triangles are read
+/// @param mesh its corners are read
+/// @param keep receives the rings
+bool fabric_rings_list( const wisp_fabric* fabric, const fabric_mesh* mesh, fabric_pool* scratch, fabric_pool* keep,
+                        fabric_rings* out );
 
 // ---- fabric_order.c ----
 
@@ -143,7 +162,7 @@ wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_
     X( link_rest, w( o->link_order.slot_count ) )                                                                    \
     X( hinge_slot4, 4 * w( o->hinge_order.slot_count ) )                                                             \
     X( ring_begin, w( o->ring_slice_count ) + 1 )                                                                    \
-    X( ring4, 2 * WISP_FABRIC_LANES * w( o->ring_begin[o->ring_slice_count] ) )                                      \
+    X( ring4, WISP_FABRIC_LANES* w( o->ring_begin[o->ring_slice_count] ) )                                           \
     X( tether4, w( o->tether_count ) * w( o->slot_count ) )                                                          \
     X( tether_rest, w( o->tether_count ) * w( o->slot_count ) )                                                      \
     X( attachments, w( o->attachment_count ) )

@@ -164,68 +164,38 @@ static wisp_status check_mesh( const check_state* c )
     return WISP_OK;
 }
 
-static wisp_status check_ring_begin( const check_state* c )
-{
-    const wisp_fabric* f = c->f;
-    for ( int s = 0; s < f->ring_slice_count; ++s )
-    {
-        if ( f->ring_begin[s] > f->ring_begin[s + 1] )
-        {
-            return BAD( "rings that begin at %d in slice %d and at %d in the next", f->ring_begin[s], s,
-                        f->ring_begin[s + 1] );
-        }
-    }
-    if ( f->ring_begin[0] != 0 )
-    {
-        return BAD( "rings that begin at %d", f->ring_begin[0] );
-    }
-    return WISP_OK;
-}
-
-static bool ring_entry_is( const wisp_fabric* f, int32_t slot, int32_t entry, int32_t a, int32_t b )
-{
-    int slice = slot / WISP_FABRIC_LANES, lane = slot % WISP_FABRIC_LANES;
-    int32_t at = f->ring_begin[slice] + entry;
-    return at < f->ring_begin[slice + 1] && f->ring4[at][0][lane] == 4 * a && f->ring4[at][1][lane] == 4 * b;
-}
-
-// The rings say nothing that the triangles do not say: walk the triangles and see every entry once.
+// The rings say nothing that the triangles do not say: they are those that the triangles cook to.
 static wisp_status check_rings( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    wisp_status status = check_ring_begin( c );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    int32_t* seen = fabric_pool_push_zeroed( c->scratch, (size_t)f->slot_count, sizeof( int32_t ) );
-    if ( seen == NULL )
+    fabric_mesh mesh = { .vertex_count = f->vertex_count, .triangle_count = f->triangle_count };
+    fabric_rings rings;
+    if ( fabric_mesh_list_corners( f, c->scratch, &mesh ) == false ||
+         fabric_rings_list( f, &mesh, c->scratch, c->scratch, &rings ) == false )
     {
         return SHORT_OF_MEMORY;
     }
-    for ( int t = 0; t < f->triangle_count; ++t )
+    for ( int s = 0; s < f->ring_slice_count; ++s )
     {
-        const int32_t* v = f->triangles + 3 * (size_t)t;
-        for ( int k = 0; k < 3; ++k )
+        if ( f->ring_begin[s] != rings.begin[s] || f->ring_begin[s + 1] != rings.begin[s + 1] )
         {
-            if ( ring_entry_is( f, v[k], seen[v[k]]++, v[( k + 1 ) % 3], v[( k + 2 ) % 3] ) == false )
+            return BAD( "rings of slice %d from %d to %d, where its triangles ask for %d to %d", s, f->ring_begin[s],
+                        f->ring_begin[s + 1], rings.begin[s], rings.begin[s + 1] );
+        }
+        for ( int32_t e = rings.begin[s]; e < rings.begin[s + 1]; ++e )
+        {
+            for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
             {
-                return BAD( "a ring around slot %d without triangle %d at its place", v[k], t );
+                if ( f->ring4[e][lane] != rings.ring4[e][lane] )
+                {
+                    return BAD( "a ring around slot %d with %d at entry %d, where its triangles ask for %d",
+                                s * WISP_FABRIC_LANES + lane, f->ring4[e][lane], e - rings.begin[s],
+                                rings.ring4[e][lane] );
+                }
             }
         }
     }
-    for ( int slot = 0; slot < f->slot_count; ++slot )
-    {
-        int slice = slot / WISP_FABRIC_LANES;
-        for ( ; seen[slot] < f->ring_begin[slice + 1] - f->ring_begin[slice]; ++seen[slot] )
-        {
-            if ( ring_entry_is( f, slot, seen[slot], slot, slot ) == false )
-            {
-                return BAD( "a ring around slot %d that is padded by another slot", slot );
-            }
-        }
-    }
-    return WISP_OK;
+    return f->ring_begin[0] == 0 ? WISP_OK : BAD( "rings that begin at %d", f->ring_begin[0] );
 }
 
 // ---- schedules ----

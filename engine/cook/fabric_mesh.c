@@ -214,8 +214,7 @@ static bool list_hinges( const edge_use* uses, cook_fabric* cooked )
     return hinges != NULL;
 }
 
-// Triangles at every vertex, in the user's order.
-static bool list_corners( const wisp_fabric* f, fabric_pool* scratch, fabric_mesh* mesh )
+bool fabric_mesh_list_corners( const wisp_fabric* f, fabric_pool* scratch, fabric_mesh* mesh )
 {
     int32_t* begin = fabric_pool_push_zeroed( scratch, (size_t)f->vertex_count + 2, sizeof( int32_t ) );
     int32_t* corner = fabric_pool_push( scratch, 3 * (size_t)f->triangle_count, sizeof( int32_t ) );
@@ -289,12 +288,13 @@ bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* s
     };
     bool done = list_edges( graph, &edges, cooked, &first_edge ) &&
                 ( uses = find_uses( f, first_edge, &edges ) ) != NULL && list_hinges( uses, cooked ) &&
-                list_corners( f, scratch, out ) && ( across == false || measure_ways( f, uses, scratch, out ) );
+                fabric_mesh_list_corners( f, scratch, out ) &&
+                ( across == false || measure_ways( f, uses, scratch, out ) );
     fabric_pool_release( &edges );
     return done;
 }
 
-// ---- areas and rings ----
+// ---- areas ----
 
 static double triangle_area( const wisp_fabric* f, int32_t triangle )
 {
@@ -306,7 +306,7 @@ static double triangle_area( const wisp_fabric* f, int32_t triangle )
     return 0.5 * sqrt( x * x + y * y + z * z );
 }
 
-static bool measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked )
+bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked )
 {
     wisp_fabric* f = &cooked->fabric;
     double* of_triangle = fabric_pool_push( scratch, (size_t)f->triangle_count, sizeof( double ) );
@@ -330,70 +330,4 @@ static bool measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_f
     }
     f->area = area;
     return true;
-}
-
-static int32_t corner_count( const fabric_mesh* mesh, int slot )
-{
-    return slot < mesh->vertex_count ? mesh->corner_begin[slot + 1] - mesh->corner_begin[slot] : 0;
-}
-
-// One lane of a slice: the triangles of its vertex, then its own slot as often as the longest lane needs.
-static void fill_ring( const wisp_fabric* f, const fabric_mesh* mesh, int slot,
-                       int32_t ( *ring )[2][WISP_FABRIC_LANES], int32_t length )
-{
-    int lane = slot % WISP_FABRIC_LANES;
-    int32_t count = corner_count( mesh, slot );
-    for ( int32_t e = 0; e < length; ++e )
-    {
-        int32_t a = slot, b = slot;
-        if ( e < count )
-        {
-            int32_t corner = mesh->corner[mesh->corner_begin[slot] + e];
-            const int32_t* v = f->triangles + 3 * (size_t)( corner / 3 );
-            a = v[( corner % 3 + 1 ) % 3];
-            b = v[( corner % 3 + 2 ) % 3];
-        }
-        ring[e][0][lane] = 4 * a;
-        ring[e][1][lane] = 4 * b;
-    }
-}
-
-static bool list_rings( const fabric_mesh* mesh, cook_fabric* cooked )
-{
-    wisp_fabric* f = &cooked->fabric;
-    int32_t* begin = fabric_pool_push( &cooked->keep, (size_t)f->ring_slice_count + 1, sizeof( int32_t ) );
-    if ( begin == NULL )
-    {
-        return false;
-    }
-    begin[0] = 0;
-    for ( int s = 0; s < f->ring_slice_count; ++s )
-    {
-        int32_t longest = 0;
-        for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
-        {
-            int32_t count = corner_count( mesh, s * WISP_FABRIC_LANES + lane );
-            longest = count > longest ? count : longest;
-        }
-        begin[s + 1] = begin[s] + longest;
-    }
-    int32_t( *ring )[2][WISP_FABRIC_LANES] =
-        fabric_pool_push( &cooked->keep, (size_t)begin[f->ring_slice_count], sizeof( *ring ) );
-    if ( ring == NULL )
-    {
-        return false;
-    }
-    for ( int slot = 0; slot < f->slot_count; ++slot )
-    {
-        int slice = slot / WISP_FABRIC_LANES;
-        fill_ring( f, mesh, slot, ring + begin[slice], begin[slice + 1] - begin[slice] );
-    }
-    f->ring_begin = begin;
-    f->ring4 = (const int32_t( * )[2][WISP_FABRIC_LANES])ring;
-    return true;
-}
-
-bool fabric_mesh_surround( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked )
-{
-    return measure_areas( mesh, scratch, cooked ) && list_rings( mesh, cooked );
 }

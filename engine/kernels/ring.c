@@ -16,27 +16,52 @@ typedef struct vertex_lanes
     lane8v point;
     lane8 weight;  // inverse mass
     lane8v vector; // sum of (a - p) x (b - p), m^2
-    lane8 area;    // sum of their lengths, m^2
 } vertex_lanes;
 
-LANE_INLINE vertex_lanes walk_ring( const wisp_ring_job* job, int slice, bool with_area )
+LANE_INLINE lane8v load_neighbours( const wisp_ring_job* job, int entry )
 {
-    vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() }, .area = lane8_zero() };
+    lane8v n;
+    lane8_load_xyz( job->position, job->ring4[entry], &n.x, &n.y, &n.z );
+    return n;
+}
+
+// Two triangles of a fan share the neighbour in the middle, and
+//
+//   (a - p) x (b - p) + (b - p) x (c - p) = (b - p) x (c - a)
+//
+// so that a pair of entries costs one product, and each neighbour is loaded once.
+LANE_INLINE vertex_lanes walk_ring( const wisp_ring_job* job, int slice )
+{
+    const int end = job->ring_begin[slice + 1];
+    int e = job->ring_begin[slice];
+    vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() } };
     lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &v.point.x, &v.point.y, &v.point.z, &v.weight );
-    for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+    lane8v a = e < end ? load_neighbours( job, e ) : v.point;
+    for ( ; e + 2 < end; e += 2 )
     {
-        lane8v a, b;
-        lane8_load_xyz( job->position, job->ring4[e][0], &a.x, &a.y, &a.z );
-        lane8_load_xyz( job->position, job->ring4[e][1], &b.x, &b.y, &b.z );
-        lane8v cross = lane8v_cross( lane8v_sub( a, v.point ), lane8v_sub( b, v.point ) );
-        v.vector = lane8v_add( v.vector, cross );
-        v.area = with_area ? lane8_add( v.area, lane8v_length( cross ) ) : v.area;
+        lane8v b = load_neighbours( job, e + 1 ), c = load_neighbours( job, e + 2 );
+        v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( b, v.point ), lane8v_sub( c, a ) ) );
+        a = c;
+    }
+    if ( e + 1 < end )
+    {
+        lane8v b = load_neighbours( job, e + 1 );
+        v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( a, v.point ), lane8v_sub( b, v.point ) ) );
     }
     return v;
 }
 
-LANE_INLINE void store_area( const wisp_ring_job* job, int slice, lane8 area )
+// Areas need every triangle by itself, so they have a walk of their own for the few who ask.
+static void store_area( const wisp_ring_job* job, int slice, lane8v point )
 {
+    lane8 area = lane8_zero();
+    lane8v a = point;
+    for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+    {
+        lane8v b = load_neighbours( job, e );
+        area = lane8_add( area, lane8v_length( lane8v_cross( lane8v_sub( a, point ), lane8v_sub( b, point ) ) ) );
+        a = b;
+    }
     lane8_storeu( job->area + (size_t)( slice - job->first_slice ) * 8,
                   lane8_mul( area, lane8_set1( 1.0f / 6.0f ) ) );
 }
@@ -56,14 +81,14 @@ void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp
         lane8 volume = lane8_zero(), weighted = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            vertex_lanes v = walk_ring( job, slice, job->area != NULL );
+            vertex_lanes v = walk_ring( job, slice );
             lane8v gradient = lane8v_scale( v.vector, sixth );
             lane8v_store( gradient_of( job, slice ), gradient );
             volume = lane8_add( volume, lane8v_dot( lane8v_sub( v.point, origin ), gradient ) );
             weighted = lane8_add( weighted, lane8_mul( v.weight, lane8v_dot( gradient, gradient ) ) );
             if ( job->area != NULL )
             {
-                store_area( job, slice, v.area );
+                store_area( job, slice, v.point );
             }
         }
         sums->volume += (double)lane8_sum_ordered( volume ) / 3.0;
@@ -75,7 +100,7 @@ void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end )
 {
     for ( int slice = begin; slice < end; ++slice )
     {
-        vertex_lanes v = walk_ring( job, slice, job->area != NULL );
+        vertex_lanes v = walk_ring( job, slice );
         lane8 squared = lane8v_dot( v.vector, v.vector );
         lane8m known = lane8_ge( squared, lane8_set1( FLT_MIN ) );
         lane8 scale =
@@ -84,7 +109,7 @@ void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end )
                       lane8v_scale( v.vector, lane8_select( known, scale, lane8_zero() ) ) );
         if ( job->area != NULL )
         {
-            store_area( job, slice, v.area );
+            store_area( job, slice, v.point );
         }
     }
 }

@@ -106,7 +106,7 @@ static float edge_strain( const wisp_fabric* f, const float* position, int a, in
     return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
 }
 
-// The largest strain of the edges around a vertex; each triangle of its ring shows two of them.
+// The largest strain of the edges around a vertex; its ring lists their other ends.
 static void hand_out_slice_strain( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -117,12 +117,9 @@ static void hand_out_slice_strain( void* context, int begin, int end, int worker
         float largest = 0.0f;
         for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
         {
-            for ( int k = 0; k < 2; ++k )
-            {
-                int other = f->ring4[e][k][slot % 8] / 4;
-                float strain = other != slot ? edge_strain( f, loop->position, slot, other ) : 0.0f;
-                largest = strain > largest ? strain : largest;
-            }
+            int other = f->ring4[e][slot % 8] / 4;
+            float strain = other != slot ? edge_strain( f, loop->position, slot, other ) : 0.0f;
+            largest = strain > largest ? strain : largest;
         }
         loop->strain[f->slot_vertex[slot]] = largest;
     }

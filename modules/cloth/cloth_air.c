@@ -75,10 +75,10 @@ static void blow_slot( const air_loop* loop, int slot )
     float w = loop->position[(size_t)slot * 4 + 3];
     wisp_vec3 force = { 0.0f, 0.0f, 0.0f };
     float rate = 0.0f;
-    for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1] && w > 0.0f; ++e )
+    for ( int e = f->ring_begin[slot / 8] + 1; e < f->ring_begin[slot / 8 + 1] && w > 0.0f; ++e )
     {
-        int a = f->ring4[e][0][slot % 8] / 4, b = f->ring4[e][1][slot % 8] / 4;
-        if ( a != slot )
+        int a = f->ring4[e - 1][slot % 8] / 4, b = f->ring4[e][slot % 8] / 4;
+        if ( a != slot && b != slot )
         {
             float own = 0.0f;
             force = combine( 1.0f, force, 1.0f / 3.0f, triangle_force( loop, slot, a, b, &own ) );

@@ -94,14 +94,8 @@ static rigid_motion measure( int count, const float* position, const float* velo
 
 static bool has_triangle( const wisp_fabric* f, int slot )
 {
-    for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
-    {
-        if ( f->ring4[e][0][slot % 8] != 4 * slot )
-        {
-            return true;
-        }
-    }
-    return false;
+    int first = f->ring_begin[slot / 8];
+    return first < f->ring_begin[slot / 8 + 1] && f->ring4[first][slot % 8] != 4 * slot;
 }
 
 // A cloth that is pinned is not free to move rigidly: its rigid motion is to rest. A loose vertex is pinned for want

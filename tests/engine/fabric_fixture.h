@@ -343,8 +343,7 @@ static inline void assert_fabric_is_safe( const wisp_fabric* f )
     {
         for ( int lane = 0; lane < 8; ++lane )
         {
-            assert_true( f->ring4[e][0][lane] >= 0 && f->ring4[e][0][lane] < 4 * f->slot_count );
-            assert_true( f->ring4[e][1][lane] >= 0 && f->ring4[e][1][lane] < 4 * f->slot_count );
+            assert_true( f->ring4[e][lane] >= 0 && f->ring4[e][lane] < 4 * f->slot_count );
         }
     }
 }
@@ -464,35 +463,79 @@ static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bo
     free( hinge_of_link );
 }
 
-/// Every entry once, in the user's order, running round its triangle as the user wrote it; the rest is the own slot.
+static inline int64_t test_arrow( int32_t a, int32_t b )
+{
+    return (int64_t)a << 32 | b;
+}
+
+static inline int32_t test_ring_slot( const wisp_fabric* f, int32_t slot, int32_t entry )
+{
+    int32_t at = f->ring_begin[slot / 8] + entry;
+    return at < f->ring_begin[slot / 8 + 1] ? f->ring4[at][slot % 8] / 4 : slot;
+}
+
+/// The arrows that the entries around a slot draw, sorted, against those of the triangles that have it.
+/// @param expected [count] sorted here
+/// @return the entries up to the last neighbour
+static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int64_t* expected, int32_t count )
+{
+    int64_t* drawn = calloc( (size_t)count + 1, sizeof( int64_t ) );
+    int32_t length = f->ring_begin[slot / 8 + 1] - f->ring_begin[slot / 8], found = 0, used = 0;
+    for ( int32_t e = 0; e < length; ++e )
+    {
+        int32_t a = test_ring_slot( f, slot, e ), b = test_ring_slot( f, slot, e + 1 );
+        used = a != slot ? e + 1 : used;
+        // no fan is empty or of a neighbour alone
+        assert_true( a == slot || b != slot || ( e > 0 && test_ring_slot( f, slot, e - 1 ) != slot ) );
+        if ( a != slot && b != slot )
+        {
+            assert_true( found < count );
+            drawn[found++] = test_arrow( a, b );
+        }
+    }
+    for ( int32_t e = 0; e + 1 < used; ++e )
+    {
+        assert_true( test_ring_slot( f, slot, e ) != slot || test_ring_slot( f, slot, e + 1 ) != slot );
+    }
+    assert_int_equal( found, count );
+    qsort( drawn, (size_t)count, sizeof( int64_t ), test_compare_longs );
+    qsort( expected, (size_t)count, sizeof( int64_t ), test_compare_longs );
+    assert_memory_equal( drawn, expected, (size_t)count * sizeof( int64_t ) );
+    free( drawn );
+    return used;
+}
+
+/// Around every vertex each triangle once, as two neighbours in a row that run round it as the user wrote it; the rest is
+/// the own slot, and a slice is as long as its longest lane.
 static inline void assert_rings_are_those_of_the_triangles( const wisp_fabric* f )
 {
-    int32_t* seen = calloc( (size_t)f->slot_count + 1, sizeof( int32_t ) );
+    int32_t* begin = calloc( (size_t)f->slot_count + 2, sizeof( int32_t ) );
+    int64_t* arrows = calloc( 3 * (size_t)f->triangle_count + 1, sizeof( int64_t ) );
     for ( int i = 0; i < 3 * f->triangle_count; ++i )
     {
-        int32_t v = f->triangles[i], at = f->ring_begin[v / 8] + seen[v]++;
-        assert_true( at < f->ring_begin[v / 8 + 1] );
-        assert_int_equal( f->ring4[at][0][v % 8], 4 * f->triangles[i - i % 3 + ( i + 1 ) % 3] );
-        assert_int_equal( f->ring4[at][1][v % 8], 4 * f->triangles[i - i % 3 + ( i + 2 ) % 3] );
+        begin[f->triangles[i] + 2] += 1;
     }
     for ( int slot = 0; slot < f->slot_count; ++slot )
     {
-        for ( int32_t at = f->ring_begin[slot / 8] + seen[slot]; at < f->ring_begin[slot / 8 + 1]; ++at )
-        {
-            assert_int_equal( f->ring4[at][0][slot % 8], 4 * slot );
-            assert_int_equal( f->ring4[at][1][slot % 8], 4 * slot );
-        }
+        begin[slot + 2] += begin[slot + 1];
+    }
+    for ( int i = 0; i < 3 * f->triangle_count; ++i )
+    {
+        arrows[begin[f->triangles[i] + 1]++] =
+            test_arrow( f->triangles[i - i % 3 + ( i + 1 ) % 3], f->triangles[i - i % 3 + ( i + 2 ) % 3] );
     }
     for ( int slice = 0; slice < f->ring_slice_count; ++slice )
     {
         int32_t longest = 0;
-        for ( int lane = 0; lane < 8; ++lane )
+        for ( int slot = slice * 8; slot < slice * 8 + 8; ++slot )
         {
-            longest = seen[slice * 8 + lane] > longest ? seen[slice * 8 + lane] : longest;
+            int32_t used = assert_fans_draw( f, slot, arrows + begin[slot], begin[slot + 1] - begin[slot] );
+            longest = used > longest ? used : longest;
         }
         assert_int_equal( f->ring_begin[slice + 1] - f->ring_begin[slice], longest );
     }
-    free( seen );
+    free( begin );
+    free( arrows );
 }
 
 static inline void assert_slots_are_the_users_vertices( const wisp_fabric* f, const wisp_fabric_def* def )

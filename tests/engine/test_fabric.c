@@ -258,6 +258,37 @@ static void components_come_one_after_another_attached_ones_first( void** state 
     test_mesh_free( &mesh );
 }
 
+// Neighbours around a vertex of the user's, in the user's numbers.
+static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, int count )
+{
+    int slot = f->vertex_slot[vertex];
+    for ( int e = 0; e < count; ++e )
+    {
+        assert_int_equal( f->slot_vertex[test_ring_slot( f, slot, e )], expected[e] );
+    }
+    assert_int_equal( test_ring_slot( f, slot, count ), slot );
+}
+
+static void fans_begin_at_borders_or_with_the_users_first_triangle( void** state )
+{
+    (void)state;
+    // around vertex 0 a closed fan, and an open one whose triangles come in the wrong order
+    test_mesh mesh = test_mesh_make( 7, 5 );
+    static const int corners[5][3] = { { 0, 2, 3 }, { 0, 5, 6 }, { 0, 1, 2 }, { 3, 1, 0 }, { 4, 5, 0 } };
+    int next = 0;
+    for ( int t = 0; t < 5; ++t )
+    {
+        test_mesh_triangle( &mesh, &next, corners[t][0], corners[t][1], corners[t][2] );
+    }
+    wisp_fabric_def def = test_fabric_def( &mesh );
+    wisp_fabric* fabric = test_fabric_cook( &def );
+    assert_fan( fabric, 0, ( const int[] ){ 4, 5, 6, 0, 2, 3, 1, 2 }, 8 );
+    assert_fan( fabric, 1, ( const int[] ){ 2, 0, 3 }, 3 );
+    assert_fan( fabric, 5, ( const int[] ){ 6, 0, 4 }, 3 );
+    wisp_fabric_release( fabric );
+    test_mesh_free( &mesh );
+}
+
 static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
 {
     (void)state;
@@ -549,6 +580,7 @@ int main( void )
         cmocka_unit_test( loose_vertices_stand_at_the_end_even_when_attached ),
         cmocka_unit_test( the_order_sweeps_away_from_the_attachments ),
         cmocka_unit_test( components_come_one_after_another_attached_ones_first ),
+        cmocka_unit_test( fans_begin_at_borders_or_with_the_users_first_triangle ),
         cmocka_unit_test( a_shuffled_plane_is_ordered_as_narrow_as_its_rings ),
         cmocka_unit_test( the_same_mesh_has_the_same_hash_and_another_has_another ),
         cmocka_unit_test( there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256 ),

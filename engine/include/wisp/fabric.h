@@ -106,11 +106,16 @@ typedef struct wisp_fabric
     wisp_schedule hinge_order;  ///< empty unless asked for
     const int32_t* hinge_slot4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
 
-    /// Triangles around each vertex, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e]. A
-    /// triangle (v, a, b) at lane v; a lane's own slot pads. Order of entries: the user's order of triangles.
-    int ring_slice_count;           ///< slot_count / 8
-    const int32_t* ring_begin;      ///< [ring_slice_count + 1]
-    const int32_t ( *ring4 )[2][8]; ///< [entry]: a, b
+    /// Triangles around each vertex as fans, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e].
+    /// A lane lists neighbours of its vertex v; two entries a, b in a row are the triangle (v, a, b), unless one of them
+    /// is v itself. The own slot stands between two fans and pads, for its difference to v is 0 and adds nothing to a
+    /// sum. A closed fan ends with the neighbour it begins with, so a vertex inside a surface has one entry more than
+    /// triangles. Order: open fans, then closed ones, each kind in the user's order of the triangles they begin with; an
+    /// open fan begins at its border, a closed one with the user's first triangle that no fan has yet. Where more than
+    /// one triangle goes on from a neighbour, the user's first is taken.
+    int ring_slice_count;        ///< slot_count / 8
+    const int32_t* ring_begin;   ///< [ring_slice_count + 1]
+    const int32_t ( *ring4 )[8]; ///< [entry]
 
     int tether_count;         ///< tethers a vertex, 0 .. WISP_FABRIC_MAX_TETHERS
     const int32_t* tether4;   ///< [tether_count][slot_count] the attachment's slot times 4; the own slot pads

@@ -158,10 +158,10 @@ typedef struct wisp_hinge_job
 /// Area vectors and volume around vertices (BAL eq. 7-8 with true volume), vertex by vertex over ordered one-rings.
 typedef struct wisp_ring_job
 {
-    const float* position;          ///< [slot][4]; slice s holds the slots from 8 s
-    const int32_t* ring_begin;      ///< [slice + 1]
-    const int32_t ( *ring4 )[2][8]; ///< [entry]
-    wisp_vec3 origin;               ///< m, volumes are summed about it; near the body keeps digits
+    const float* position;       ///< [slot][4]; slice s holds the slots from 8 s
+    const int32_t* ring_begin;   ///< [slice + 1]
+    const int32_t ( *ring4 )[8]; ///< [entry] fans of neighbours
+    wisp_vec3 origin;            ///< m, volumes are summed about it; near the body keeps digits
     float* gradient; ///< [slice - first_slice][3][8] m^2, dV/dp = a sixth of the sum of (a - p) x (b - p);
                      ///< ring_normal: unit normals
     float* area;     ///< [slice - first_slice][8] m^2, a third of the triangles' areas; may be null

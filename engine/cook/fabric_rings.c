@@ -1,0 +1,164 @@
+// The triangles around a vertex v as fans. Each triangle (v, a, b) is an arrow from neighbour a to neighbour b, and a fan
+// is a walk along arrows that follow one another. On a surface that is one closed walk, or one from border to border; on
+// wild meshes it is as many walks as arrows that begin where none ends, and some that close.
+#include "fabric.h"
+
+#define NO_ARROW ( -1 )
+
+// The arrows of one vertex that no fan has taken yet. Everything is back as it was when all arrows are taken, so going
+// on to the next vertex costs nothing.
+typedef struct fan_state
+{
+    const wisp_fabric* f;
+    int32_t* leaving; // [vertex_count] the first arrow that leaves a neighbour, in the user's order
+    int32_t* excess;  // [vertex_count] arrows that leave a neighbour minus those that arrive
+    int32_t* next;    // [most arrows of a vertex] that leaves the same neighbour
+    int32_t* taken;   // corners in the order of the walks
+} fan_state;
+
+// Where the arrow of a corner leaves (step 1) or arrives (step 2).
+static int32_t arrow_end( const wisp_fabric* f, int32_t corner, int step )
+{
+    return f->triangles[3 * (size_t)( corner / 3 ) + (size_t)( ( corner % 3 + step ) % 3 )];
+}
+
+// The last arrow comes first into its list, so that the user's first leads it.
+static void list_arrows( fan_state* s, const int32_t* corner, int32_t count )
+{
+    for ( int32_t i = count - 1; i >= 0; --i )
+    {
+        int32_t from = arrow_end( s->f, corner[i], 1 ), to = arrow_end( s->f, corner[i], 2 );
+        s->next[i] = s->leaving[from];
+        s->leaving[from] = i;
+        s->excess[from] += 1;
+        s->excess[to] -= 1;
+    }
+}
+
+// Take arrows until none goes on: where a closed fan began, or at a border.
+// @return how many have been taken by now
+static int32_t walk_fan( fan_state* s, const int32_t* corner, int32_t from, int32_t count, int32_t* taken )
+{
+    int32_t at = from;
+    while ( s->leaving[at] != NO_ARROW )
+    {
+        int32_t arrow = s->leaving[at];
+        s->leaving[at] = s->next[arrow];
+        taken[count++] = corner[arrow];
+        at = arrow_end( s->f, corner[arrow], 2 );
+    }
+    s->excess[from] -= 1;
+    s->excess[at] += 1;
+    return count;
+}
+
+// Open fans first, for a closed walk would run into what is left of them. Once no neighbour has more arrows that leave
+// than arrive, every walk closes.
+static void order_fans( fan_state* s, const int32_t* corner, int32_t count, int32_t* taken )
+{
+    int32_t done = 0;
+    list_arrows( s, corner, count );
+    for ( int closed = 0; closed < 2; ++closed )
+    {
+        for ( int32_t i = 0; i < count && done < count; ++i )
+        {
+            int32_t from = arrow_end( s->f, corner[i], 1 );
+            if ( s->leaving[from] == i && ( closed == 1 || s->excess[from] > 0 ) )
+            {
+                done = walk_fan( s, corner, from, done, taken );
+            }
+        }
+    }
+}
+
+static bool order_all_fans( const wisp_fabric* f, const fabric_mesh* mesh, fabric_pool* scratch, fan_state* s )
+{
+    int32_t most = 0;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        int32_t count = mesh->corner_begin[v + 1] - mesh->corner_begin[v];
+        most = count > most ? count : most;
+    }
+    *s = ( fan_state ){
+        .f = f,
+        .leaving = fabric_pool_push( scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+        .excess = fabric_pool_push_zeroed( scratch, (size_t)f->vertex_count, sizeof( int32_t ) ),
+        .next = fabric_pool_push( scratch, (size_t)most, sizeof( int32_t ) ),
+        .taken = fabric_pool_push( scratch, 3 * (size_t)f->triangle_count, sizeof( int32_t ) ),
+    };
+    if ( s->leaving == NULL || s->excess == NULL || s->next == NULL || s->taken == NULL )
+    {
+        return false;
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        s->leaving[v] = NO_ARROW;
+    }
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        int32_t begin = mesh->corner_begin[v];
+        order_fans( s, mesh->corner + begin, mesh->corner_begin[v + 1] - begin, s->taken + begin );
+    }
+    return true;
+}
+
+// The entries of one vertex, one lane of a slice wide. A fan never begins where the one before it has ended, for that
+// one would have gone on: so an arrow that does not begin there begins a fan.
+// @param lane its first entry, null: only count
+// @return how many
+static int32_t write_fans( const fan_state* s, const fabric_mesh* mesh, int slot, int32_t* lane )
+{
+    int32_t count = 0, last = slot;
+    int32_t begin = slot < mesh->vertex_count ? mesh->corner_begin[slot] : 0;
+    int32_t end = slot < mesh->vertex_count ? mesh->corner_begin[slot + 1] : 0;
+    for ( int32_t i = begin; i < end; ++i )
+    {
+        int32_t from = arrow_end( s->f, s->taken[i], 1 ), to = arrow_end( s->f, s->taken[i], 2 );
+        const int32_t entry[3] = { slot, from, to };
+        for ( int k = last == from ? 2 : i == begin ? 1 : 0; k < 3; ++k, ++count )
+        {
+            if ( lane != NULL )
+            {
+                lane[(size_t)count * WISP_FABRIC_LANES] = 4 * entry[k];
+            }
+        }
+        last = to;
+    }
+    return count;
+}
+
+bool fabric_rings_list( const wisp_fabric* f, const fabric_mesh* mesh, fabric_pool* scratch, fabric_pool* keep,
+                        fabric_rings* out )
+{
+    fan_state s;
+    int32_t* begin = fabric_pool_push( keep, (size_t)f->ring_slice_count + 1, sizeof( int32_t ) );
+    if ( begin == NULL || order_all_fans( f, mesh, scratch, &s ) == false )
+    {
+        return false;
+    }
+    begin[0] = 0;
+    for ( int slice = 0; slice < f->ring_slice_count; ++slice )
+    {
+        int32_t longest = 0;
+        for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
+        {
+            int32_t count = write_fans( &s, mesh, slice * WISP_FABRIC_LANES + lane, NULL );
+            longest = count > longest ? count : longest;
+        }
+        begin[slice + 1] = begin[slice] + longest;
+    }
+    int32_t( *ring4 )[WISP_FABRIC_LANES] =
+        fabric_pool_push( keep, (size_t)begin[f->ring_slice_count], sizeof( *ring4 ) );
+    for ( int slot = 0; slot < f->slot_count && ring4 != NULL; ++slot )
+    {
+        int slice = slot / WISP_FABRIC_LANES, lane = slot % WISP_FABRIC_LANES;
+        int32_t length = begin[slice + 1] - begin[slice];
+        int32_t* first = ring4[begin[slice]] + lane;
+        for ( int32_t e = write_fans( &s, mesh, slot, first ); e < length; ++e )
+        {
+            first[(size_t)e * WISP_FABRIC_LANES] = 4 * slot;
+        }
+    }
+    *out = ( fabric_rings ){ .begin = begin, .ring4 = (const int32_t( * )[WISP_FABRIC_LANES])ring4 };
+    return ring4 != NULL;
+}
