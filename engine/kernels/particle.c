@@ -84,8 +84,19 @@ void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
             continue;
         }
         lane8 keep = lane8_div( longest, lane8_select( pulls, length, lane8_set1( 1.0f ) ) );
-        lane8v there = lane8v_select( pulls, lane8v_mul_add( a, keep, d ), p );
-        lane8_store_xyzw_contiguous( quads, there.x, there.y, there.z, w );
+        lane8v there = lane8v_mul_add( a, keep, d );
+        _Alignas( 64 ) float moved[32];
+        lane8_store_xyzw_contiguous( moved, there.x, there.y, there.z, w );
+
+        // Only what moves is written: other workers read the anchors among these slots.
+        uint32_t bits = lane8m_bits( pulls );
+        for ( size_t lane = 0; lane < 8; ++lane )
+        {
+            if ( ( bits >> lane & 1 ) != 0 )
+            {
+                memcpy( quads + 4 * lane, moved + 4 * lane, 4 * sizeof( float ) );
+            }
+        }
     }
 }
 

@@ -18,7 +18,7 @@ static struct
     wisp_component a, b, sum;
     int workspace, released;
     uint64_t steps[8];
-    int step_count;
+    _Atomic int step_count;
     bool fails;
     _Atomic int finished, missing_rows;
 } work;
@@ -86,7 +86,7 @@ static void sum_up( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_parallel_for( wisp_frame_parallel( frame, span ), groups, 3, sum_range, &job );
     int64_t* sum = wisp_frame_column( frame, span->entity, work.sum, 0 );
     *sum = atomic_load( &job.sum );
-    work.steps[work.step_count++ % WISP_COUNT( work.steps )] = wisp_frame_step( frame );
+    work.steps[atomic_fetch_add( &work.step_count, 1 ) % WISP_COUNT( work.steps )] = wisp_frame_step( frame );
     atomic_fetch_add( &work.finished, 1 );
 }
 
