@@ -197,6 +197,17 @@ static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_en
     return WISP_OK;
 }
 
+wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface, void** state )
+{
+    *state = wisp_world_module_state( world, module );
+    if ( *state == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module %s is not registered in this world", module );
+    }
+    store_entity* e;
+    return find_surface( world, surface, &e );
+}
+
 static wisp_status set_pinned( wisp_world* world, wisp_entity surface, const int32_t* vertices, int count,
                                bool pinned )
 {

@@ -456,22 +456,10 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, const balloon_state** out )
 {
-    *out = wisp_world_module_state( world, "balloon" );
-    if ( *out == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module balloon is not registered in this world" );
-    }
-    if ( wisp_is_alive( world, surface ) == false )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
-                                surface.index, surface.generation );
-    }
-    if ( wisp_world_fabric( world, surface ) == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot be a balloon",
-                                surface.index );
-    }
-    return WISP_OK;
+    void* state;
+    wisp_status status = wisp_world_surface_state( world, "balloon", surface, &state );
+    *out = state;
+    return status;
 }
 
 static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const balloon_state** out )

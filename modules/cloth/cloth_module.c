@@ -245,22 +245,10 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, const cloth_state** out )
 {
-    *out = wisp_world_module_state( world, "cloth" );
-    if ( *out == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module cloth is not registered in this world" );
-    }
-    if ( wisp_is_alive( world, surface ) == false )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
-                                surface.index, surface.generation );
-    }
-    if ( wisp_world_fabric( world, surface ) == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot be cloth",
-                                surface.index );
-    }
-    return WISP_OK;
+    void* state;
+    wisp_status status = wisp_world_surface_state( world, "cloth", surface, &state );
+    *out = state;
+    return status;
 }
 
 wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )

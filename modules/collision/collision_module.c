@@ -272,19 +272,6 @@ static collision_settings resolve( const wisp_collision_def* d, const wisp_fabri
     };
 }
 
-static wisp_status find_surface( wisp_world* world, wisp_entity surface )
-{
-    if ( wisp_is_alive( world, surface ) == false )
-    {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
-                                surface.index, surface.generation );
-    }
-    return wisp_world_fabric( world, surface ) != NULL
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface, so it cannot collide",
-                                  surface.index );
-}
-
 // A surface that is new to collision, on the list and with settings that are still zero.
 static wisp_status enter_surface( wisp_world* world, collision_state* state, wisp_entity surface )
 {
@@ -306,8 +293,9 @@ wisp_status wisp_set_collision( wisp_world* world, wisp_entity surface, const wi
 {
     WISP_ASSERT( def->made_by_default == COLLISION_DEF_MADE );
     collision_state* state;
-    wisp_status status = collision_find_state( world, &state );
-    status = status == WISP_OK ? find_surface( world, surface ) : status;
+    void* found;
+    wisp_status status = wisp_world_surface_state( world, "collision", surface, &found );
+    state = found;
     status = status == WISP_OK ? check_def( world, def ) : status;
     if ( status != WISP_OK )
     {

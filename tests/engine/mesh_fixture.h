@@ -248,3 +248,35 @@ static inline wisp_vec3 test_sum( wisp_vec3 a, wisp_vec3 b )
 {
     return test_along( a, 1.0f, b );
 }
+
+static inline wisp_mesh_nearest closest( wisp_mesh_tree* tree, wisp_vec3 p, float radius )
+{
+    wisp_mesh_nearest nearest;
+    wisp_mesh_tree_closest( tree, &( wisp_mesh_query ){ p, radius }, 1, &nearest, NULL );
+    return nearest;
+}
+
+static inline wisp_mesh_hit sweep( wisp_mesh_tree* tree, wisp_vec3 from, wisp_vec3 to )
+{
+    wisp_mesh_hit hit;
+    wisp_mesh_tree_sweep( tree, &( wisp_mesh_path ){ from, to }, 1, &hit, NULL );
+    return hit;
+}
+
+/// Says so where the library was built without Embree: then there are no trees to test.
+static inline bool test_trees_are_absent( void )
+{
+    test_mesh m = test_mesh_sheet( 1, 0.0f );
+    wisp_mesh_tree_def def = test_mesh_def( &m, false );
+    wisp_mesh_tree* tree = NULL;
+    wisp_error error = { 0 };
+    wisp_status status = wisp_mesh_tree_create( &def, NULL, &tree, &error );
+    wisp_mesh_tree_release( tree );
+    test_mesh_free( &m );
+    bool absent = status == WISP_CONFLICT && strstr( error.sentence, "need Embree" ) != NULL;
+    if ( absent )
+    {
+        printf( "skipped: %s\n", error.sentence );
+    }
+    return absent;
+}

@@ -186,6 +186,11 @@ WISP_API wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out )
 WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
 /// State of a module in this world. @return null when the module is not registered
 WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
+/// What a module's function on a surface checks first: the module is registered, the entity alive and a surface.
+/// @param state receives the module's state
+/// @return WISP_CONFLICT, WISP_STALE_ID, with a sentence
+WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
+                                               void** state );
 /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
 WISP_API wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_component component );
 WISP_API wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_component component );
