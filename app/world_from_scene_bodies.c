@@ -89,7 +89,7 @@ static wisp_component component_of( const scene_world* world, body_place place, 
         return wish == SCENE_WISH_POINTS    ? WISP_SURFACE_POINTS
                : wish == SCENE_WISH_STRAIN  ? WISP_POINT_STRAIN
                : wish == SCENE_WISH_SPEED   ? WISP_POINT_SPEED
-               : wish == SCENE_WISH_QUALITY ? WISP_SURFACE_QUALITY
+               : wish == SCENE_WISH_QUALITY ? WISP_QUALITY
                                             : 0;
     }
     if ( place.kind != SCENE_BODY_STRANDS )

@@ -77,7 +77,7 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
     {
         status = wisp_want( world, *out, WISP_SURFACE_POINTS );
     }
-    return status == WISP_OK ? wisp_want( world, *out, WISP_SURFACE_QUALITY ) : status;
+    return status == WISP_OK ? wisp_want( world, *out, WISP_QUALITY ) : status;
 }
 
 static wisp_status run( wisp_world* world, wisp_entity cloth )

@@ -27,5 +27,13 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .accelerate = KERNEL( accelerate ),
     .predict = KERNEL( predict ),
     .velocity = KERNEL( velocity ),
+    .strand_predict = KERNEL( strand_predict ),
+    .strand_velocity = KERNEL( strand_velocity ),
+    .strand_damp = KERNEL( strand_damp ),
+    .strand_air = KERNEL( strand_air ),
+    .strand_stretch = KERNEL( strand_stretch ),
+    .strand_link = KERNEL( strand_link ),
+    .strand_follow = KERNEL( strand_follow ),
+    .strand_rod = KERNEL( strand_rod ),
     .prolong = KERNEL( prolong ),
 };

@@ -30,7 +30,7 @@ static void project_links( wisp_frame* frame, const wisp_span* span, link_call* 
     call->job.a4 = fabric->link_a4;
     call->job.b4 = fabric->link_b4;
     call->job.rest = fabric->link_rest;
-    call->first = wisp_frame_iteration( frame ) == 0;
+    call->first = span->iteration == 0;
     passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
 }
 
@@ -98,7 +98,7 @@ static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call
                            ? wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 1 )
                            : NULL;
     call->job.inverse_dt2 = inverse_dt2( frame );
-    call->first = wisp_frame_iteration( frame ) == 0;
+    call->first = span->iteration == 0;
     passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
 }
 

@@ -25,7 +25,7 @@ static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
     float* position = position_of( frame, span );
     const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    int left = wisp_frame_substeps( frame ) - wisp_frame_substep( frame );
+    int left = wisp_frame_substeps( frame ) - span->substep;
     float share = 1.0f / (float)left;
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {

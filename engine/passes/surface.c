@@ -218,7 +218,7 @@ static void take_quality( wisp_frame* frame, const wisp_span* span, void* user )
     const float* position = position_of( frame, span );
     const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
-    wisp_quality* out = wisp_frame_column( frame, span->entity, WISP_SURFACE_QUALITY, 0 );
+    wisp_quality* out = wisp_frame_column( frame, span->entity, WISP_QUALITY, 0 );
     wisp_quality q = { 0 };
     sum_particles( fabric, position, velocity, &q );
     sum_angular_momentum( fabric, position, velocity, &q );
@@ -272,12 +272,12 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .run = hand_out_strain,
         },
         {
-            .name = "surface.quality",
+            .name = "entity.quality",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .writes = { WISP_SURFACE_QUALITY },
+            .writes = { WISP_QUALITY },
             .run = take_quality,
         },
     };

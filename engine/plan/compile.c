@@ -16,9 +16,9 @@ bool plan_lists( const wisp_component* uses, wisp_component component )
     return false;
 }
 
-static uint64_t mask_of( const wisp_component* uses )
+static store_mask mask_of( const wisp_component* uses )
 {
-    uint64_t mask = 0;
+    store_mask mask = 0;
     for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
     {
         mask |= store_bit( uses[i] );
@@ -28,7 +28,7 @@ static uint64_t mask_of( const wisp_component* uses )
 
 static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 {
-    uint64_t a_writes = mask_of( a->writes ), b_writes = mask_of( b->writes );
+    store_mask a_writes = mask_of( a->writes ), b_writes = mask_of( b->writes );
     return ( a_writes & ( b_writes | mask_of( b->reads ) ) ) != 0 || ( b_writes & mask_of( a->reads ) ) != 0;
 }
 
@@ -36,20 +36,20 @@ static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 
 // A pass lives if the entity has all it needs and somebody wants what it writes: the entity's wishes, or the reads of a
 // pass that lives already. Grows to a fixed point.
-static uint64_t live_passes( const wisp_registry* r, const store_entity* e )
+static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 {
-    uint64_t live = 0, wanted = e->alive ? e->wants : 0, components = e->components & ~e->derived;
+    store_mask live = 0, wanted = e->alive ? e->wants : 0, components = e->components & ~e->derived;
     for ( bool grew = true; grew; )
     {
         grew = false;
         for ( int i = 0; i < r->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + i;
-            uint64_t needs = mask_of( pass->needs );
+            store_mask needs = mask_of( pass->needs );
             bool lives = ( live >> i & 1 ) != 0;
             if ( lives == false && ( needs & ~components ) == 0 && ( mask_of( pass->writes ) & wanted ) != 0 )
             {
-                live |= (uint64_t)1 << i;
+                live |= store_bit( i );
                 wanted |= mask_of( pass->reads );
                 grew = true;
             }
@@ -59,17 +59,17 @@ static uint64_t live_passes( const wisp_registry* r, const store_entity* e )
 }
 
 // Every wish and every read has a supplier: rows the entity was given, or a live pass that writes them.
-static wisp_status check_supply( const wisp_registry* r, uint64_t live, int slot, wisp_error* error )
+static wisp_status check_supply( const wisp_registry* r, store_mask live, int slot, wisp_error* error )
 {
     const store_entity* e = r->store->entities + slot;
-    uint64_t supplied = e->components & ~e->derived;
+    store_mask supplied = e->components & ~e->derived;
     for ( int i = 0; i < r->pass_count; ++i )
     {
         supplied |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].writes ) : 0;
     }
     for ( int c = 1; c < r->store->component_count; ++c )
     {
-        if ( ( e->wants & ~supplied & store_bit( (wisp_component)c ) ) != 0 )
+        if ( ( e->wants & ~supplied & store_bit( c ) ) != 0 )
         {
             return wisp_fail( error, WISP_CONFLICT, "'%s' is wanted of entity %d, but no pass can write it there",
                               r->store->components[c].def.name, slot + 1 );
@@ -77,10 +77,10 @@ static wisp_status check_supply( const wisp_registry* r, uint64_t live, int slot
     }
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        uint64_t missing = ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) & ~supplied : 0;
+        store_mask missing = ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) & ~supplied : 0;
         for ( int c = 1; c < r->store->component_count; ++c )
         {
-            if ( ( missing & store_bit( (wisp_component)c ) ) != 0 )
+            if ( ( missing & store_bit( c ) ) != 0 )
             {
                 return wisp_fail( error, WISP_CONFLICT,
                                   "pass '%s' reads '%s', which entity %d lacks and no pass of this plan writes",
@@ -96,18 +96,18 @@ static wisp_status check_supply( const wisp_registry* r, uint64_t live, int slot
 // a only produces what b consumes, so it goes first whatever the order of declaration.
 static bool must_precede( const wisp_pass* a, const wisp_pass* b )
 {
-    uint64_t produced = mask_of( a->writes ) & ~mask_of( a->reads );
-    uint64_t produced_by_b = mask_of( b->writes ) & ~mask_of( b->reads );
+    store_mask produced = mask_of( a->writes ) & ~mask_of( a->reads );
+    store_mask produced_by_b = mask_of( b->writes ) & ~mask_of( b->reads );
     return ( produced & mask_of( b->reads ) & ~produced_by_b ) != 0;
 }
 
-static wisp_status order_stage( const wisp_registry* r, uint64_t live, wisp_stage stage, int* order, int* count,
+static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_stage stage, int* order, int* count,
                                 wisp_error* error )
 {
-    uint64_t waiting = 0;
+    store_mask waiting = 0;
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        waiting |= ( live >> i & 1 ) != 0 && r->passes[i].stage == stage ? (uint64_t)1 << i : 0;
+        waiting |= ( live >> i & 1 ) != 0 && r->passes[i].stage == stage ? store_bit( i ) : 0;
     }
     while ( waiting != 0 )
     {
@@ -134,12 +134,12 @@ static wisp_status order_stage( const wisp_registry* r, uint64_t live, wisp_stag
                               r->passes[first].name );
         }
         order[( *count )++] = next;
-        waiting &= ~( (uint64_t)1 << next );
+        waiting &= ~store_bit( next );
     }
     return WISP_OK;
 }
 
-static plan_section section_of( wisp_stage stage )
+plan_section plan_section_of( wisp_stage stage )
 {
     switch ( stage )
     {
@@ -172,6 +172,61 @@ static bool node_conflicts( const wisp_registry* r, const plan_node* node, const
     return false;
 }
 
+// Passes over groups of strands in the substep loop, if they can run all substeps of one group before they turn to the
+// next: then a group stays in L1 for the whole step, and no worker waits for another between substeps (2 000 strands of 20
+// vertices: 2.6 times faster, bench case "strands"). They can if no other pass of the loop has to do with what they write,
+// or writes what they read, and none of them asks whether it is due, which is answered once a step.
+static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
+{
+    store_mask loop = 0, writes = 0, reads = 0;
+    bool possible = true;
+    int count = 0;
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const wisp_pass* pass = r->passes + i;
+        const plan_section section = plan_section_of( pass->stage );
+        if ( ( live >> i & 1 ) != 0 && pass->domain == WISP_DOMAIN_STRAND_GROUP && section > PLAN_BEFORE &&
+             section < PLAN_ITEM_LOOP )
+        {
+            loop |= store_bit( i );
+            writes |= mask_of( pass->writes );
+            reads |= mask_of( pass->reads );
+            possible = possible && pass->is_due == NULL && pass->on_change == 0;
+            count += 1;
+        }
+    }
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        const wisp_pass* pass = r->passes + i;
+        const plan_section section = plan_section_of( pass->stage );
+        if ( ( live & ~loop & store_bit( i ) ) != 0 && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
+        {
+            possible = possible && ( mask_of( pass->writes ) & ( writes | reads ) ) == 0 &&
+                       ( mask_of( pass->reads ) & writes ) == 0;
+        }
+    }
+    return possible && count <= PLAN_MAX_FUSED ? loop : 0;
+}
+
+// The item loop is one node, whose passes stand in the order of their stages.
+static void place_in_item_loop( plan* p, const wisp_registry* r, int number )
+{
+    plan_node* node = NULL;
+    for ( int n = 0; n < p->node_count; ++n )
+    {
+        node = p->nodes[n].section == PLAN_ITEM_LOOP ? p->nodes + n : node;
+    }
+    if ( node == NULL )
+    {
+        node = p->nodes + p->node_count++;
+        *node = ( plan_node ){ .domain = WISP_DOMAIN_STRAND_GROUP, .section = PLAN_ITEM_LOOP, .grain = 4 };
+        p->wave_count[PLAN_ITEM_LOOP] = 1;
+    }
+    const int grain = r->passes[number].grain;
+    node->passes[node->pass_count++] = number;
+    node->grain = grain > node->grain ? grain : node->grain;
+}
+
 static int default_grain( wisp_domain domain )
 {
     return domain == WISP_DOMAIN_ENTITY ? 1 : 4;
@@ -183,7 +238,7 @@ static int default_grain( wisp_domain domain )
 static void place_pass( plan* p, const wisp_registry* r, int number )
 {
     const wisp_pass* pass = r->passes + number;
-    plan_section section = section_of( pass->stage );
+    plan_section section = plan_section_of( pass->stage );
     int wave = 0, latest = -1, latest_count = 0;
     for ( int n = 0; n < p->node_count; ++n )
     {
@@ -246,7 +301,7 @@ static void fill_targets( plan* p, const wisp_registry* r )
         for ( int slot = 0; slot < s->entity_count; ++slot )
         {
             const store_entity* e = s->entities + slot;
-            uint64_t live = live_passes( r, e );
+            store_mask live = live_passes( r, e );
             uint32_t passes = 0;
             for ( int i = 0; i < node->pass_count; ++i )
             {
@@ -321,9 +376,9 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
 }
 
 // Rows between two passes: the entity gets what its live passes read and write, and loses what only they needed.
-static bool fit_rows( store* s, const wisp_registry* r, uint64_t live, int slot )
+static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
 {
-    uint64_t used = 0;
+    store_mask used = 0;
     for ( int i = 0; i < r->pass_count; ++i )
     {
         used |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) | mask_of( r->passes[i].writes ) : 0;
@@ -332,7 +387,7 @@ static bool fit_rows( store* s, const wisp_registry* r, uint64_t live, int slot 
     {
         store_entity* e = s->entities + slot;
         const wisp_entity entity = store_handle( s, slot );
-        const uint64_t bit = store_bit( (wisp_component)c );
+        const store_mask bit = store_bit( c );
         if ( ( used & ~e->components & bit ) != 0 )
         {
             if ( store_attach( s, entity, (wisp_component)c ) == false )
@@ -354,7 +409,7 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
     store* s = r->store;
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
-        uint64_t live = live_passes( r, s->entities + slot );
+        store_mask live = live_passes( r, s->entities + slot );
         wisp_status status = s->entities[slot].alive ? check_supply( r, live, slot, error ) : WISP_OK;
         if ( status != WISP_OK )
         {
@@ -393,9 +448,17 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
         clear( p );
         return status;
     }
+    const store_mask loop = item_loop_passes( r, p->live );
     for ( int i = 0; i < count; ++i )
     {
-        place_pass( p, r, order[i] );
+        if ( ( loop & store_bit( order[i] ) ) != 0 )
+        {
+            place_in_item_loop( p, r, order[i] );
+        }
+        else
+        {
+            place_pass( p, r, order[i] );
+        }
     }
     p->pass_count = count;
 

@@ -45,7 +45,10 @@ wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
 {
     int count = entity_of( frame, span->entity )->rows[WISP_TABLE_PARTICLE].count;
     int end = span->end * WISP_PARTICLE_BLOCK;
-    return ( wisp_span ){ span->entity, span->begin * WISP_PARTICLE_BLOCK, end < count ? end : count, span->worker };
+    wisp_span particles = *span;
+    particles.begin = span->begin * WISP_PARTICLE_BLOCK;
+    particles.end = end < count ? end : count;
+    return particles;
 }
 
 float wisp_frame_seconds( const wisp_frame* frame )
@@ -53,19 +56,9 @@ float wisp_frame_seconds( const wisp_frame* frame )
     return frame->seconds;
 }
 
-int wisp_frame_substep( const wisp_frame* frame )
-{
-    return frame->substep;
-}
-
 int wisp_frame_substeps( const wisp_frame* frame )
 {
     return frame->substeps;
-}
-
-int wisp_frame_iteration( const wisp_frame* frame )
-{
-    return frame->iteration;
 }
 
 int wisp_frame_iterations( const wisp_frame* frame )
@@ -130,7 +123,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     const wisp_pass* pass = frame->registry->passes + number;
     const store* s = frame->registry->store;
     store_entity* e = s->entities + slot;
-    const uint64_t bit = (uint64_t)1 << number;
+    const store_mask bit = store_bit( number );
     if ( pass->on_change != 0 && ( e->dirty & bit ) == 0 )
     {
         return false;
@@ -147,7 +140,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     return true;
 }
 
-static uint16_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
+static uint32_t due_passes( wisp_frame* frame, const plan_node* node, const plan_target* target )
 {
     unsigned due = 0;
     const bool halted = frame->registry->store->entities[target->slot].halted != 0;
@@ -156,7 +149,7 @@ static uint16_t due_passes( wisp_frame* frame, const plan_node* node, const plan
         bool live = ( target->passes >> i & 1 ) != 0;
         due |= live && is_due( frame, node->passes[i], target->slot ) ? 1u << i : 0;
     }
-    return (uint16_t)due;
+    return due;
 }
 
 typedef struct wave_size
@@ -171,6 +164,17 @@ static int row_count( const store_entity* e )
     return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
 }
 
+// How often a node that is entered once runs one of its passes.
+static int runs_of( const wisp_frame* frame, const plan_node* node, int pass )
+{
+    if ( node->section != PLAN_ITEM_LOOP )
+    {
+        return 1;
+    }
+    bool iterated = plan_section_of( frame->registry->passes[pass].stage ) == PLAN_ITERATION;
+    return frame->substeps * ( iterated ? frame->iterations : 1 );
+}
+
 static void add_blocks( wisp_frame* frame, int n, const plan_target* target, unsigned due, wave_size* size )
 {
     plan* p = frame->plan;
@@ -180,13 +184,14 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     for ( int begin = 0; begin < items; begin += node->grain )
     {
         int end = items - begin > node->grain ? begin + node->grain : items;
-        p->blocks[size->count++] = ( plan_block ){ (int16_t)n, (uint16_t)due, target->slot, begin, end };
+        p->blocks[size->count++] = ( plan_block ){ n, due, target->slot, begin, end };
     }
     for ( int i = 0; i < node->pass_count; ++i )
     {
-        frame->pass_items[node->passes[i]] += ( due >> i & 1 ) != 0 ? items : 0;
+        frame->pass_items[node->passes[i]] +=
+            ( due >> i & 1 ) != 0 ? items * runs_of( frame, node, node->passes[i] ) : 0;
     }
-    size->rows += row_count( e );
+    size->rows += row_count( e ) * ( node->section == PLAN_ITEM_LOOP ? frame->substeps : 1 );
 }
 
 static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wave )
@@ -240,9 +245,16 @@ static int part_wide_blocks( const wisp_frame* frame, int count )
 
 // ---- running ----
 
-static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span )
+// Where a pass begins and where it ends in a node's list.
+typedef struct pass_range
 {
-    for ( int i = 0; i < node->pass_count; ++i )
+    int begin, end;
+} pass_range;
+
+static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range,
+                        const wisp_span* span )
+{
+    for ( int i = range.begin; i < range.end; ++i )
     {
         if ( ( due >> i & 1 ) != 0 )
         {
@@ -253,11 +265,11 @@ static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, 
 }
 
 // As run_passes, and tells the passes' times apart; `scale` stretches the sample to its block.
-static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, const wisp_span* span,
-                           double scale )
+static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range,
+                           const wisp_span* span, double scale )
 {
     double last = wisp_clock_seconds();
-    for ( int i = 0; i < node->pass_count; ++i )
+    for ( int i = range.begin; i < range.end; ++i )
     {
         if ( ( due >> i & 1 ) != 0 )
         {
@@ -270,51 +282,100 @@ static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned du
     }
 }
 
+// The passes of an item, with times if `scale` is above 0.
+static void run_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range, const wisp_span* span,
+                      double scale )
+{
+    if ( scale > 0.0 )
+    {
+        sample_passes( frame, node, due, range, span, scale );
+    }
+    else
+    {
+        run_passes( frame, node, due, range, span );
+    }
+}
+
+// First pass of the node's list at or behind `from` that belongs to a later section.
+static int end_of_section( const wisp_frame* frame, const plan_node* node, int from, plan_section section )
+{
+    while ( from < node->pass_count &&
+            plan_section_of( frame->registry->passes[node->passes[from]].stage ) <= section )
+    {
+        from += 1;
+    }
+    return from;
+}
+
+// All substeps of one item.
+static void loop_item( wisp_frame* frame, const plan_node* node, unsigned due, wisp_span span, double scale )
+{
+    const int substep_end = end_of_section( frame, node, 0, PLAN_SUBSTEP );
+    const int iteration_end = end_of_section( frame, node, substep_end, PLAN_ITERATION );
+    for ( span.substep = 0; span.substep < frame->substeps; ++span.substep )
+    {
+        span.iteration = 0;
+        run_item( frame, node, due, ( pass_range ){ 0, substep_end }, &span, scale );
+        for ( ; span.iteration < frame->iterations && iteration_end > substep_end; ++span.iteration )
+        {
+            run_item( frame, node, due, ( pass_range ){ substep_end, iteration_end }, &span, scale );
+        }
+        run_item( frame, node, due, ( pass_range ){ iteration_end, node->pass_count }, &span, scale );
+    }
+}
+
 static void run_block( void* context, int index, int worker )
 {
     wisp_frame* frame = context;
     const plan_block block = frame->wave[index];
     const plan_node* node = frame->plan->nodes + block.node;
-    wisp_span span = { store_handle( frame->registry->store, block.slot ), block.begin, block.end, worker };
-    if ( frame->sampled == false && node->pass_count == 1 )
+    const pass_range all = { 0, node->pass_count };
+    wisp_span span = { .entity = store_handle( frame->registry->store, block.slot ),
+                       .begin = block.begin,
+                       .end = block.end,
+                       .worker = worker,
+                       .substep = frame->substep,
+                       .iteration = frame->iteration };
+    if ( frame->sampled == false && node->pass_count == 1 && node->section != PLAN_ITEM_LOOP )
     {
-        run_passes( frame, node, block.passes, &span );
+        run_passes( frame, node, block.passes, all, &span );
         return;
     }
     for ( int item = block.begin; item < block.end; ++item )
     {
+        const double scale = item == block.begin && frame->sampled ? block.end - block.begin : 0.0;
         span.begin = item;
         span.end = item + 1;
-        if ( item == block.begin && frame->sampled )
+        if ( node->section == PLAN_ITEM_LOOP )
         {
-            sample_passes( frame, node, block.passes, &span, block.end - block.begin );
+            loop_item( frame, node, block.passes, span, scale );
         }
         else
         {
-            run_passes( frame, node, block.passes, &span );
+            run_item( frame, node, block.passes, all, &span, scale );
         }
     }
 }
 
-static unsigned passes_of_wave( const wisp_frame* frame, int count, int* only )
+// Is there more than one pass in the wave? @param only receives one of them
+static bool has_several_passes( const wisp_frame* frame, int count, int* only )
 {
-    uint64_t passes = 0;
+    bool several = false;
+    *only = -1;
     for ( int i = 0; i < count; ++i )
     {
         const plan_block* block = frame->wave + i;
         const plan_node* node = frame->plan->nodes + block->node;
         for ( int k = 0; k < node->pass_count; ++k )
         {
-            passes |= ( block->passes >> k & 1 ) != 0 ? (uint64_t)1 << node->passes[k] : 0;
+            if ( ( block->passes >> k & 1 ) != 0 )
+            {
+                several = several || ( *only >= 0 && *only != node->passes[k] );
+                *only = node->passes[k];
+            }
         }
     }
-    unsigned distinct = 0;
-    for ( int i = 0; i < PLAN_MAX_PASSES; ++i )
-    {
-        distinct += passes >> i & 1;
-        *only = ( passes >> i & 1 ) != 0 ? i : *only;
-    }
-    return distinct;
+    return several;
 }
 
 // Share the wave's wall time among its passes as the samples say. Walks the plan, not the registry: what is registered
@@ -345,7 +406,7 @@ static void share_time( wisp_frame* frame, double seconds )
 static void run_narrow( wisp_frame* frame, int count, int rows )
 {
     int only = 0;
-    frame->sampled = passes_of_wave( frame, count, &only ) > 1;
+    frame->sampled = has_several_passes( frame, count, &only );
     double begin = wisp_clock_seconds();
     if ( rows < PLAN_SMALL_WAVE_ROWS )
     {
@@ -402,6 +463,7 @@ void plan_execute( wisp_frame* frame )
     memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
     memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
 
+    frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );
     bool iterates = p->wave_count[PLAN_ITERATION] > 0;
     bool substeps = iterates || p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_AFTER_ITERATION] > 0;
@@ -414,5 +476,8 @@ void plan_execute( wisp_frame* frame )
         }
         run_section( frame, PLAN_AFTER_ITERATION );
     }
+    frame->substep = frame->substeps - 1;
+    frame->iteration = frame->iterations - 1;
+    run_section( frame, PLAN_ITEM_LOOP );
     run_section( frame, PLAN_AFTER );
 }

@@ -14,8 +14,8 @@
 
 enum
 {
-    PLAN_MAX_PASSES = 64, // one bit each in a mask
-    PLAN_MAX_FUSED = 8,
+    PLAN_MAX_PASSES = 128, // one bit each in a mask
+    PLAN_MAX_FUSED = 32, // one bit each in a mask
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
 };
@@ -65,6 +65,7 @@ typedef enum plan_section
     PLAN_SUBSTEP,         // once a substep, before the iterations
     PLAN_ITERATION,       // once an iteration
     PLAN_AFTER_ITERATION, // once a substep, after the iterations
+    PLAN_ITEM_LOOP,       // the three sections before, item by item: all substeps of one group, then of the next
     PLAN_AFTER,
     PLAN_SECTION_COUNT,
 } plan_section;
@@ -90,8 +91,8 @@ typedef struct plan_target
 
 typedef struct plan_block
 {
-    int16_t node;
-    uint16_t passes; // live and due, bit i: passes[i] of the node
+    int32_t node;
+    uint32_t passes; // live and due, bit i: passes[i] of the node
     int slot;
     int begin, end;
 } plan_block;
@@ -101,7 +102,7 @@ typedef struct plan
     plan_node nodes[PLAN_MAX_PASSES];
     int node_count;
     int wave_count[PLAN_SECTION_COUNT];
-    uint64_t live; // bit p: pass p exists
+    store_mask live; // bit p: pass p exists
     int pass_count;
     plan_target* targets;
     int target_count, target_capacity;
@@ -118,6 +119,9 @@ void plan_release( plan* p, const wisp_allocator* allocator );
 
 /// One line at a time: kept passes with their reasons, absent ones with what they lack.
 void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* user, const char* line ), void* user );
+
+/// Where passes of a stage run.
+plan_section plan_section_of( wisp_stage stage );
 
 /// Items that a domain has in an entity.
 int plan_item_count( const store_entity* e, wisp_domain domain );

@@ -95,8 +95,8 @@ static void append_reasons( print_line* line, const plan* p, const wisp_registry
 
 static void print_pass( print_line* line, const plan* p, const wisp_registry* r, const plan_node* node, int i )
 {
-    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before", "substep", "iteration", "substep end",
-                                                              "after" };
+    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before",      "substep",   "iteration",
+                                                              "substep end", "item loop", "after" };
     const wisp_pass* pass = r->passes + node->passes[i];
     char head[160];
     snprintf( head, sizeof( head ), "  %-11s wave %d  %-24s ", SECTIONS[node->section], node->wave, pass->name );
@@ -145,8 +145,9 @@ static int widest( const plan* p )
 void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* user, const char* line ), void* user )
 {
     print_line line = { .write = write, .user = user };
-    bool substeps =
-        p->wave_count[PLAN_SUBSTEP] + p->wave_count[PLAN_ITERATION] + p->wave_count[PLAN_AFTER_ITERATION] > 0;
+    bool substeps = p->wave_count[PLAN_SUBSTEP] + p->wave_count[PLAN_ITERATION] +
+                        p->wave_count[PLAN_AFTER_ITERATION] + p->wave_count[PLAN_ITEM_LOOP] >
+                    0;
     char head[160];
     snprintf( head, sizeof( head ), "plan %016llx: %d passes in %d nodes and %d waves, %s",
               (unsigned long long)p->hash, p->pass_count, p->node_count, widest( p ),

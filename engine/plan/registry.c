@@ -50,7 +50,7 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
         fail_declaration( registry, "too many passes, or one that runs nothing or writes nothing:", pass->name );
         return WISP_BAD_INPUT;
     }
-    const uint64_t bit = (uint64_t)1 << registry->pass_count;
+    const store_mask bit = store_bit( registry->pass_count );
     registry->store->watchers[pass->on_change] |= pass->on_change != 0 ? bit : 0;
     for ( int i = 0; i < WISP_MAX_USES && pass->writes[i] != 0; ++i )
     {

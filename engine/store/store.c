@@ -182,7 +182,7 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
         return false;
     }
     store_entity* e = s->entities + slot;
-    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true, .dirty = ~(uint64_t)0 };
+    *e = ( store_entity ){ .generation = e->generation + 1, .alive = true, .dirty = ~(store_mask)0 };
     for ( int t = 0; t < WISP_TABLE_COUNT; ++t )
     {
         e->rows[t] = ( store_rows ){ s->row_count[t], row_counts[t] };

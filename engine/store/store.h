@@ -6,9 +6,12 @@
 
 enum
 {
-    STORE_MAX_COMPONENTS = 64, // one bit each in a mask
-    STORE_MAX_COLUMNS = 16,    // in one component
+    STORE_MAX_COMPONENTS = 128, // one bit each in a mask
+    STORE_MAX_COLUMNS = 16,     // in one component
 };
+
+/// A set of components, or of passes: bit i is number i.
+__extension__ typedef unsigned __int128 store_mask;
 
 typedef struct store_rows
 {
@@ -26,14 +29,14 @@ typedef struct store_entity
 {
     uint32_t generation;
     bool alive;
-    uint64_t components; // bit c: has component c
-    uint64_t wants;      // bit c: somebody asked for component c
-    uint64_t derived;    // bit c: rows are there only because somebody asked; a pass must fill them
+    store_mask components; // bit c: has component c
+    store_mask wants;      // bit c: somebody asked for component c
+    store_mask derived;    // bit c: rows are there only because somebody asked; a pass must fill them
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands; // null without strands
     const wisp_fabric* fabric;           // null without particles
     uint64_t halted;                     // 1: left out of every pass
-    uint64_t dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
+    store_mask dirty; // bit p: pass p must run on the entity, because what it watches or writes has changed
 } store_entity;
 
 typedef struct store
@@ -46,18 +49,18 @@ typedef struct store
     store_entity* entities;
     int entity_count; // slots, alive or not
     int entity_capacity;
-    uint64_t watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
-    uint64_t writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
-    uint64_t passes;                         // hash of the passes' names in order: what the bits mean
-    uint32_t structure;                      // grows whenever an entity, a component or a wish comes or goes
+    store_mask watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
+    store_mask writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
+    uint64_t passes;                           // hash of the passes' names in order: what the bits mean
+    uint32_t structure;                        // grows whenever an entity, a component or a wish comes or goes
 } store;
 
 void store_init( store* s, const wisp_allocator* allocator );
 void store_release( store* s );
 
-static inline uint64_t store_bit( wisp_component component )
+static inline store_mask store_bit( int number )
 {
-    return (uint64_t)1 << component;
+    return (store_mask)1 << number;
 }
 
 /// @return 0 if the registry is full, the name is known with another shape, or the definition is malformed

@@ -263,7 +263,7 @@ const char* wisp_counter_name( wisp_counter counter )
 {
     static const char* const NAMES[WISP_COUNTER_COUNT] = {
         "steps",           "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
-        "halted entities",
+        "halted entities", "strands laid out",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

@@ -409,8 +409,8 @@ wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_qua
     {
         return status;
     }
-    const wisp_quality* column = store_column( &world->store, e, WISP_SURFACE_QUALITY, 0 );
-    if ( column == NULL || ( e->wants & store_bit( WISP_SURFACE_QUALITY ) ) == 0 )
+    const wisp_quality* column = store_column( &world->store, e, WISP_QUALITY, 0 );
+    if ( column == NULL || ( e->wants & store_bit( WISP_QUALITY ) ) == 0 )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u takes no figures: ask with wisp_want first",
                                 surface.index );

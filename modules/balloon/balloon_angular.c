@@ -146,7 +146,7 @@ static void turn_back( void* context, int begin, int end, int worker )
 void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    if ( wisp_frame_iteration( frame ) < wisp_frame_iterations( frame ) - 1 )
+    if ( span->iteration < wisp_frame_iterations( frame ) - 1 )
     {
         return;
     }

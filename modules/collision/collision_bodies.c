@@ -313,22 +313,23 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
 }
 
 // A body that stands still does so to the last bit, which an interpolated pose would not.
-static void place( wisp_frame* frame, const collision_collider* collider, collision_view* view )
+static void place( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
+                   collision_view* view )
 {
     if ( memcmp( &collider->from, &collider->to, sizeof( wisp_rigid ) ) == 0 )
     {
         view->before = view->after = collider->to;
         return;
     }
-    float count = (float)wisp_frame_substeps( frame ), now = (float)wisp_frame_substep( frame );
+    float count = (float)wisp_frame_substeps( frame ), now = (float)span->substep;
     view->before = wisp_rigid_between( collider->from, collider->to, now / count );
     view->after = wisp_rigid_between( collider->from, collider->to, ( now + 1.0f ) / count );
 }
 
-bool collision_next( wisp_frame* frame, wisp_entity surface, const collision_state* state, int* next,
+bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out )
 {
-    const collision_settings* settings = wisp_frame_column( frame, surface, state->settings, 0 );
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     for ( ; *next < state->body_count; ++*next )
     {
         const collision_body* body = state->bodies + *next;
@@ -336,7 +337,7 @@ bool collision_next( wisp_frame* frame, wisp_entity surface, const collision_sta
         if ( ( collider->layers & settings->mask ) != 0 )
         {
             out->body = body;
-            place( frame, collider, out );
+            place( frame, span, collider, out );
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;
             out->kinetic_friction = settings->friction * collider->kinetic_friction;

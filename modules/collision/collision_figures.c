@@ -76,7 +76,7 @@ void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
     loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     loop.figures = NOTHING;
     collision_view view;
-    for ( int next = 0; collision_next( frame, span->entity, state, &next, &view ); )
+    for ( int next = 0; collision_next( frame, span, state, &next, &view ); )
     {
         for ( int begin = 0; begin < loop.fabric->vertex_count; begin += CHUNK )
         {

@@ -229,7 +229,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         begin_chunk( &loop, begin, particles.end - begin < CHUNK ? particles.end : begin + CHUNK );
         collision_view view;
-        for ( int next = 0; loop.slot_count > 0 && collision_next( frame, span->entity, state, &next, &view ); )
+        for ( int next = 0; loop.slot_count > 0 && collision_next( frame, span, state, &next, &view ); )
         {
             meet( &loop, &view );
         }

@@ -73,8 +73,8 @@ typedef struct collision_view
     float static_friction, kinetic_friction;
 } collision_view;
 
-/// The bodies that a surface collides with in this substep, one after another: start with *next = 0.
-bool collision_next( wisp_frame* frame, wisp_entity surface, const collision_state* state, int* next,
+/// The bodies that the span's entity collides with in its substep, one after another: start with *next = 0.
+bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
 // ---- collision_query.c: closed forms and meshes alike, in the body's frame ----

@@ -85,7 +85,7 @@ typedef struct project_loop
     int stray_count;
 } project_loop;
 
-static void catch_strays( wisp_frame* frame, wisp_entity surface, const collision_state* state, project_loop* loop )
+static void catch_strays( wisp_frame* frame, const wisp_span* span, const collision_state* state, project_loop* loop )
 {
     wisp_vec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
     for ( int i = 0; i < loop->stray_count; ++i )
@@ -95,7 +95,7 @@ static void catch_strays( wisp_frame* frame, wisp_entity surface, const collisio
         collision_widen( &low, &high, collision_load( loop->previous + quad ) );
     }
     collision_view view;
-    for ( int next = 0; loop->stray_count > 0 && collision_next( frame, surface, state, &next, &view ); )
+    for ( int next = 0; loop->stray_count > 0 && collision_next( frame, span, state, &next, &view ); )
     {
         // a particle that a body has moved may be in the way of the next
         const bool near = collision_ball_distance( &view, low, high ) <= 2.0f * view.thickness;
@@ -137,7 +137,7 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
         .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
         .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
-        .last = wisp_frame_iteration( frame ) + 1 == wisp_frame_iterations( frame ),
+        .last = span->iteration + 1 == wisp_frame_iterations( frame ),
     };
     const wisp_span s = wisp_frame_particles( frame, span );
     for ( int begin = s.begin; begin < s.end; begin += CHUNK )
@@ -147,6 +147,6 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         {
             project_slot( &loop, slot );
         }
-        catch_strays( frame, span->entity, state, &loop );
+        catch_strays( frame, span, state, &loop );
     }
 }

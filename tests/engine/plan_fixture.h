@@ -212,7 +212,7 @@ static inline void append_wave( char* text, size_t size, const wisp_world* world
 static inline const char* plan_text( wisp_world* world )
 {
     static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before", "substep", "iteration", "substep end",
-                                                              "after" };
+                                                              "item loop", "after" };
     static char text[1000];
     text[0] = 0;
     if ( wisp_world_plan_passes( world ) < 0 )

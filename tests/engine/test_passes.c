@@ -198,7 +198,7 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     def.pin_count = 1;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
     free( start );
     test_mesh_free( &mesh );
     return e;
@@ -374,7 +374,7 @@ static void figures_of_a_turning_ball_are_those_of_the_mesh( void** state )
     wisp_surface_def def = wisp_default_surface_def();
     def.vertex_mass = 0.01f;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
     assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
     assert_int_equal(
         wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 2.0f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } ),
@@ -453,7 +453,7 @@ static void nobody_asks_so_nobody_runs( void** state )
         assert_false( has_pass( h->world, absent[i] ) );
     }
     const char* const present[] = { "particles.predict", "particles.velocity", "particles.guard", "surface.points",
-                                    "surface.quality" };
+                                    "entity.quality" };
     for ( int i = 0; i < WISP_COUNT( present ); ++i )
     {
         assert_true( has_pass( h->world, present[i] ) );

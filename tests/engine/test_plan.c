@@ -243,11 +243,11 @@ static void stages_come_in_their_order_whatever_the_order_of_declaration( void**
         { "observe", WISP_STAGE_OBSERVE, GROUP, .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .writes = "B" },
         { "derive", WISP_STAGE_DERIVE, GROUP, .writes = "C" },
-        { "velocity", WISP_STAGE_VELOCITY, GROUP, .writes = "D" },
-        { "project", WISP_STAGE_PROJECT, GROUP, .writes = "E" },
-        { "contact", WISP_STAGE_CONTACT, GROUP, .writes = "F" },
-        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "G" },
-        { "force", WISP_STAGE_FORCE, GROUP, .writes = "H" },
+        { "velocity", WISP_STAGE_VELOCITY, ENTITY, .writes = "D" },
+        { "project", WISP_STAGE_PROJECT, ENTITY, .writes = "E" },
+        { "contact", WISP_STAGE_CONTACT, ENTITY, .writes = "F" },
+        { "predict", WISP_STAGE_PREDICT, ENTITY, .writes = "G" },
+        { "force", WISP_STAGE_FORCE, ENTITY, .writes = "H" },
         { "input", WISP_STAGE_INPUT, GROUP, .writes = "I" },
     };
     wisp_world* world = OPEN_WORLD( passes );
@@ -427,29 +427,88 @@ static void passes_of_another_loop_are_not_fused( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
+        { "predict", WISP_STAGE_PREDICT, ENTITY, .writes = "A" },
+        { "contact", WISP_STAGE_CONTACT, GROUP, .reads = "A", .writes = "A" },
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
     want( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[substep] predict [iteration] project [after] shape" );
+    assert_string_equal( plan_text( world ), "[substep] predict contact [iteration] project [after] shape" );
+    wisp_world_destroy( world );
+}
+
+static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "particles", WISP_STAGE_PREDICT, ENTITY, .reads = "C", .writes = "C" },
+        { "velocity", WISP_STAGE_VELOCITY, GROUP, .reads = "A", .writes = "A" },
+        { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "D", .writes = "A" },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "CD" ), "BC" );
+    assert_string_equal( plan_text( world ),
+                         "[substep] particles [item loop] predict+project+velocity [after] shape" );
+    wisp_world_destroy( world );
+}
+
+static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
+        { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[substep] predict sum" );
+    wisp_world_destroy( world );
+}
+
+static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "wind", WISP_STAGE_FORCE, ENTITY, .writes = "B" },
+        { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_string_equal( plan_text( world ), "[substep] wind predict" );
+    wisp_world_destroy( world );
+}
+
+static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A", .asks = true },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_string_equal( plan_text( world ), "[substep] predict [iteration] project" );
     wisp_world_destroy( world );
 }
 
 static void a_node_takes_only_so_many_passes( void** state )
 {
     (void)state;
-    static const char* const NAMES[] = { "a", "b", "c", "d", "e", "f", "g", "h", "i" };
+    static char names[PLAN_MAX_FUSED + 1][4];
     fake_pass passes[PLAN_MAX_FUSED + 1];
-    assert_int_equal( WISP_COUNT( NAMES ), WISP_COUNT( passes ) );
+    char expected[sizeof( names ) + 16] = "[after] ";
     for ( int i = 0; i < WISP_COUNT( passes ); ++i )
     {
-        passes[i] = ( fake_pass ){ NAMES[i], SHAPE, GROUP, .reads = "A", .writes = "A" };
+        snprintf( names[i], sizeof( names[i] ), "%d", i % 100 );
+        passes[i] = ( fake_pass ){ names[i], SHAPE, GROUP, .reads = "A", .writes = "A" };
+        strcat( strcat( expected, i == 0 ? "" : i < PLAN_MAX_FUSED ? "+" : " " ), names[i] );
     }
     wisp_world* world = OPEN_WORLD( passes );
     want( world, add_with( world, "A" ), "A" );
-    assert_string_equal( plan_text( world ), "[after] a+b+c+d+e+f+g+h i" );
+    assert_string_equal( plan_text( world ), expected );
     wisp_world_destroy( world );
 }
 
@@ -595,7 +654,7 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
     (void)state;
     static const fake_pass passes[] = {
         { "make", WISP_STAGE_INPUT, GROUP, .needs = "N", .writes = "A" },
-        { "bend", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "bend", WISP_STAGE_PROJECT, ENTITY, .reads = "A", .writes = "A" },
         { "show", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
         { "needy", SHAPE, GROUP, .needs = "NM", .writes = "C" },
         { "idle", SHAPE, GROUP, .needs = "N", .writes = "D" },
@@ -675,6 +734,10 @@ int main( void )
         cmocka_unit_test( entity_passes_are_never_fused ),
         cmocka_unit_test( a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them ),
         cmocka_unit_test( passes_of_another_loop_are_not_fused ),
+        cmocka_unit_test( groups_run_their_substeps_item_by_item_behind_the_other_loops ),
+        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write ),
+        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read ),
+        cmocka_unit_test( groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop ),
         cmocka_unit_test( a_node_takes_only_so_many_passes ),
         cmocka_unit_test( a_plan_is_compiled_again_when_the_structure_changed_and_only_then ),
         cmocka_unit_test( taking_back_a_wish_that_nobody_had_compiles_nothing ),

@@ -237,8 +237,8 @@ enum
 
 static void watch_shape( store* s )
 {
-    s->watchers[SHAPE] = (uint64_t)1 << WATCHER;
-    s->writers[SHAPE] = (uint64_t)1 << WRITER;
+    s->watchers[SHAPE] = store_bit( WATCHER );
+    s->writers[SHAPE] = store_bit( WRITER );
 }
 
 static void everything_waits_on_a_new_entity( void** state )
@@ -249,7 +249,7 @@ static void everything_waits_on_a_new_entity( void** state )
     store_remove( &f->s, a );
     wisp_entity b = add( &f->s, 1 );
     assert_int_equal( b.index, a.index );
-    assert_true( store_find( &f->s, b )->dirty == ~(uint64_t)0 );
+    assert_true( store_find( &f->s, b )->dirty == ~(store_mask)0 );
 }
 
 static void a_write_wakes_who_watches_the_component_on_that_entity_alone( void** state )
@@ -261,7 +261,7 @@ static void a_write_wakes_who_watches_the_component_on_that_entity_alone( void**
     store_touch( &f->s, store_find( &f->s, a ), POINT );
     assert_true( store_find( &f->s, a )->dirty == 0 );
     store_touch( &f->s, store_find( &f->s, a ), SHAPE );
-    assert_true( store_find( &f->s, a )->dirty == (uint64_t)1 << WATCHER );
+    assert_true( store_find( &f->s, a )->dirty == store_bit( WATCHER ) );
     assert_true( store_find( &f->s, b )->dirty == 0 );
 }
 
@@ -272,7 +272,7 @@ static void rows_that_are_new_wake_their_watchers_and_their_writers( void** stat
     wisp_entity e = add( &f->s, 1 );
     store_find( &f->s, e )->dirty = 0;
     assert_true( store_attach( &f->s, e, SHAPE ) );
-    assert_true( store_find( &f->s, e )->dirty == ( (uint64_t)1 << WATCHER | (uint64_t)1 << WRITER ) );
+    assert_true( store_find( &f->s, e )->dirty == ( store_bit( WATCHER ) | store_bit( WRITER ) ) );
     store_find( &f->s, e )->dirty = 0;
     assert_true( store_attach( &f->s, e, SHAPE ) ); // they are there already
     assert_true( store_find( &f->s, e )->dirty == 0 );

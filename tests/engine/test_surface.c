@@ -32,7 +32,7 @@ static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_cou
     def.pin_count = pin_count;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
     assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
     test_mesh_free( &mesh );
     return e;
 }
@@ -224,7 +224,7 @@ static void an_instance_starts_at_rest_with_the_same_masses( void** state )
     run( h->world, 1 );
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, e, &copy ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, copy, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_want( h->world, copy, WISP_QUALITY ), WISP_OK );
     run( h->world, 1 );
     assert_true( quality_of( h->world, copy ).mass == quality_of( h->world, e ).mass );
     assert_ptr_equal( wisp_world_fabric( h->world, copy ), wisp_world_fabric( h->world, e ) );

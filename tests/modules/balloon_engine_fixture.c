@@ -151,7 +151,7 @@ wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene )
     wisp_entity entity = balloon_surface_add( world, scene );
     expect_ok( world, wisp_set_balloon( world, entity, &scene->def ) );
     expect_ok( world, wisp_want( world, entity, WISP_SURFACE_POINTS ) );
-    expect_ok( world, wisp_want( world, entity, WISP_SURFACE_QUALITY ) );
+    expect_ok( world, wisp_want( world, entity, WISP_QUALITY ) );
     expect_ok( world, wisp_want_balloon_figures( world, entity, true ) );
     return entity;
 }

@@ -92,7 +92,7 @@ static inline wisp_entity add_cloth( wisp_world* world, const wisp_fabric_def* f
     assert_status( world, wisp_set_cloth( world, e, cloth ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
     assert_status( world, wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_status( world, wisp_want( world, e, WISP_QUALITY ), WISP_OK );
     return e;
 }
 

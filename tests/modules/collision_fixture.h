@@ -66,7 +66,7 @@ static inline wisp_entity add_colliding( wisp_world* world, const test_mesh* mes
     wisp_surface_def surface = wisp_default_surface_def();
     wisp_entity e = test_surface_of( world, &fabric, surface );
     assert_int_equal( wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, WISP_SURFACE_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_want( world, e, WISP_QUALITY ), WISP_OK );
     assert_int_equal( wisp_set_collision( world, e, def ), WISP_OK );
     assert_int_equal( wisp_want_collision_figures( world, e, true ), WISP_OK );
     return e;

@@ -8,6 +8,12 @@
     X( STRAND_REST, "strand.rest", WISP_TABLE_STRAND_ROW )                                                           \
     X( STRAND_POSITION, "strand.position", WISP_TABLE_STRAND_ROW )                                                   \
     X( STRAND_STIFFNESS, "strand.stiffness", WISP_TABLE_STRAND_GROUP )                                               \
+    X( STRAND_VELOCITY, "strand.velocity", WISP_TABLE_STRAND_ROW )                                                   \
+    X( STRAND_PREVIOUS, "strand.previous", WISP_TABLE_STRAND_ROW )                                                   \
+    X( STRAND_WEIGHT, "strand.weight", WISP_TABLE_STRAND_ROW )                                                       \
+    X( STRAND_LENGTH, "strand.length", WISP_TABLE_STRAND_ROW )                                                       \
+    X( STRAND_ROOT, "strand.root", WISP_TABLE_STRAND_GROUP )                                                         \
+    X( STRAND_CARRIED, "strand.carried", WISP_TABLE_STRAND_ROW )                                                     \
     X( STRAND_POINTS, "strand.points", WISP_TABLE_POINT )                                                            \
     X( POINT_WIDTH, "point.width", WISP_TABLE_POINT )                                                                \
     X( POINT_COLOUR, "point.colour", WISP_TABLE_POINT )                                                              \
@@ -32,13 +38,23 @@
     X( SURFACE_NORMALS, "surface.normals", WISP_TABLE_POINT )                                                        \
     X( POINT_STRAIN, "point.strain", WISP_TABLE_POINT )                                                              \
     X( POINT_SPEED, "point.speed", WISP_TABLE_POINT )                                                                \
-    X( SURFACE_QUALITY, "surface.quality", WISP_TABLE_ENTITY )
+    X( QUALITY, "entity.quality", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
 #define WISP_STRAND_STIFFNESS_COLUMNS( X )                                                                           \
     X( float, stretch, 16 ) /* k_s, no unit: 1/k is the relative change of length allowed */                         \
     X( float, bend, 16 )    /* k_b, no unit: 1/k is the share of the largest angle allowed */
+#define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
+#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
+#define WISP_STRAND_WEIGHT_COLUMNS( X ) X( float, weight, 16 )     /* 1/kg; 0: pinned, or not a vertex */
+#define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 )     /* m, of the segment to the next row; 0: none */
+#define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \
+    X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
+    X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */
+#define WISP_STRAND_CARRIED_COLUMNS( X )                                                                             \
+    X( float, carried,                                                                                               \
+       48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */
 #define WISP_POINT_WIDTH_COLUMNS( X ) X( float, width, 1 )        /* m, diameter */
 #define WISP_POINT_COLOUR_COLUMNS( X ) X( wisp_vec3, colour, 1 )  /* linear red, green, blue in [0, 1] */
@@ -79,4 +95,4 @@
 #define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */
 #define WISP_POINT_SPEED_COLUMNS( X ) X( float, speed, 1 )   /* m/s */
-#define WISP_SURFACE_QUALITY_COLUMNS( X ) X( wisp_quality, quality, 1 )
+#define WISP_QUALITY_COLUMNS( X ) X( wisp_quality, quality, 1 )

@@ -212,6 +212,118 @@ typedef struct wisp_particle_job
     float dt;               ///< s
 } wisp_particle_job;
 
+/// Strands in time, lane = strand. Pinned vertices (weight 0) have a velocity that tells how they are carried.
+typedef struct wisp_strand_motion_job
+{
+    const int32_t* group_row;
+    float* position;     ///< [row][3][16] m
+    float* previous;     ///< [row][3][16] m, position at the start of the substep
+    float* velocity;     ///< [row][3][16] m/s
+    const float* weight; ///< [row][16] inverse mass in 1/kg; 0: pinned, behind the tip, or no strand
+    const float* root;   ///< [group][3][16] m, where pinned vertices of row 0 go; null: they stay
+    wisp_vec3 acceleration;
+    float dt; ///< s
+} wisp_strand_motion_job;
+
+/// Damping of what moves against a rigid motion: v <- u + keep (v - u) with u = linear + angular x (p - centre).
+typedef struct wisp_strand_damp_job
+{
+    const int32_t* group_row;
+    const float* position; ///< [row][3][16]
+    float* velocity;       ///< [row][3][16]
+    const float* weight;   ///< [row][16]
+    float keep;            ///< in [0, 1]
+    wisp_vec3 linear, angular, centre;
+} wisp_strand_damp_job;
+
+/// Drag of air across a strand: what moves along it feels nothing. Implicit in the speed, so it never turns it round.
+typedef struct wisp_strand_air_job
+{
+    const int32_t* group_row;
+    const float* position; ///< [row][3][16]
+    float* velocity;       ///< [row][3][16]
+    const float* weight;   ///< [row][16]
+    const float* length;   ///< [row][16] m
+    wisp_vec3 wind;        ///< m/s
+    float drag;            ///< kg/m^2: 1/2 density C_d diameter
+    float dt;
+} wisp_strand_air_job;
+
+/// Segments of rest length by one direct solve of the chain, Newton pass by Newton pass: with C_s = (|e_s|^2 - l_s^2) / 2 the
+/// system J W J^T dlambda = -C is tridiagonal, and costs one quotient a segment and no root. Passes end early when all
+/// strands of a group are exact to single precision. A strand that is not within `tolerance` after the last pass is laid out
+/// from the root, each segment in its direction (or, without one, in that of the segment before it); if that carries a vertex
+/// farther than the strand is long, the vertex loses its velocity. Strands with further pins are not laid out.
+typedef struct wisp_strand_stretch_job
+{
+    const int32_t* group_row;
+    float* position;     ///< [row][3][16]
+    const float* weight; ///< [row][16]
+    const float* length; ///< [row][16] m, rest length of the segment from this row to the next; 0 behind the tip
+    float* tension;      ///< [row][16] N, of that segment; null: not wanted
+    bool keeps_tension;  ///< add to what is there instead of beginning at 0
+    int passes;          ///< >= 1
+    float tolerance;     ///< of |l/l0 - 1|
+    float* previous;     ///< [row][3][16], moved along where a vertex loses its velocity
+    float dt;
+    float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
+} wisp_strand_stretch_job;
+
+/// Floats a row that a strand kernel may use.
+#define WISP_STRAND_SCRATCH ( 12 * WISP_LANES )
+
+/// Distances along strands in one sweep from the root, between rows `stride` apart (pbd, xpbd: as wisp_link_job).
+typedef struct wisp_strand_link_job
+{
+    const int32_t* group_row;
+    float* position;
+    const float* weight;
+    const float* rest; ///< [row][16] m, between this row and the one `stride` behind it; negative: no link
+    float* lambda;     ///< xpbd: [row][16] N s^2 of this substep; null: one iteration
+    int stride;        ///< 1 or 2
+    float stiffness;   ///< pbd: share of the error taken away, in [0, 1]
+    float compliance;  ///< xpbd: m/N
+    float inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
+} wisp_strand_link_job;
+
+/// Follow the leader: each vertex is put at rest length from the one before it, which does not move for it (Mueller, Kim
+/// and Chentanez 2012). Moving `previous` along gives the leader its share of the momentum back when velocities are read.
+typedef struct wisp_strand_follow_job
+{
+    const int32_t* group_row;
+    float* position;
+    float* previous;
+    const float* weight;
+    const float* length;
+    float share; ///< s of the source, in [0, 1]
+} wisp_strand_follow_job;
+
+/// Bending and twist of elastic rods, implicit in the positions. Vertex i bends with the energy
+///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i,
+/// which is quadratic while the frames that carry the rest vectors k_i stay: (M + dt^2 K) x = -dt^2 dE/dp is one
+/// pentadiagonal system for x, y and z alike, whose factors are kept. Frames are carried along without twist; then the
+/// twist takes its balance, a tridiagonal system. Segment -1 is the clamp at the root.
+typedef struct wisp_strand_rod_job
+{
+    const int32_t* group_row;
+    float* position;             ///< [row][3][16] m, predicted; in and out
+    const float* previous;       ///< [row][3][16] m
+    const float* weight;         ///< [row][16]
+    const float* inverse_length; ///< [row][16] 1/m of the segment to the next row; 0 where there is none
+    const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
+    const float* factor;     ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
+    const float* tension;    ///< [row][16] N, of the substep before: it pulls along, so that at rest nothing moves
+    const float* root;       ///< [group][4][16] quaternion x y z w: how the root is turned from rest
+    const float* clamp;      ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
+    float* frame;            ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
+    const float* rest;       ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
+    const float* rest_twist; ///< [row][2][16] cosine and sine of half the rest twist; with frames only
+    const float* twist_stiffness; ///< [row][16] N m, GJ / L_i; with frames only
+    float damping;                ///< s, of the bending's rate
+    float dt;
+    float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
+} wisp_strand_rod_job;
+
 typedef struct wisp_kernels
 {
     const char* isa; ///< "baseline", "avx2", "avx512"; tests know two more
@@ -248,6 +360,16 @@ typedef struct wisp_kernels
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
+    // groups of sixteen strands
+    void ( *strand_predict )( const wisp_strand_motion_job* job, int begin, int end );
+    void ( *strand_velocity )( const wisp_strand_motion_job* job, int begin, int end );
+    void ( *strand_damp )( const wisp_strand_damp_job* job, int begin, int end );
+    void ( *strand_air )( const wisp_strand_air_job* job, int begin, int end );
+    /// @return how many strands were laid out from the root
+    int ( *strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end );
+    void ( *strand_link )( const wisp_strand_link_job* job, int begin, int end );
+    void ( *strand_follow )( const wisp_strand_follow_job* job, int begin, int end );
+    void ( *strand_rod )( const wisp_strand_rod_job* job, int begin, int end );
     // slices of eight children
     void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;

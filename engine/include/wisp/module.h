@@ -66,7 +66,8 @@ typedef enum wisp_stage
 typedef enum wisp_domain
 {
     WISP_DOMAIN_ENTITY,         ///< called once an entity; may use wisp_frame_parallel()
-    WISP_DOMAIN_STRAND_GROUP,   ///< called for ranges of groups; touches only its own groups, so neighbours fuse
+    WISP_DOMAIN_STRAND_GROUP,   ///< called for ranges of groups; touches only its own groups, so neighbours fuse, and
+                                ///< passes of the substep loop run all substeps of a group before the next group
     WISP_DOMAIN_PARTICLE_BLOCK, ///< called for ranges of blocks of WISP_PARTICLE_BLOCK particles; touches only its own
 } wisp_domain;
 
@@ -79,6 +80,7 @@ typedef struct wisp_span
     wisp_entity entity;
     int begin, end;
     int worker;
+    int substep, iteration; ///< of the step and of the substep, from 0; behind their loops the last ones
 } wisp_span;
 
 typedef void wisp_pass_fn( wisp_frame* frame, const wisp_span* span, void* user );
@@ -158,10 +160,8 @@ WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity en
 WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span );
 /// Length of a substep, s.
 WISP_API float wisp_frame_seconds( const wisp_frame* frame );
-/// Which substep of the step, and which iteration of the substep, from 0; and how many.
-WISP_API int wisp_frame_substep( const wisp_frame* frame );
+/// Substeps of a step, and iterations of a substep. Which one runs is in the span.
 WISP_API int wisp_frame_substeps( const wisp_frame* frame );
-WISP_API int wisp_frame_iteration( const wisp_frame* frame );
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the sentence. Thread-safe.
 WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence );

@@ -20,6 +20,12 @@ enum
     WISP_STRAND_REST = 1,
     WISP_STRAND_POSITION,
     WISP_STRAND_STIFFNESS,
+    WISP_STRAND_VELOCITY,
+    WISP_STRAND_PREVIOUS,
+    WISP_STRAND_WEIGHT,
+    WISP_STRAND_LENGTH,
+    WISP_STRAND_ROOT,
+    WISP_STRAND_CARRIED,
     WISP_STRAND_POINTS, ///< vertices in the user's order: what a renderer wants
     WISP_POINT_WIDTH,
     WISP_POINT_COLOUR,
@@ -44,7 +50,7 @@ enum
     WISP_SURFACE_NORMALS, ///< unit normals in the user's order
     WISP_POINT_STRAIN,    ///< largest strain of the edges at a vertex, for colouring
     WISP_POINT_SPEED,     ///< m/s, for colouring
-    WISP_SURFACE_QUALITY, ///< read with wisp_world_quality()
+    WISP_QUALITY,         ///< read with wisp_world_quality()
     WISP_SHARED_COMPONENT_COUNT,
 };
 
@@ -160,7 +166,7 @@ typedef struct wisp_quality
     double speed_max;           ///< m/s
 } wisp_quality;
 
-/// @return WISP_CONFLICT unless WISP_SURFACE_QUALITY is wanted and a step was made since
+/// @return WISP_CONFLICT unless WISP_QUALITY is wanted and a step was made since
 WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_quality* out );
 
 /// An entity whose state stopped being finite, or left its bounds, was put back to its last good state and takes no part
@@ -224,6 +230,7 @@ typedef enum wisp_counter
     WISP_COUNT_COARSE_GRIDS, ///< grids whose cells were widened because the scene is too sparse for its radius
     WISP_COUNT_SEARCHES,     ///< neighbour searches
     WISP_COUNT_HALTED,       ///< entities put back to their last good state and halted
+    WISP_COUNT_LAID,         ///< strands too far from their rest lengths to be solved for, laid out from the root
     WISP_COUNTER_COUNT,
 } wisp_counter;
 

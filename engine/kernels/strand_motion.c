@@ -1,0 +1,107 @@
+// Strands in time, sixteen at once: prediction, velocity, damping against a rigid motion, air (BAL eq. 1-2 on strands).
+#include "kernel_isa.h"
+
+static const size_t STRIDE = 3 * WISP_LANES;
+
+// Roots go where they are carried; their velocity tells how they get there, and so does that of other pinned vertices, which
+// stand at the end of their way already.
+void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end )
+{
+    const wisp_strand_motion_job mine = *job;
+    const lane16 dt = lane16_set1( mine.dt ), zero = lane16_zero();
+    const lane16 inverse_dt = lane16_set1( 1.0f / mine.dt );
+    const lane16v gain = lane16v_scale( lane16v_set1( mine.acceleration ), dt );
+    for ( int g = begin; g < end; ++g )
+    {
+        const int first = mine.group_row[g];
+        for ( int row = first; row < mine.group_row[g + 1]; ++row )
+        {
+            const size_t at = (size_t)row * STRIDE;
+            lane16v p = lane16v_load( mine.position + at ), v = lane16v_load( mine.velocity + at );
+            const lane16m is_free = lane16_lt( zero, lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
+            lane16v start = p;
+            if ( row == first && mine.root != NULL )
+            {
+                const lane16v root = lane16v_load( mine.root + (size_t)g * STRIDE );
+                const lane16v carried = lane16v_scale( lane16v_sub( root, p ), inverse_dt );
+                v = lane16v_select( is_free, lane16v_add( v, gain ), carried );
+                p = lane16v_select( is_free, lane16v_mul_add( p, dt, v ), root );
+            }
+            else
+            {
+                start = lane16v_select( is_free, p, lane16v_sub( p, lane16v_scale( v, dt ) ) );
+                v = lane16v_select( is_free, lane16v_add( v, gain ), v );
+                p = lane16v_select( is_free, lane16v_mul_add( p, dt, v ), p );
+            }
+            lane16v_store( mine.previous + at, start );
+            lane16v_store( mine.velocity + at, v );
+            lane16v_store( mine.position + at, p );
+        }
+    }
+}
+
+// v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
+void KERNEL( strand_velocity )( const wisp_strand_motion_job* job, int begin, int end )
+{
+    const wisp_strand_motion_job mine = *job;
+    const lane16 dt = lane16_set1( mine.dt ), inverse_dt = lane16_set1( 1.0f / mine.dt );
+    for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
+    {
+        const size_t at = (size_t)row * STRIDE;
+        const lane16v v = lane16v_load( mine.velocity + at );
+        const lane16v predicted = lane16v_mul_add( lane16v_load( mine.previous + at ), dt, v );
+        const lane16v moved = lane16v_sub( lane16v_load( mine.position + at ), predicted );
+        const lane16m is_free = lane16_lt( lane16_zero(), lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
+        lane16v_store( mine.velocity + at, lane16v_select( is_free, lane16v_mul_add( v, inverse_dt, moved ), v ) );
+    }
+}
+
+void KERNEL( strand_damp )( const wisp_strand_damp_job* job, int begin, int end )
+{
+    const wisp_strand_damp_job mine = *job;
+    const lane16v linear = lane16v_set1( mine.linear ), angular = lane16v_set1( mine.angular );
+    const lane16v centre = lane16v_set1( mine.centre );
+    const lane16 keep = lane16_set1( mine.keep );
+    for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
+    {
+        const size_t at = (size_t)row * STRIDE;
+        const lane16v v = lane16v_load( mine.velocity + at );
+        const lane16v arm = lane16v_sub( lane16v_load( mine.position + at ), centre );
+        const lane16v rigid = lane16v_add( linear, lane16v_cross( angular, arm ) );
+        const lane16v damped = lane16v_mul_add( rigid, keep, lane16v_sub( v, rigid ) );
+        const lane16m is_free = lane16_lt( lane16_zero(), lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
+        lane16v_store( mine.velocity + at, lane16v_select( is_free, damped, v ) );
+    }
+}
+
+// Half the length of both segments at a vertex meets the air; its direction is that from neighbour to neighbour. With the share
+// a = drag L |u| w dt of the normal wind u the vertex takes a / (1 + a) of it, however strong the wind.
+void KERNEL( strand_air )( const wisp_strand_air_job* job, int begin, int end )
+{
+    const wisp_strand_air_job mine = *job;
+    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), tiny = lane16_set1( 1e-30f );
+    const lane16 half_drag_dt = lane16_set1( 0.5f * mine.drag * mine.dt );
+    const lane16v wind = lane16v_set1( mine.wind );
+    for ( int g = begin; g < end; ++g )
+    {
+        const int first = mine.group_row[g], last = mine.group_row[g + 1] - 1;
+        lane16 length_before = zero;
+        for ( int row = first; row <= last; ++row )
+        {
+            const size_t at = (size_t)row * STRIDE, lanes = (size_t)row * WISP_LANES;
+            const lane16 length = lane16_load( mine.length + lanes );
+            const lane16v from = lane16v_load( mine.position + ( row > first ? at - STRIDE : at ) );
+            const lane16v to = lane16v_load( mine.position + ( row < last ? at + STRIDE : at ) );
+            const lane16v along = lane16v_sub( to, from );
+            const lane16v v = lane16v_load( mine.velocity + at ), u = lane16v_sub( wind, v );
+            const lane16 share =
+                lane16_div( lane16v_dot( u, along ), lane16_max( lane16v_dot( along, along ), tiny ) );
+            const lane16v across = lane16v_sub( u, lane16v_scale( along, share ) );
+            const lane16 reach = lane16_mul( half_drag_dt, lane16_add( length_before, length ) );
+            const lane16 weight = lane16_load( mine.weight + lanes );
+            const lane16 a = lane16_mul( lane16_mul( reach, weight ), lane16v_length( across ) );
+            lane16v_store( mine.velocity + at, lane16v_mul_add( v, lane16_div( a, lane16_add( one, a ) ), across ) );
+            length_before = length;
+        }
+    }
+}

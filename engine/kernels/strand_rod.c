@@ -1,0 +1,306 @@
+// Elastic rods, sixteen at once: bending implicit in the positions by one pentadiagonal solve, twist in balance by a tridiagonal
+// one, frames carried along (discrete elastic rods of Bergou et al. 2008 and 2010 with their rest curvature held while a
+// substep is solved). modules/strands/README.md has the equations.
+#include "strand_frame.h"
+
+static const size_t STRIDE = 3 * WISP_LANES;
+static const size_t QUATERNION = 4 * WISP_LANES;
+
+// Scratch of a row.
+enum
+{
+    ROW = WISP_STRAND_SCRATCH,
+    REST_VECTOR = 0,           // k_i in the world, [3]
+    TURNED = 3 * WISP_LANES,   // z x k_i, [3]
+    MOMENT = 6 * WISP_LANES,   // T_i
+    SLOPE = 7 * WISP_LANES,    // second derivative of the bending by a turn of the middle frame
+    LOAD = 8 * WISP_LANES,     // b_i, then what is eliminated of the twist
+    COUPLING = 9 * WISP_LANES, // of the twist
+    SOLVED = 6 * WISP_LANES,   // y of the bending, [3]: by then T_i is used up behind
+    TURN = 11 * WISP_LANES,    // of a segment about itself, rad
+};
+
+LANE_INLINE lane16 lanes_of( const float* column, int row )
+{
+    return lane16_load( column + (size_t)row * WISP_LANES );
+}
+
+// ---- tension first ----
+
+static void pull( const wisp_strand_rod_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -job->dt * job->dt );
+    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), before = { zero, zero, zero };
+    for ( int row = first; row < last; ++row )
+    {
+        lane16v behind = { zero, zero, zero }, next = p;
+        if ( row + 1 < last )
+        {
+            next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
+            const lane16 share = lane16_mul( lanes_of( job->tension, row ), lanes_of( job->inverse_length, row ) );
+            behind = lane16v_scale( lane16v_sub( p, next ), lane16_mul( share, minus_dt2 ) );
+        }
+        const lane16v moved = lane16v_mul_add( p, lanes_of( job->weight, row ), lane16v_sub( behind, before ) );
+        lane16v_store( job->position + (size_t)row * STRIDE, moved );
+        before = behind;
+        p = next;
+    }
+}
+
+// ---- frames and twist ----
+
+static frame16 clamp_frame( const wisp_strand_rod_job* job, int group )
+{
+    return frame16_multiply( frame16_load( job->root + (size_t)group * QUATERNION ),
+                             frame16_load( job->clamp + (size_t)group * QUATERNION ) );
+}
+
+// Turn a segment's frame to where the segment points now; without a length it keeps its direction.
+static frame16 carry_frame( const wisp_strand_rod_job* job, int row, lane16v e )
+{
+    float* at = job->frame + (size_t)row * QUATERNION;
+    const frame16 q = frame16_load( at );
+    const lane16 squared = lane16v_dot( e, e );
+    const lane16m has_length = lane16_lt( lane16_set1( 1e-30f ), squared );
+    const lane16v t = lane16v_scale( e, lane16_div( lane16_set1( 1.0f ), lane16_sqrt( squared ) ) );
+    return frame16_select( has_length, frame16_carry( q, t ), q );
+}
+
+// Vertex i between two frames: rest vector, twist moment, what bending and its slope ask of the twist.
+static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, frame16 b, lane16v bend, float* out )
+{
+    const lane16 zero = lane16_zero(), two = lane16_set1( 2.0f );
+    const lane16m opposed = lane16_lt( frame16_dot( a, b ), zero );
+    b = frame16_select( opposed, frame16_scale( b, lane16_set1( -1.0f ) ), b );
+    const frame16 middle = frame16_normalise( frame16_add( a, b ), a );
+    const lane16v k = frame16_turn( middle, lane16v_load( job->rest + (size_t)row * STRIDE ) );
+    const lane16v turned = lane16v_cross( frame16_z( middle ), k );
+
+    // conj( a ) b about z, less the rest twist
+    const lane16 rz = lane16_add( lane16_sub( lane16_mul( a.w, b.z ), lane16_mul( a.z, b.w ) ),
+                                  lane16_sub( lane16_mul( a.y, b.x ), lane16_mul( a.x, b.y ) ) );
+    const lane16 rw = frame16_dot( a, b );
+    const float* rest_twist = job->rest_twist + (size_t)row * 2 * WISP_LANES;
+    const lane16 c = lane16_load( rest_twist ), s = lane16_load( rest_twist + WISP_LANES );
+    const lane16 z = lane16_sub( lane16_mul( rz, c ), lane16_mul( rw, s ) );
+    const lane16 w = lane16_add( lane16_mul( rw, c ), lane16_mul( rz, s ) );
+    // half a turn away the tangent has no end; it is cut where the twist is 170 degrees
+    const lane16 whole = lane16_max( lane16_abs( w ), lane16_set1( 0.087f ) );
+    const lane16 sign = lane16_select( lane16_lt( w, zero ), lane16_set1( -2.0f ), two );
+    const lane16 twist = lane16_div( lane16_mul( sign, z ), whole );
+
+    const lane16 stiffness = lanes_of( job->stiffness, row );
+    lane16v_store( out + REST_VECTOR, k );
+    lane16v_store( out + TURNED, turned );
+    lane16_store( out + MOMENT, lane16_mul( lanes_of( job->twist_stiffness, row ), twist ) );
+    lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, lane16v_dot( bend, turned ) ) ) );
+    lane16_store( out + SLOPE, lane16_mul( lane16_set1( 0.25f ),
+                                           lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
+}
+
+static void measure_frames( const wisp_strand_rod_job* job, int group, int first, int last )
+{
+    frame16 before = clamp_frame( job, group );
+    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), t_before = frame16_z( before );
+    float* out = job->scratch;
+    for ( int row = first; row + 1 < last; ++row, out += ROW )
+    {
+        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
+        const lane16v e = lane16v_sub( next, p ), t = lane16v_scale( e, lanes_of( job->inverse_length, row ) );
+        const frame16 q = carry_frame( job, row, e );
+        frame16_store( job->frame + (size_t)row * QUATERNION, q );
+        measure_vertex( job, row, before, q, lane16v_sub( t, t_before ), out );
+        before = q;
+        t_before = t;
+        p = next;
+    }
+}
+
+// One Newton step of T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0 over the turns of the segments; the clamp does not turn.
+static void balance_twist( const wisp_strand_rod_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), one = lane16_set1( 1.0f );
+    const lane16 least = lane16_set1( 1e-30f );
+    lane16 coupling = zero, eliminated = zero;
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        lane16 moment = zero, load = zero, twist = zero, slope = zero;
+        if ( row + 2 < last )
+        {
+            moment = lane16_load( at + ROW + MOMENT );
+            load = lane16_load( at + ROW + LOAD );
+            twist = lanes_of( job->twist_stiffness, row + 1 );
+            slope = lane16_load( at + ROW + SLOPE );
+        }
+        const lane16 own_twist = lanes_of( job->twist_stiffness, row ), own_slope = lane16_load( at + SLOPE );
+        const lane16 out_of_balance = lane16_add( lane16_sub( lane16_load( at + MOMENT ), moment ),
+                                                  lane16_mul( half, lane16_add( lane16_load( at + LOAD ), load ) ) );
+        const lane16 off = lane16_sub( own_slope, own_twist ); // to the segment before; none to the clamp
+        const lane16 pivot = lane16_sub( lane16_add( lane16_add( own_twist, own_slope ), lane16_add( twist, slope ) ),
+                                         row > first ? lane16_mul( off, coupling ) : zero );
+        const lane16 inverse = lane16_select( lane16_lt( least, pivot ), lane16_div( one, pivot ), zero );
+        eliminated = lane16_mul(
+            lane16_neg( lane16_add( out_of_balance, row > first ? lane16_mul( off, eliminated ) : zero ) ), inverse );
+        coupling = lane16_mul( lane16_sub( slope, twist ), inverse );
+        lane16_store( at + TURN, eliminated );
+        lane16_store( at + COUPLING, coupling );
+    }
+}
+
+// Back from the tip: segments turn about themselves, and what was measured turns with them.
+static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), one = lane16_set1( 1.0f );
+    const lane16 most = lane16_set1( 1.0f );
+    lane16 behind = zero;
+    for ( int row = last - 2; row >= first; --row )
+    {
+        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        lane16 turn = lane16_sub( lane16_load( at + TURN ), lane16_mul( lane16_load( at + COUPLING ), behind ) );
+        behind = turn;
+        turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // a radian a substep: NaN becomes one
+        lane16_store( at + TURN, turn );
+        const lane16 s = lane16_mul( half, turn );
+        float* frame = job->frame + (size_t)row * QUATERNION;
+        const frame16 q = frame16_load( frame );
+        frame16_store( frame, frame16_normalise( frame16_multiply( q, ( frame16 ){ zero, zero, s, one } ), q ) );
+    }
+    lane16 before = zero;
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        const lane16 turn = lane16_load( at + TURN ), middle = lane16_mul( half, lane16_add( before, turn ) );
+        lane16v_store( at + REST_VECTOR,
+                       lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
+        const lane16 twisted = lane16_mul( lanes_of( job->twist_stiffness, row ), lane16_sub( turn, before ) );
+        lane16_store( at + MOMENT, lane16_add( lane16_load( at + MOMENT ), twisted ) );
+        before = turn;
+    }
+}
+
+// ---- bending ----
+
+// What bends at a vertex, and pulls because it is twisted: M_i and T_i kb_i.
+typedef struct bending
+{
+    lane16v moment, twist;
+} bending;
+
+// A vertex between the directions a and b; `rate` is how fast that changes, times damping dt.
+LANE_INLINE bending bend_vertex( const wisp_strand_rod_job* job, int row, const float* scratch, lane16v a, lane16v b,
+                                 lane16v rate )
+{
+    const lane16 zero = lane16_zero(), dt2 = lane16_set1( job->dt * job->dt );
+    lane16v c = lane16v_sub( b, a );
+    bending out = { .twist = { zero, zero, zero } };
+    if ( job->frame != NULL )
+    {
+        c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
+        const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( a, b ) );
+        const lane16 share = lane16_div( lane16_set1( 2.0f ), lane16_max( fold, lane16_set1( 0.1f ) ) );
+        const lane16 twist = lane16_mul( lane16_load( scratch + MOMENT ), lane16_mul( share, dt2 ) );
+        out.twist = lane16v_scale( lane16v_cross( a, b ), twist );
+    }
+    out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( job->stiffness, row ) );
+    return out;
+}
+
+// How the direction of a segment has changed since the start of the substep.
+LANE_INLINE lane16v change_of( const wisp_strand_rod_job* job, int row, lane16v t )
+{
+    const lane16v p = lane16v_load( job->previous + (size_t)row * STRIDE );
+    const lane16v next = lane16v_load( job->previous + (size_t)( row + 1 ) * STRIDE );
+    return lane16v_sub( t, lane16v_scale( lane16v_sub( next, p ), lanes_of( job->inverse_length, row ) ) );
+}
+
+// r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by e_s, and on the way y = r
+// with the two bands of L taken off.
+static void load_and_eliminate( const wisp_strand_rod_job* job, int group, int first, int last )
+{
+    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
+    const lane16 damping = lane16_set1( job->damping * job->dt );
+    const lane16v none = { zero, zero, zero };
+    lane16v p = lane16v_load( job->position + (size_t)( first + 1 ) * STRIDE );
+    lane16v t = lane16v_scale( lane16v_sub( p, lane16v_load( job->position + (size_t)first * STRIDE ) ),
+                               lanes_of( job->inverse_length, first ) );
+    lane16v change = job->damping > 0.0f ? change_of( job, first, t ) : none;
+    bending own = bend_vertex( job, first, job->scratch, frame16_z( clamp_frame( job, group ) ), t, none );
+    lane16v before = none, y1 = none, y2 = none;
+    for ( int row = first; row < last; ++row )
+    {
+        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        lane16v gradient = none;
+        if ( row + 1 < last )
+        {
+            bending next = { none, none };
+            if ( row + 2 < last )
+            {
+                const lane16v q = lane16v_load( job->position + (size_t)( row + 2 ) * STRIDE );
+                const lane16v u = lane16v_scale( lane16v_sub( q, p ), lanes_of( job->inverse_length, row + 1 ) );
+                const lane16v now = job->damping > 0.0f ? change_of( job, row + 1, u ) : none;
+                const lane16v rate = lane16v_scale( lane16v_sub( now, change ), damping );
+                next = bend_vertex( job, row + 1, at + ROW, t, u, rate );
+                p = q;
+                t = u;
+                change = now;
+            }
+            gradient =
+                lane16v_mul_add( lane16v_sub( own.moment, next.moment ), half, lane16v_add( own.twist, next.twist ) );
+            gradient = lane16v_scale( gradient, lanes_of( job->inverse_length, row ) );
+            own = next;
+        }
+        const float* factor = job->factor + (size_t)row * STRIDE;
+        lane16v y = lane16v_sub( gradient, before );
+        y = lane16v_sub( y, lane16v_scale( y1, lane16_load( factor + WISP_LANES ) ) );
+        y = lane16v_sub( y, lane16v_scale( y2, lane16_load( factor + 2 * WISP_LANES ) ) );
+        lane16v_store( at + SOLVED, y );
+        before = gradient;
+        y2 = y1;
+        y1 = y;
+    }
+}
+
+static void substitute( const wisp_strand_rod_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero();
+    lane16v x1 = { zero, zero, zero }, x2 = x1;
+    lane16 first_band = zero, second_band = zero, second_band_behind = zero;
+    for ( int row = last - 1; row >= first; --row )
+    {
+        const float* factor = job->factor + (size_t)row * STRIDE;
+        float* at = job->position + (size_t)row * STRIDE;
+        lane16v x = lane16v_scale( lane16v_load( job->scratch + (size_t)( row - first ) * ROW + SOLVED ),
+                                   lane16_load( factor ) );
+        x = lane16v_sub( x, lane16v_scale( x1, first_band ) );
+        x = lane16v_sub( x, lane16v_scale( x2, second_band_behind ) );
+        lane16v_store( at, lane16v_add( lane16v_load( at ), x ) );
+        second_band_behind = second_band;
+        first_band = lane16_load( factor + WISP_LANES );
+        second_band = lane16_load( factor + 2 * WISP_LANES );
+        x2 = x1;
+        x1 = x;
+    }
+}
+
+void KERNEL( strand_rod )( const wisp_strand_rod_job* job, int begin, int end )
+{
+    const wisp_strand_rod_job mine = *job;
+    for ( int g = begin; g < end; ++g )
+    {
+        const int first = mine.group_row[g], last = mine.group_row[g + 1];
+        if ( last - first < 2 )
+        {
+            continue;
+        }
+        pull( &mine, first, last );
+        if ( mine.frame != NULL )
+        {
+            measure_frames( &mine, g, first, last );
+            balance_twist( &mine, first, last );
+            turn_segments( &mine, first, last );
+        }
+        load_and_eliminate( &mine, g, first, last );
+        substitute( &mine, first, last );
+    }
+}

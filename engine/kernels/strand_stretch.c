@@ -1,0 +1,223 @@
+// Inextensible strands, sixteen at once, by a direct solve. The constraints C_s = (|e_s|^2 - l_s^2) / 2 have the gradients e_s and
+// -e_s at the two ends of a segment, so that J W J^T is tridiagonal,
+//
+//   A_ss = (w_s + w_{s+1}) |e_s|^2,   A_{s-1,s} = -w_s e_{s-1} . e_s
+//
+// and one sweep from root to tip eliminates what one sweep back solves. Squares instead of lengths save the root, and Newton
+// converges on them as fast.
+#include "kernel_isa.h"
+
+static const size_t STRIDE = 3 * WISP_LANES;
+
+// What a segment leaves for the way back, in scratch: its vector, its multiplier so far, the coupling to the next.
+enum
+{
+    SEGMENT = 5 * WISP_LANES,
+    MULTIPLIER = 3 * WISP_LANES,
+    COUPLING = 4 * WISP_LANES,
+};
+
+// Relative errors of the squared length: this is as good as single precision, no further pass is worth it.
+#define EXACT 4e-5f
+// A pivot below it, m^2/kg, belongs to a segment without length or between two pinned ends: nothing is to be done.
+#define LEAST_PIVOT 1e-30f
+
+static void eliminate( const wisp_strand_stretch_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
+    const lane16 least = lane16_set1( LEAST_PIVOT );
+    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), e_before = { zero, zero, zero };
+    lane16 w = lane16_load( job->weight + (size_t)first * WISP_LANES );
+    lane16 inverse_before = zero, multiplier_before = zero;
+    float* out = job->scratch;
+    for ( int row = first; row + 1 < last; ++row, out += SEGMENT )
+    {
+        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE ), e = lane16v_sub( p, next );
+        const lane16 w_next = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
+        const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+        const lane16 squared = lane16v_dot( e, e );
+        const lane16 lacks = lane16_mul( half, lane16_sub( lane16_mul( length, length ), squared ) );
+        const lane16 off = lane16_neg( lane16_mul( w, lane16v_dot( e_before, e ) ) );
+        const lane16 coupling = lane16_mul( off, inverse_before );
+        const lane16 pivot =
+            lane16_sub( lane16_mul( lane16_add( w, w_next ), squared ), lane16_mul( off, coupling ) );
+        const lane16m solvable = lane16_lt( least, pivot );
+        const lane16 inverse = lane16_select( solvable, lane16_div( one, pivot ), zero );
+        const lane16 multiplier = lane16_mul( lane16_sub( lacks, lane16_mul( off, multiplier_before ) ), inverse );
+        lane16v_store( out, e );
+        lane16_store( out + MULTIPLIER, multiplier );
+        lane16_store( out + COUPLING, coupling );
+        p = next;
+        w = w_next;
+        e_before = e;
+        inverse_before = inverse;
+        multiplier_before = multiplier;
+    }
+}
+
+// What is seen of the lengths on the way back.
+typedef struct verdict
+{
+    lane16m inexact, bad;
+} verdict;
+
+LANE_INLINE void judge( verdict* v, lane16v e, lane16 length, lane16 bad )
+{
+    const lane16 square = lane16_mul( length, length );
+    const lane16 error = lane16_abs( lane16_sub( lane16v_dot( e, e ), square ) );
+    v->inexact = lane16m_or( v->inexact, lane16_lt( lane16_mul( square, lane16_set1( EXACT ) ), error ) );
+    // a NaN is not within any tolerance
+    v->bad = lane16m_or( v->bad, lane16m_not( lane16_le( error, lane16_mul( square, bad ) ) ) );
+}
+
+// From the tip to the root: multipliers, and each vertex moves by those of its two segments.
+static verdict solve( const wisp_strand_stretch_job* job, int first, int last, lane16 bad, lane16 per_tension )
+{
+    const lane16 zero = lane16_zero();
+    verdict v = { lane16_lt( zero, zero ), lane16_lt( zero, zero ) };
+    lane16v pull_behind = { zero, zero, zero }, moved_behind = pull_behind;
+    lane16 multiplier_behind = zero, coupling_behind = zero, length = zero;
+    const float* in = job->scratch + (size_t)( last - 1 - first ) * SEGMENT;
+    for ( int row = last - 1; row >= first; --row )
+    {
+        // segment row - 1 ends here
+        lane16v pull = { zero, zero, zero };
+        lane16 length_before = zero;
+        in -= SEGMENT;
+        if ( row > first )
+        {
+            const lane16 multiplier =
+                lane16_sub( lane16_load( in + MULTIPLIER ), lane16_mul( coupling_behind, multiplier_behind ) );
+            pull = lane16v_scale( lane16v_load( in ), multiplier );
+            length_before = lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES );
+            if ( job->tension != NULL )
+            {
+                float* tension = job->tension + (size_t)( row - 1 ) * WISP_LANES;
+                const lane16 change = lane16_mul( lane16_mul( multiplier, length_before ), per_tension );
+                lane16_store( tension, lane16_sub( lane16_load( tension ), change ) );
+            }
+            multiplier_behind = multiplier;
+            coupling_behind = lane16_load( in + COUPLING );
+        }
+        float* at = job->position + (size_t)row * STRIDE;
+        const lane16 w = lane16_load( job->weight + (size_t)row * WISP_LANES );
+        const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( pull_behind, pull ) );
+        lane16v_store( at, moved );
+        if ( row + 1 < last )
+        {
+            judge( &v, lane16v_sub( moved, moved_behind ), length, bad );
+        }
+        pull_behind = pull;
+        moved_behind = moved;
+        length = length_before;
+    }
+    return v;
+}
+
+// ---- strands that Newton does not reach ----
+
+// Lanes with a pin beyond the root cannot be laid out from it.
+static lane16m further_pins( const wisp_strand_stretch_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero();
+    lane16m pinned = lane16_lt( zero, zero );
+    for ( int row = first + 1; row < last; ++row )
+    {
+        const lane16m is_vertex = lane16_lt( zero, lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES ) );
+        const lane16m holds = lane16_le( lane16_load( job->weight + (size_t)row * WISP_LANES ), zero );
+        pinned = lane16m_or( pinned, lane16m_and( is_vertex, holds ) );
+    }
+    return pinned;
+}
+
+static lane16 whole_length( const wisp_strand_stretch_job* job, int first, int last )
+{
+    lane16 sum = lane16_zero();
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        sum = lane16_add( sum, lane16_load( job->length + (size_t)row * WISP_LANES ) );
+    }
+    return sum;
+}
+
+static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int first, int last )
+{
+    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
+    const lane16 reach = whole_length( job, first, last ), reach2 = lane16_mul( reach, reach );
+    lane16v before = lane16v_load( job->position + (size_t)first * STRIDE ), put = before;
+    lane16v direction = lane16v_set1( ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        float* at = job->position + (size_t)( row + 1 ) * STRIDE;
+        float* from = job->previous + (size_t)( row + 1 ) * STRIDE;
+        const lane16v p = lane16v_load( at ), e = lane16v_sub( p, before );
+        const lane16 squared = lane16v_dot( e, e );
+        // neither too short to have a direction, nor so long that its square overflowed, nor NaN
+        const lane16m has_direction =
+            lane16m_and( lane16_lt( lane16_set1( 1e-30f ), squared ), lane16_lt( squared, lane16_set1( FLT_MAX ) ) );
+        const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
+        direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
+        put = lane16v_mul_add( put, lane16_load( job->length + (size_t)row * WISP_LANES ), direction );
+        lane16v_store( at, lane16v_select( lanes, put, p ) );
+        const lane16v start = lane16v_load( from ), way = lane16v_sub( put, start );
+        const lane16m far_away = lane16m_not( lane16_le( lane16v_dot( way, way ), reach2 ) );
+        lane16v_store( from, lane16v_select( lane16m_and( lanes, far_away ), put, start ) );
+        before = p;
+    }
+    if ( job->tension != NULL )
+    {
+        for ( int row = first; row < last; ++row )
+        {
+            float* tension = job->tension + (size_t)row * WISP_LANES;
+            lane16_store( tension, lane16_select( lanes, zero, lane16_load( tension ) ) );
+        }
+    }
+}
+
+static int count_lanes( lane16m lanes )
+{
+    uint32_t bits = lane16m_bits( lanes );
+    int count = 0;
+    for ( ; bits != 0; bits &= bits - 1 )
+    {
+        count += 1;
+    }
+    return count;
+}
+
+static int stretch_group( const wisp_strand_stretch_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), bad = lane16_set1( 2.0f * job->tolerance );
+    const lane16 per_tension = lane16_set1( 1.0f / ( job->dt * job->dt ) );
+    for ( int row = first; row < last && job->tension != NULL && job->keeps_tension == false; ++row )
+    {
+        lane16_store( job->tension + (size_t)row * WISP_LANES, zero );
+    }
+    verdict v = { lane16_le( zero, zero ), lane16_lt( zero, zero ) };
+    for ( int pass = 0; pass < job->passes && lane16m_any( v.inexact ); ++pass )
+    {
+        eliminate( job, first, last );
+        v = solve( job, first, last, bad, per_tension );
+    }
+    if ( lane16m_any( v.bad ) == false )
+    {
+        return 0;
+    }
+    const lane16m lost = lane16m_and_not( v.bad, further_pins( job, first, last ) );
+    if ( lane16m_any( lost ) )
+    {
+        lay_out( job, lost, first, last );
+    }
+    return count_lanes( lost );
+}
+
+int KERNEL( strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end )
+{
+    const wisp_strand_stretch_job mine = *job;
+    int count = 0;
+    for ( int g = begin; g < end; ++g )
+    {
+        count += stretch_group( &mine, mine.group_row[g], mine.group_row[g + 1] );
+    }
+    return count;
+}

@@ -1,0 +1,108 @@
+// The cheap ways to keep lengths along strands: a sweep of distances from the root, and follow the leader. Sixteen strands at
+// once, so nothing is gathered and no two lanes share a particle.
+#include "kernel_isa.h"
+
+static const size_t STRIDE = 3 * WISP_LANES;
+
+// Below this squared length, m^2, a segment has no direction.
+#define LEAST_SQUARE 1e-30f
+
+// pbd: share = stiffness / (wa + wb). xpbd: dlambda = -(C + alpha lambda) / (wa + wb + alpha). Two pinned ends do nothing.
+typedef struct link_rule
+{
+    lane16 stiffness, alpha;
+    bool compliant;
+} link_rule;
+
+LANE_INLINE lane16 change_of_lambda( const link_rule* rule, lane16 weight, lane16 error, lane16* lambda )
+{
+    const lane16 zero = lane16_zero();
+    const lane16m moves = lane16_lt( zero, weight );
+    lane16 change;
+    if ( rule->compliant )
+    {
+        const lane16 numerator = lane16_mul_add( rule->alpha, *lambda, error );
+        change = lane16_neg( lane16_div( numerator, lane16_add( weight, rule->alpha ) ) );
+    }
+    else
+    {
+        change = lane16_neg( lane16_div( lane16_mul( rule->stiffness, error ), weight ) );
+    }
+    change = lane16_select( moves, change, zero );
+    *lambda = lane16_add( *lambda, change );
+    return change;
+}
+
+static void sweep_group( const wisp_strand_link_job* job, const link_rule* rule, int first, int last )
+{
+    const lane16 zero = lane16_zero();
+    for ( int row = first; row + job->stride < last; ++row )
+    {
+        const size_t a = (size_t)row * STRIDE, b = a + (size_t)job->stride * STRIDE;
+        const size_t lanes = (size_t)row * WISP_LANES, other = lanes + (size_t)job->stride * WISP_LANES;
+        const lane16v pa = lane16v_load( job->position + a ), pb = lane16v_load( job->position + b );
+        const lane16 wa = lane16_load( job->weight + lanes ), wb = lane16_load( job->weight + other );
+        const lane16 rest = lane16_load( job->rest + lanes );
+        const lane16v along = lane16v_sub( pa, pb );
+        const lane16 squared = lane16v_dot( along, along );
+        const lane16m links =
+            lane16m_and( lane16_le( zero, rest ), lane16_lt( lane16_set1( LEAST_SQUARE ), squared ) );
+        const lane16 length = lane16_sqrt( squared );
+        lane16 lambda = job->lambda != NULL ? lane16_load( job->lambda + lanes ) : zero;
+        const lane16 before = lambda;
+        lane16 change = change_of_lambda( rule, lane16_add( wa, wb ), lane16_sub( length, rest ), &lambda );
+        change = lane16_select( links, lane16_div( change, length ), zero );
+        if ( job->lambda != NULL )
+        {
+            lane16_store( job->lambda + lanes, lane16_select( links, lambda, before ) );
+        }
+        lane16v_store( job->position + a, lane16v_mul_add( pa, lane16_mul( wa, change ), along ) );
+        lane16v_store( job->position + b, lane16v_mul_add( pb, lane16_neg( lane16_mul( wb, change ) ), along ) );
+    }
+}
+
+void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end )
+{
+    const wisp_strand_link_job mine = *job;
+    const link_rule rule = { lane16_set1( mine.stiffness ), lane16_set1( mine.compliance * mine.inverse_dt2 ),
+                             mine.inverse_dt2 > 0.0f };
+    for ( int g = begin; g < end; ++g )
+    {
+        sweep_group( &mine, &rule, mine.group_row[g], mine.group_row[g + 1] );
+    }
+}
+
+// The follower's correction d is added to where its leader came from: read back, the leader's velocity loses share d / dt.
+static void follow_group( const wisp_strand_follow_job* job, lane16 share, int first, int last )
+{
+    const lane16 zero = lane16_zero(), least = lane16_set1( LEAST_SQUARE );
+    lane16v leader = lane16v_load( job->position + (size_t)first * STRIDE );
+    lane16m leader_is_free = lane16_lt( zero, lane16_load( job->weight + (size_t)first * WISP_LANES ) );
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        const size_t at = (size_t)row * STRIDE, next = at + STRIDE;
+        const lane16v p = lane16v_load( job->position + next ), along = lane16v_sub( p, leader );
+        const lane16 squared = lane16v_dot( along, along );
+        const lane16m is_free = lane16_lt( zero, lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES ) );
+        const lane16m moves = lane16m_and( is_free, lane16_lt( least, squared ) );
+        const lane16 scale =
+            lane16_div( lane16_load( job->length + (size_t)row * WISP_LANES ), lane16_sqrt( squared ) );
+        const lane16v put = lane16v_select( moves, lane16v_mul_add( leader, scale, along ), p );
+        const lane16v correction = lane16v_scale( lane16v_sub( put, p ), share );
+        const lane16v previous = lane16v_load( job->previous + at );
+        lane16v_store( job->previous + at,
+                       lane16v_select( leader_is_free, lane16v_add( previous, correction ), previous ) );
+        lane16v_store( job->position + next, put );
+        leader = put;
+        leader_is_free = is_free;
+    }
+}
+
+void KERNEL( strand_follow )( const wisp_strand_follow_job* job, int begin, int end )
+{
+    const wisp_strand_follow_job mine = *job;
+    for ( int g = begin; g < end; ++g )
+    {
+        follow_group( &mine, lane16_set1( mine.share ), mine.group_row[g], mine.group_row[g + 1] );
+    }
+}
