@@ -82,6 +82,7 @@ static const scene_field BALLOON_FIELDS[] = {
     { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS },
     { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ) },
     { "spin", SCENE_CHOICE, .at = BALLOON( spin ), .choices = SPINS },
+    { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ) },
 };
 static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
 

@@ -70,6 +70,9 @@ typedef struct wisp_balloon_def
     bool
         keep_angular_momentum; ///< default true: projections of a free skin do not turn it. False is the source: it spins
                                ///< up without a torque, and faster with more substeps
+    /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its border, for
+    /// the volume alone; a fan has no mass, no links, no normal and no drag.
+    bool allow_open;
     uint32_t made_by_default;
 } wisp_balloon_def;
 
@@ -77,8 +80,8 @@ WISP_API wisp_balloon_def wisp_default_balloon_def( void );
 
 /// Make a surface a balloon, or change the balloon it is; what the gas did so far is forgotten.
 /// @return WISP_CONFLICT the module is not registered or the entity is not a surface; WISP_BAD_INPUT a value is out of
-///         range, or the mesh has a border, wild edges, several shells or encloses no volume (the sentence says which);
-///         WISP_NO_MEMORY
+///         range, or the mesh has a border (without allow_open; with it, one that is no simple loop), wild edges,
+///         several shells or encloses no volume (the sentence says which); WISP_NO_MEMORY
 /// @note links across edges are projected only if the fabric has cross links
 WISP_API wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def );
 

@@ -63,6 +63,15 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
     return total;
 }
 
+// @return false: the mesh is closed
+static bool find_border( wisp_frame* frame, const wisp_span* span, const balloon_state* state, balloon_loops* out )
+{
+    *out = ( balloon_loops ){ wisp_frame_column( frame, span->entity, state->border, 0 ),
+                              wisp_frame_column( frame, span->entity, state->border, 1 ),
+                              wisp_frame_fabric( frame, span->entity )->slot_count };
+    return out->vertex != NULL;
+}
+
 // Section 9: after a collapse eq. 9 still needs a volume above zero. What is no number stays none: it starts no jet, so that
 // the gas is all there when the guard has put the particles back.
 static double usable_volume( double volume, const balloon_gas* gas )
@@ -78,7 +87,14 @@ void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user )
     balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
     float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
     float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
-    extent->volume = usable_volume( sum_rings( frame, span, vectors, areas ).volume, gas );
+    double volume = sum_rings( frame, span, vectors, areas ).volume;
+    balloon_loops border;
+    if ( find_border( frame, span, state, &border ) )
+    {
+        volume +=
+            balloon_fan_volume( &border, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), 4 );
+    }
+    extent->volume = usable_volume( volume, gas );
 }
 
 void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user )
@@ -212,6 +228,7 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
     const balloon_state* state = user;
     balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     float share = *(float*)wisp_frame_column( frame, span->entity, state->volume, 0 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     size_t bytes = (size_t)fabric->slot_count * 3 * sizeof( float );
@@ -221,13 +238,18 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
         wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the volume of %d vertices", fabric->vertex_count );
         return;
     }
-    gas->lambda = wisp_frame_iteration( frame ) == 0 ? 0.0 : gas->lambda;
+    gas->lambda = span->iteration == 0 ? 0.0 : gas->lambda;
     wisp_ring_sums sums = sum_rings( frame, span, gradient, NULL );
+    balloon_loops border;
+    if ( find_border( frame, span, state, &border ) )
+    {
+        balloon_add_fans( &border, position, gradient, &sums );
+    }
     double dt = (double)wisp_frame_seconds( frame ), change = change_of_lambda( gas, share, sums, dt );
     gas->lambda += change;
     gas->multiplier = gas->lambda / ( dt * dt );
     push_loop loop = {
-        { wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), gradient, (float)change },
+        { position, gradient, (float)change },
         wisp_frame_kernels( frame ),
     };
     int grain = fabric->ring_slice_count < SMALL_SLICES ? SMALL_SLICES : 4 * RING_GRAIN;

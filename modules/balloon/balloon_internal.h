@@ -81,6 +81,7 @@ typedef struct balloon_state
     wisp_component volume;    // float share, in (0, 1]; negative: xpbd
     wisp_component extent;    // balloon_extent
     wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
+    wisp_component border;    // there: the mesh has holes; per particle: balloon_loops. Written when set, by no pass
     wisp_component reading;   // int32 wisp_balloon_pressure
     wisp_component gauge;     // balloon_gauge
     wisp_component buoyancy;  // there: it acts
@@ -93,6 +94,27 @@ typedef struct balloon_state
     wisp_component angular;   // there: projections do not turn the skin
     wisp_component figures;   // wisp_balloon_figures
 } balloon_state;
+
+/// Border loops, one behind another: vertices along the triangles of the skin, each loop from its lowest slot, loops in
+/// the order of their first slots.
+typedef struct balloon_loops
+{
+    const int32_t* vertex; // [count] slots
+    const int32_t* size;   // [count] where a loop begins how many it has; 0 in a loop, and behind the last one
+    int count;             // room, not vertices
+} balloon_loops;
+
+// balloon_border.c
+/// The sentence that names the first open edge. Always WISP_BAD_INPUT on an open mesh.
+wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f );
+/// Is every border a simple loop? For a mesh without wild edges.
+wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f );
+/// @param vertex, size receive [slot_count]
+void balloon_find_loops( const wisp_fabric* f, int32_t* vertex, int32_t* size );
+/// The fans' share of V about the first particle, m^3. @param position [slot][stride]
+double balloon_fan_volume( const balloon_loops* loops, const float* position, int stride );
+/// Add the fans' share to the sums and gradients of ring_gradient. @param position [slot][4]
+void balloon_add_fans( const balloon_loops* loops, const float* position, float* gradient, wisp_ring_sums* sums );
 
 // balloon_gas.c
 void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user );

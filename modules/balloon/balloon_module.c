@@ -21,6 +21,7 @@ ONE_COLUMN( TURN, balloon_turn )
 ONE_COLUMN( FIGURES, wisp_balloon_figures )
 #undef ONE_COLUMN
 static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
+static const wisp_column_def BORDER_COLUMNS[] = { { "vertex", sizeof( int32_t ) }, { "size", sizeof( int32_t ) } };
 
 wisp_balloon_def wisp_default_balloon_def( void )
 {
@@ -64,6 +65,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->volume, { "balloon.volume", WISP_TABLE_ENTITY, VOLUME_COLUMNS, 1 } },
         { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
         { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
+        { &s->border, { "balloon.border", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
         { &s->reading, { "balloon.reading", WISP_TABLE_ENTITY, READING_COLUMNS, 1 } },
         { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
         { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
@@ -84,7 +86,8 @@ static void declare_components( wisp_registry* r, balloon_state* s )
 
 // In the order of section 4: geometry, control, pressure and outlet, then what changes velocities. The printed spin turns
 // positions before they are predicted, so that no velocity is read back from it (A8). Figures and drag come before all
-// that changes velocities, because both are functions of the velocity at the start of the substep.
+// that changes velocities, because both are functions of the velocity at the start of the substep. The border of an open
+// mesh is in nobody's list: no pass writes it, and a closed mesh has none.
 static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
 {
     const wisp_component x = WISP_PARTICLE_POSITION, v = WISP_PARTICLE_VELOCITY, g = WISP_PARTICLE_GRAVITY;
@@ -250,7 +253,7 @@ static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const 
     return WISP_OK;
 }
 
-static double rest_volume( const wisp_fabric* f )
+static double rest_volume( const wisp_fabric* f, const balloon_loops* loops )
 {
     double volume = 0.0;
     const wisp_vec3 o = f->rest[0];
@@ -268,7 +271,7 @@ static double rest_volume( const wisp_fabric* f )
                   e[0][1] * ( e[1][2] * e[2][0] - e[1][0] * e[2][2] ) +
                   e[0][2] * ( e[1][0] * e[2][1] - e[1][1] * e[2][0] );
     }
-    return volume / 6.0;
+    return volume / 6.0 + balloon_fan_volume( loops, (const float*)f->rest, 3 );
 }
 
 // Vertices that edges join, by union-find; loose vertices are no shell.
@@ -300,26 +303,29 @@ static int count_shells( const wisp_fabric* f, int32_t* parent )
     return shells;
 }
 
-static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int shells )
+// @param scratch [2][slot_count]
+static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t* scratch )
 {
-    if ( f->border_edge_count > 0 )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: the mesh is open at %d edges, it has no volume",
-                                f->border_edge_count );
-    }
     if ( f->wild_edge_count > 0 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "balloon: %d edges have more than two triangles or run twice in one direction",
                                 f->wild_edge_count );
     }
+    int shells = count_shells( f, scratch );
     if ( shells != 1 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "balloon: the mesh has %d shells, a balloon is one: make each a surface of its own",
                                 shells );
     }
-    double volume = rest_volume( f );
+    wisp_status status = balloon_check_border( world, f );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    balloon_find_loops( f, scratch, scratch + f->slot_count );
+    double volume = rest_volume( f, &( balloon_loops ){ scratch, scratch + f->slot_count, f->slot_count } );
     if ( !( volume > 0.0 ) )
     {
         return wisp_world_fail(
@@ -342,11 +348,13 @@ typedef struct wanted_component
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
+    const bool open = wisp_world_fabric( world, surface )->border_edge_count > 0;
     const wanted_component all[] = {
         { s->gas, true },
         { s->volume, true },
         { s->skin, true },
         { s->reading, true },
+        { s->border, open },
         { s->inflation, d->inflation_rate != 0.0f },
         { s->buoyancy, d->buoyancy },
         { s->air, d->drag_coefficient > 0.0f },
@@ -414,7 +422,15 @@ static void fill_outlet( const wisp_fabric* f, const wisp_balloon_def* d, balloo
 static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    double volume = rest_volume( f );
+    balloon_loops loops = { 0 };
+    int32_t* border = wisp_world_column( world, surface, s->border, 0 );
+    if ( border != NULL )
+    {
+        int32_t* size = wisp_world_column( world, surface, s->border, 1 );
+        balloon_find_loops( f, border, size );
+        loops = ( balloon_loops ){ border, size, f->slot_count };
+    }
+    double volume = rest_volume( f, &loops );
     *(balloon_gas*)wisp_world_column( world, surface, s->gas, 0 ) = ( balloon_gas ){
         .rest_volume = volume,
         .target_volume = (double)d->fill * volume,
@@ -472,23 +488,27 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
     return status;
 }
 
-// A balloon has passed this check with the same fabric. Nobody else has rings, so their rows are memory of the right size
-// that leaves no trace.
-static wisp_status check_closed( wisp_world* world, wisp_entity surface, const balloon_state* s )
+// A balloon has passed the rest of this check with the same fabric. Nobody else has rings, so their rows are memory of the
+// right size that leaves no trace.
+static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d,
+                               const balloon_state* s )
 {
+    const wisp_fabric* f = wisp_world_fabric( world, surface );
+    if ( f->border_edge_count > 0 && d->allow_open == false )
+    {
+        return balloon_refuse_open( world, f );
+    }
     if ( wisp_world_has( world, surface, s->gas ) )
     {
         return WISP_OK;
     }
     wisp_status status = wisp_world_attach( world, surface, s->rings );
-    if ( status != WISP_OK )
+    if ( status == WISP_OK )
     {
-        return status;
+        status = check_mesh( world, f, wisp_world_column( world, surface, s->rings, 0 ) );
+        wisp_world_detach( world, surface, s->rings );
     }
-    const wisp_fabric* f = wisp_world_fabric( world, surface );
-    int shells = count_shells( f, wisp_world_column( world, surface, s->rings, 0 ) );
-    wisp_world_detach( world, surface, s->rings );
-    return check_mesh( world, f, shells );
+    return status;
 }
 
 wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def )
@@ -498,7 +518,7 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_outlet( world, wisp_world_fabric( world, surface ), def ) : status;
-    status = status == WISP_OK ? check_closed( world, surface, state ) : status;
+    status = status == WISP_OK ? check_skin( world, surface, def, state ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )
     {

@@ -37,6 +37,8 @@ static const bad_scene BAD_SCENES[] = {
       ":6:33: strands[0].frozen_hair.freeze.bend_angle_max: 45 is out of range, must be in [0, 3.14159265]" },
     { "bad_indent.yaml",
       ":4:10: not YAML: mapping values are not allowed in this context" },
+    { "balloon_allow_open_count.yaml",
+      ":6:28: surfaces[0].balloon.allow_open: must be true or false, not '1'" },
     { "balloon_celsius.yaml",
       ":6:29: surfaces[0].balloon.temperature: '20 C' has a unit; temperatures of a gas are plain numbers in kelvin" },
     { "balloon_fill_below_least.yaml",

@@ -178,7 +178,8 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
         "volume: pbd, volume_share: 0.75, fill: 1.5, fill_keyframes: [[1, 1.25], [2, 3]], inflation_rate: -0.5, "
         "least_fill: 0.125, atmospheric_pressure: 9e4, temperature: 300, gas_molar_mass: 0.002, "
         "air_molar_mass: 0.03, pressure: gas, buoyancy: false, drag_coefficient: 0.25, drag: normal, "
-        "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: printed }\n"
+        "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: printed, "
+        "allow_open: true }\n"
         "  - { name: b, make: { shape: icosphere }, balloon: { outlet_nearest: [0, 1, 2], outlet_radius: 0.5 } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_balloon_def* b = &s->balloon;
@@ -194,6 +195,7 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
     assert_int_equal( b->outlet_count, 3 );
     assert_true( b->outlet[0] == 4 && b->outlet[1] == 2 && b->outlet[2] == 9 );
     assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_PRINTED );
+    assert_true( b->allow_open && !scene.surfaces[1].balloon.allow_open );
     assert_int_equal( s->fill_path_count, 2 );
     assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].fill == 1.25f && s->fill_path[1].fill == 3.0f );
     assert_true( scene.surfaces[1].has_outlet_nearest && scene.surfaces[1].outlet_radius == 0.5f );

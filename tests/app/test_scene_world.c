@@ -490,8 +490,10 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, make: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
-                    "test.yaml:3:5: surface 'a': balloon: the mesh is open at 8 edges, it has no volume" );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
+        "test.yaml:3:5: surface 'a': balloon: the mesh is open at 8 edges, the first from vertex 0 to vertex "
+        "3; it has no volume unless allow_open closes its holes" );
     demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: icosphere, level: 1 } }\n"
                     "  - { name: b, instance_of: a, pins: [42] }\n",
                     "test.yaml:4:5: surface 'b': pins names vertex 42, but the mesh has 42, counted from 0" );

@@ -520,3 +520,77 @@ bool balloon_mesh_capped_volume( const balloon_mesh* mesh, double* volume )
     balloon_mesh_destroy_topology( &topology );
     return sound;
 }
+
+// Give every vertex of the loop that begins at a vertex its hub, and the hub its place.
+// @return false when the border does not come back
+static bool add_hub( balloon_mesh* capped, const int* next, int start, int vertex_count, int* hub )
+{
+    int at = capped->vertex_count, count = 0;
+    double3 sum = { 0.0, 0.0, 0.0 }, origin = capped->positions[start];
+    for ( int v = start; count == 0 || v != start; v = next[v], ++count )
+    {
+        if ( next[v] < 0 || count > vertex_count )
+        {
+            return false;
+        }
+        sum = double3_add( sum, double3_sub( capped->positions[v], origin ) );
+        hub[v] = at;
+    }
+    capped->positions[at] = double3_add( origin, double3_scale( 1.0 / count, sum ) );
+    capped->vertex_count += 1;
+    return true;
+}
+
+// next[v] follows the border against its triangles, so v, next[v], hub is a triangle that runs with them.
+static bool add_fans( const balloon_mesh* mesh, const int* next, balloon_mesh* capped, int* hub )
+{
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        hub[v] = -1;
+    }
+    bool sound = true;
+    for ( int v = 0; v < mesh->vertex_count && sound; ++v )
+    {
+        sound = next[v] < 0 || hub[v] >= 0 || add_hub( capped, next, v, mesh->vertex_count, hub );
+    }
+    for ( int v = 0; v < mesh->vertex_count && sound; ++v )
+    {
+        if ( next[v] >= 0 )
+        {
+            int* corner = capped->triangles + 3 * capped->triangle_count++;
+            corner[0] = v;
+            corner[1] = next[v];
+            corner[2] = hub[v];
+        }
+    }
+    return sound;
+}
+
+bool balloon_mesh_cap( const balloon_mesh* mesh, balloon_mesh* capped, int* hub )
+{
+    balloon_mesh_topology topology;
+    if ( !balloon_mesh_build_topology( mesh, &topology ) )
+    {
+        return false;
+    }
+    size_t n = (size_t)mesh->vertex_count, m = 3 * (size_t)mesh->triangle_count;
+    size_t borders = (size_t)topology.border_count; // at most so many hubs, exactly so many triangles
+    *capped = ( balloon_mesh ){ .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count };
+    capped->positions = calloc( n + borders + 1, sizeof( double3 ) );
+    capped->triangles = calloc( m + 3 * borders + 1, sizeof( int ) );
+    int* next = calloc( n + 1, sizeof( int ) );
+    bool sound = capped->positions != NULL && capped->triangles != NULL && next != NULL;
+    if ( sound )
+    {
+        memcpy( capped->positions, mesh->positions, n * sizeof( double3 ) );
+        memcpy( capped->triangles, mesh->triangles, m * sizeof( int ) );
+        sound = link_border( mesh, &topology, next ) && add_fans( mesh, next, capped, hub );
+    }
+    if ( !sound )
+    {
+        balloon_mesh_destroy( capped );
+    }
+    free( next );
+    balloon_mesh_destroy_topology( &topology );
+    return sound;
+}

@@ -86,6 +86,12 @@ int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs )
 /// @return false when a shell has no consistent winding (one-sided), or when memory runs out
 bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped );
 
+/// The mesh with every hole closed by a fan of real triangles around a new vertex at the mean of its border (`allow_open`).
+/// New vertices come behind the old ones, new triangles behind the old ones.
+/// @param hub receives [vertex_count of the open mesh] the new vertex of the border it is on, -1 elsewhere
+/// @return false when a border is not a set of simple loops, or when memory runs out; then nothing needs to be destroyed
+bool balloon_mesh_cap( const balloon_mesh* mesh, balloon_mesh* capped, int* hub );
+
 /// Volume with every hole closed by a fan around the mean of its border vertices (`allow_open`).
 /// @return false when a border is not a set of simple loops, or when memory runs out
 bool balloon_mesh_capped_volume( const balloon_mesh* mesh, double* volume );

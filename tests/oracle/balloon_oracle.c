@@ -1,5 +1,8 @@
 #include "balloon_oracle.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 static const double pi = 3.14159265358979323846;
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
@@ -245,6 +248,113 @@ double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, con
         sum = add_scaled( sum, mass[i], double3_cross( double3_sub( x[i], centre ), v[i] ) );
     }
     return sum;
+}
+
+// Section 9: open meshes.
+
+void balloon_oracle_destroy_caps( balloon_oracle_caps* caps )
+{
+    free( caps->triangles );
+    free( caps->hub );
+    free( caps->size );
+    free( caps->x );
+    free( caps->gradient );
+    *caps = ( balloon_oracle_caps ){ 0 };
+}
+
+bool balloon_oracle_make_caps( const balloon_mesh* mesh, balloon_oracle_caps* out )
+{
+    int n = mesh->vertex_count;
+    balloon_mesh capped = { 0 };
+    *out = ( balloon_oracle_caps ){ .hub = calloc( (size_t)n + 1, sizeof( int ) ) };
+    if ( out->hub == NULL || !balloon_mesh_cap( mesh, &capped, out->hub ) )
+    {
+        balloon_oracle_destroy_caps( out );
+        return false;
+    }
+    out->vertex_count = capped.vertex_count;
+    out->triangle_count = capped.triangle_count;
+    out->hub_count = capped.vertex_count - n;
+    out->triangles = capped.triangles;
+    out->x = capped.positions;
+    out->size = calloc( (size_t)out->hub_count + 1, sizeof( int ) );
+    out->gradient = calloc( (size_t)out->vertex_count + 1, sizeof( double3 ) );
+    if ( out->size == NULL || out->gradient == NULL )
+    {
+        balloon_oracle_destroy_caps( out );
+        return false;
+    }
+    for ( int v = 0; v < n; ++v )
+    {
+        if ( out->hub[v] >= 0 )
+        {
+            out->size[out->hub[v] - n] += 1;
+        }
+    }
+    return true;
+}
+
+static void place_hubs( balloon_oracle_caps* caps, const double3* p )
+{
+    int n = caps->vertex_count - caps->hub_count;
+    memcpy( caps->x, p, (size_t)n * sizeof( double3 ) );
+    for ( int h = n; h < caps->vertex_count; ++h )
+    {
+        caps->x[h] = p[0]; // differences from a vertex: a body far from the origin keeps its digits
+    }
+    for ( int v = 0; v < n; ++v )
+    {
+        if ( caps->hub[v] >= 0 )
+        {
+            double3* hub = caps->x + caps->hub[v];
+            *hub = add_scaled( *hub, 1.0 / caps->size[caps->hub[v] - n], double3_sub( p[v], p[0] ) );
+        }
+    }
+}
+
+double balloon_oracle_capped_volume( balloon_oracle_caps* caps, const double3* p )
+{
+    place_hubs( caps, p );
+    return constraint_oracle_volume( caps->x, caps->triangles, caps->triangle_count );
+}
+
+void balloon_oracle_capped_gradient( balloon_oracle_caps* caps, const double3* p, double3* gradient )
+{
+    int n = caps->vertex_count - caps->hub_count;
+    place_hubs( caps, p );
+    constraint_oracle_volume_gradient( caps->x, caps->vertex_count, caps->triangles, caps->triangle_count,
+                                       caps->gradient );
+    for ( int v = 0; v < n; ++v )
+    {
+        int hub = caps->hub[v];
+        gradient[v] = hub < 0 ? caps->gradient[v]
+                              : add_scaled( caps->gradient[v], 1.0 / caps->size[hub - n], caps->gradient[hub] );
+    }
+}
+
+void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const double* w, double target,
+                                    double stiffness, double alpha, double* lambda, double3* gradient,
+                                    constraint_oracle_skips* skips )
+{
+    int n = caps->vertex_count - caps->hub_count;
+    double error = balloon_oracle_capped_volume( caps, p ) - target, sum = 0.0, all = 0.0;
+    balloon_oracle_capped_gradient( caps, p, gradient );
+    for ( int i = 0; i < n; ++i )
+    {
+        sum += w[i] * double3_dot( gradient[i], gradient[i] );
+        all += double3_dot( gradient[i], gradient[i] );
+    }
+    if ( sum == 0.0 )
+    {
+        skips->count[all == 0.0 ? CONSTRAINT_ORACLE_ZERO_GRADIENT : CONSTRAINT_ORACLE_PINNED] += 1;
+        return;
+    }
+    double delta = -stiffness * ( error + alpha * *lambda ) / ( sum + alpha );
+    *lambda += delta;
+    for ( int i = 0; i < n; ++i )
+    {
+        p[i] = add_scaled( p[i], delta * w[i], gradient[i] );
+    }
 }
 
 // Eq. 9.

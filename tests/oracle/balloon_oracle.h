@@ -117,6 +117,38 @@ double3 balloon_oracle_momentum( const double3* v, const double* mass, int verte
 double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, const double* mass, int vertex_count,
                                          double3 centre );
 
+// ---- section 9: open meshes ----
+
+/// An open skin whose holes are closed by fans (`allow_open`): V is that of the closed mesh, as a function of the skin's own
+/// vertices. A hub is the mean of its border, so a border vertex also has its share of the hub's gradient.
+typedef struct balloon_oracle_caps
+{
+    int vertex_count, triangle_count; ///< of the closed mesh
+    int hub_count;
+    int* triangles;    ///< [3 * triangle_count], the skin's first
+    int* hub;          ///< [skin's vertices], the vertex of the closed mesh, -1 inside the skin
+    int* size;         ///< [hub_count] vertices of its border
+    double3* x;        ///< scratch [vertex_count]
+    double3* gradient; ///< scratch [vertex_count]
+} balloon_oracle_caps;
+
+/// @return false when a border is not a set of simple loops, or when memory runs out; then nothing needs to be destroyed
+bool balloon_oracle_make_caps( const balloon_mesh* mesh, balloon_oracle_caps* out );
+void balloon_oracle_destroy_caps( balloon_oracle_caps* caps );
+
+/// V of the skin with its fans, m^3.
+double balloon_oracle_capped_volume( balloon_oracle_caps* caps, const double3* p );
+
+/// grad_i V of the skin's vertices, m^2: with the chain rule through the hubs, so that they sum to 0.
+void balloon_oracle_capped_gradient( balloon_oracle_caps* caps, const double3* p, double3* gradient );
+
+/// pbd (stiffness in (0, 1], alpha 0) or xpbd (stiffness 1) of C = V - target.
+/// @param lambda grows by Dlambda; without a compliance it has no effect on the projection
+/// @param gradient scratch [skin's vertices], receives grad C
+void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const double* w, double target,
+                                    double stiffness, double alpha, double* lambda, double3* gradient,
+                                    constraint_oracle_skips* skips );
+
 // ---- Eq. 9: gas ----
 
 /// rho = P M / (R T), kg/m^3.
@@ -253,6 +285,7 @@ typedef struct balloon_oracle_def
     const double* mass;       ///< [vertex_count], skin only, > 0, kg
     const bool* pinned;       ///< [vertex_count], or null
     const int* triangles;     ///< [3 * triangle_count], one closed shell; turned inside out when V < 0
+    bool allow_open;          ///< the shell may have holes, fans close them for V
     const int* structural;    ///< [2 * structural_count], projected in this order
     const int* bend;          ///< [2 * bend_count], opposite vertices of interior edges, projected in this order
     int outlet_vertex;        ///< where the hole is; -1: no hole
@@ -287,6 +320,7 @@ typedef struct balloon_oracle
     double3 *normal, *gradient; ///< unit vertex normals at the start of the substep | scratch of the volume
     double *mass, *w, *area;
     int *triangles, *outlet_patch;
+    balloon_oracle_caps caps; ///< of an open skin, else empty
     balloon_oracle_link *structural, *bend;
     double total_mass;
     double rest_volume;   ///< V_rest

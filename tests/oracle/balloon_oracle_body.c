@@ -136,13 +136,13 @@ static wisp_status check_vertices( const balloon_oracle_def* def, wisp_error* er
     return WISP_OK;
 }
 
-static wisp_status check_edge( const balloon_mesh_edge* edge, wisp_error* error )
+static wisp_status check_edge( const balloon_mesh_edge* edge, bool allow_open, wisp_error* error )
 {
     if ( edge->a == edge->b )
     {
         return refuse( error, WISP_BAD_INPUT, "triangle %d has vertex %d twice", edge->triangle[0], edge->a );
     }
-    if ( edge->uses == 1 )
+    if ( edge->uses == 1 && !allow_open )
     {
         return refuse( error, WISP_BAD_INPUT, "the mesh is open at edge %d-%d: it has no volume", edge->a, edge->b );
     }
@@ -151,7 +151,7 @@ static wisp_status check_edge( const balloon_mesh_edge* edge, wisp_error* error 
         return refuse( error, WISP_BAD_INPUT, "edge %d-%d has %d faces, must have two", edge->a, edge->b,
                        edge->uses );
     }
-    if ( edge->ascending != 1 )
+    if ( edge->uses == 2 && edge->ascending != 1 )
     {
         return refuse( error, WISP_BAD_INPUT, "triangles %d and %d run along edge %d-%d in the same direction",
                        edge->triangle[0], edge->triangle[1], edge->a, edge->b );
@@ -179,7 +179,7 @@ static wisp_status check_shell( const balloon_oracle_def* def, wisp_error* error
     wisp_status status = WISP_OK;
     for ( int e = 0; e < topology.edge_count && status == WISP_OK; ++e )
     {
-        status = check_edge( topology.edges + e, error );
+        status = check_edge( topology.edges + e, def->allow_open, error );
     }
     if ( status == WISP_OK && topology.shell_count != 1 )
     {
@@ -261,6 +261,7 @@ void balloon_oracle_destroy( balloon_oracle* b )
     {
         free( blocks[k] );
     }
+    balloon_oracle_destroy_caps( &b->caps );
     *b = ( balloon_oracle ){ 0 };
 }
 
@@ -273,11 +274,11 @@ static void copy_links( const double3* x, const int* pairs, int count, balloon_o
     }
 }
 
-static void turn_inside_out( balloon_oracle* b )
+static void turn_inside_out( int* triangles, int count )
 {
-    for ( int t = 0; t < b->triangle_count; ++t )
+    for ( int t = 0; t < count; ++t )
     {
-        int* corner = b->triangles + 3 * t;
+        int* corner = triangles + 3 * t;
         int kept = corner[1];
         corner[1] = corner[2];
         corner[2] = kept;
@@ -300,6 +301,18 @@ static void copy_def( const balloon_oracle_def* def, balloon_oracle* b )
     }
     copy_links( b->x, def->structural, def->structural_count, b->structural );
     copy_links( b->x, def->bend, def->bend_count, b->bend );
+}
+
+// A closed skin needs no caps, and keeps to the plain equations.
+static bool cap( balloon_oracle* b )
+{
+    balloon_mesh mesh = { b->vertex_count, b->triangle_count, b->x, b->triangles };
+    bool made = balloon_oracle_make_caps( &mesh, &b->caps );
+    if ( made && b->caps.hub_count == 0 )
+    {
+        balloon_oracle_destroy_caps( &b->caps );
+    }
+    return made;
 }
 
 wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,
@@ -325,10 +338,16 @@ wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_
         return refuse( error, WISP_NO_MEMORY, "no memory for a balloon of %d vertices", def->vertex_count );
     }
     copy_def( def, &made );
+    if ( def->allow_open && !cap( &made ) )
+    {
+        balloon_oracle_destroy( &made );
+        return refuse( error, WISP_BAD_INPUT, "a border is no simple loop" );
+    }
     made.rest_volume = balloon_oracle_present_volume( &made );
     if ( made.rest_volume < 0.0 )
     {
-        turn_inside_out( &made );
+        turn_inside_out( made.triangles, made.triangle_count );
+        turn_inside_out( made.caps.triangles, made.caps.triangle_count );
         made.rest_volume = -made.rest_volume;
     }
     if ( made.rest_volume == 0.0 )
@@ -390,7 +409,9 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
 
 double balloon_oracle_present_volume( const balloon_oracle* b )
 {
-    return constraint_oracle_volume( b->x, b->triangles, b->triangle_count );
+    balloon_oracle_caps caps = b->caps;
+    return caps.hub_count > 0 ? balloon_oracle_capped_volume( &caps, b->x )
+                              : constraint_oracle_volume( b->x, b->triangles, b->triangle_count );
 }
 
 // Section 9: after a collapse Eq. 9 still needs a volume above zero.
@@ -566,7 +587,14 @@ static void project_volume( balloon_oracle* b )
 {
     const balloon_oracle_options* o = &b->options;
     constraint_oracle_skips* skips = &b->counters.skips;
-    if ( o->volume == BALLOON_ORACLE_VOLUME_XPBD )
+    bool compliant = o->volume == BALLOON_ORACLE_VOLUME_XPBD;
+    if ( b->caps.hub_count > 0 )
+    {
+        double alpha = compliant ? b->gas_volume / o->atmosphere / ( b->h * b->h ) : 0.0;
+        balloon_oracle_project_capped( &b->caps, b->p, b->w, b->gas_volume, compliant ? 1.0 : o->volume_k, alpha,
+                                       &b->volume_lambda, b->gradient, skips );
+    }
+    else if ( compliant )
     {
         double alpha = b->gas_volume / o->atmosphere / ( b->h * b->h );
         constraint_oracle_project_volume_compliant( b->p, b->w, b->vertex_count, b->triangles, b->triangle_count,

@@ -1,0 +1,207 @@
+// Holes of a skin (BAL section 9, `allow_open`): each is closed by a virtual fan of triangles about the mean of its border
+// loop. Fans are part of the function V, so of its value and of the gradient that the volume's projection follows: with
+// them the gradients of all vertices sum to zero, and the gas cannot push its own balloon along. They are part of nothing
+// else: no mass, no links, no area, no normal.
+#include "balloon_internal.h"
+
+#include <string.h>
+
+// Entry e of the ring of a slot.
+static int32_t ring_entry( const wisp_fabric* f, int slot, int e )
+{
+    return f->ring4[e][slot % WISP_FABRIC_LANES] / 4;
+}
+
+// How many triangles have the edge between a slot and another: pairs of entries in a row without the own slot are one each.
+static int triangles_of_edge( const wisp_fabric* f, int slot, int32_t other )
+{
+    int count = 0, slice = slot / WISP_FABRIC_LANES;
+    for ( int e = f->ring_begin[slice] + 1; e < f->ring_begin[slice + 1]; ++e )
+    {
+        int32_t a = ring_entry( f, slot, e - 1 ), b = ring_entry( f, slot, e );
+        count += a != slot && b != slot && ( a == other || b == other ) ? 1 : 0;
+    }
+    return count;
+}
+
+// Both ends of an open fan are the far ends of border edges.
+static int border_edges_at( const wisp_fabric* f, int slot )
+{
+    int count = 0, slice = slot / WISP_FABRIC_LANES;
+    for ( int e = f->ring_begin[slice]; e < f->ring_begin[slice + 1]; ++e )
+    {
+        int32_t other = ring_entry( f, slot, e );
+        count += other != slot && triangles_of_edge( f, slot, other ) == 1 ? 1 : 0;
+    }
+    return count;
+}
+
+// Where the border goes on, along its triangles: an open fan begins with the edge that leaves its vertex, and comes before
+// closed ones. Where two border edges meet there is one open fan.
+static int32_t border_after( const wisp_fabric* f, int slot )
+{
+    return ring_entry( f, slot, f->ring_begin[slot / WISP_FABRIC_LANES] );
+}
+
+wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f )
+{
+    int32_t from = f->triangles[0], to = f->triangles[1];
+    for ( int corner = 0; corner < 3 * f->triangle_count && triangles_of_edge( f, from, to ) != 1; ++corner )
+    {
+        from = f->triangles[corner];
+        to = f->triangles[corner - corner % 3 + ( corner + 1 ) % 3];
+    }
+    return wisp_world_fail( world, WISP_BAD_INPUT,
+                            "balloon: the mesh is open at %d edges, the first from vertex %d to vertex %d; it has no "
+                            "volume unless allow_open closes its holes",
+                            f->border_edge_count, f->slot_vertex[from], f->slot_vertex[to] );
+}
+
+wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f )
+{
+    for ( int v = 0; v < f->vertex_count && f->border_edge_count > 0; ++v )
+    {
+        int edges = border_edges_at( f, f->vertex_slot[v] );
+        if ( edges != 0 && edges != 2 )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "balloon: %d border edges meet at vertex %d, a hole with a fan has two at each",
+                                    edges, v );
+        }
+    }
+    return WISP_OK;
+}
+
+// A simple loop has as many vertices as edges; the bounds hold even where a fabric from a file miscounts them. `size` first
+// marks the vertices that are listed already.
+void balloon_find_loops( const wisp_fabric* f, int32_t* vertex, int32_t* size )
+{
+    int count = 0;
+    memset( size, 0, (size_t)f->slot_count * sizeof( int32_t ) );
+    memset( vertex, 0, (size_t)f->slot_count * sizeof( int32_t ) );
+    for ( int first = 0; first < f->vertex_count && count < f->border_edge_count; ++first )
+    {
+        bool border = border_edges_at( f, first ) > 0;
+        for ( int slot = first; border && size[slot] == 0; slot = border_after( f, slot ) )
+        {
+            vertex[count++] = slot;
+            size[slot] = 1;
+        }
+    }
+    memset( size, 0, (size_t)f->slot_count * sizeof( int32_t ) );
+    for ( int begin = 0, end; begin < count; begin = end )
+    {
+        for ( end = begin + 1; end < count && border_after( f, vertex[end - 1] ) != vertex[begin]; ++end )
+        {
+        }
+        size[begin] = end - begin;
+    }
+}
+
+// ---- fans ----
+
+// One loop at its present shape. A triangle of the fan is (next, vertex, mean), so that it runs against the skin's.
+typedef struct border_fan
+{
+    const int32_t* vertex;
+    int count;
+    double mean[3]; // about the origin of the sums
+    double hub[3];  // dV / d mean: a sixth of the sum of (next - mean) x (vertex - mean)
+} border_fan;
+
+static void subtract( const float* p, const float* origin, const double from[3], double out[3] )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        out[k] = (double)p[k] - (double)origin[k] - from[k];
+    }
+}
+
+static void add_cross( const double a[3], const double b[3], double scale, double out[3] )
+{
+    out[0] += scale * ( a[1] * b[2] - a[2] * b[1] );
+    out[1] += scale * ( a[2] * b[0] - a[0] * b[2] );
+    out[2] += scale * ( a[0] * b[1] - a[1] * b[0] );
+}
+
+static double dot( const double a[3], const double b[3] )
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static const float* point_of( const float* position, int stride, int32_t slot )
+{
+    return position + (size_t)slot * (size_t)stride;
+}
+
+static border_fan measure_fan( const balloon_loops* loops, int begin, const float* position, int stride )
+{
+    border_fan fan = { .vertex = loops->vertex + begin, .count = loops->size[begin] };
+    const double none[3] = { 0.0, 0.0, 0.0 };
+    for ( int i = 0; i < fan.count; ++i )
+    {
+        double p[3];
+        subtract( point_of( position, stride, fan.vertex[i] ), position, none, p );
+        for ( int k = 0; k < 3; ++k )
+        {
+            fan.mean[k] += p[k] / fan.count;
+        }
+    }
+    for ( int i = 0; i < fan.count; ++i )
+    {
+        double here[3], next[3];
+        subtract( point_of( position, stride, fan.vertex[i] ), position, fan.mean, here );
+        subtract( point_of( position, stride, fan.vertex[( i + 1 ) % fan.count] ), position, fan.mean, next );
+        add_cross( next, here, 1.0 / 6.0, fan.hub );
+    }
+    return fan;
+}
+
+double balloon_fan_volume( const balloon_loops* loops, const float* position, int stride )
+{
+    double volume = 0.0;
+    for ( int begin = 0; begin < loops->count && loops->size[begin] > 0; begin += loops->size[begin] )
+    {
+        const border_fan fan = measure_fan( loops, begin, position, stride );
+        volume += dot( fan.mean, fan.hub );
+    }
+    return volume;
+}
+
+// The kernel has already added the skin's share of a vertex; what is stored is a float again, so its square is taken anew.
+static void add_to_gradient( const border_fan* fan, const float* position, float* gradient, double* weighted )
+{
+    for ( int i = 0; i < fan->count; ++i )
+    {
+        int32_t slot = fan->vertex[i];
+        int32_t before = fan->vertex[( i + fan->count - 1 ) % fan->count],
+                after = fan->vertex[( i + 1 ) % fan->count];
+        double share[3], here[3], last[3], next[3], rim[3];
+        subtract( point_of( position, 4, slot ), position, fan->mean, here );
+        subtract( point_of( position, 4, before ), position, fan->mean, last );
+        subtract( point_of( position, 4, after ), position, fan->mean, next );
+        for ( int k = 0; k < 3; ++k )
+        {
+            rim[k] = last[k] - next[k];
+            share[k] = fan->hub[k] / fan->count; // moving a vertex moves the mean along
+        }
+        add_cross( here, rim, 1.0 / 6.0, share );
+        float* g = gradient + (size_t)( slot / 8 ) * 24 + slot % 8;
+        for ( int k = 0; k < 3; ++k )
+        {
+            double old = (double)g[8 * k];
+            g[8 * k] = (float)( old + share[k] );
+            *weighted += (double)position[4 * (size_t)slot + 3] * ( (double)g[8 * k] * (double)g[8 * k] - old * old );
+        }
+    }
+}
+
+void balloon_add_fans( const balloon_loops* loops, const float* position, float* gradient, wisp_ring_sums* sums )
+{
+    for ( int begin = 0; begin < loops->count && loops->size[begin] > 0; begin += loops->size[begin] )
+    {
+        const border_fan fan = measure_fan( loops, begin, position, 4 );
+        sums->volume += dot( fan.mean, fan.hub );
+        add_to_gradient( &fan, position, gradient, &sums->weighted );
+    }
+}

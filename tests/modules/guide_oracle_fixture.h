@@ -1,0 +1,188 @@
+/// What the tests of guide hair share: a scene of targets and ghosts around them, its motion, comparisons.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "oracle/guide_oracle.h"
+#include "wisp/random.h"
+
+#include <string.h>
+
+enum
+{
+    NODES = 10,
+    MOST_TARGETS = 6,
+    MOST_GHOSTS = 40,
+};
+
+static const double3 zero = { 0.0, 0.0, 0.0 };
+static const double segment = 0.02; // m, of every target
+
+static inline void assert_close( double a, double b, double tolerance )
+{
+    if ( !( fabs( a - b ) <= tolerance ) )
+    {
+        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
+    }
+}
+
+static inline void assert_at( double3 a, double3 b, double tolerance )
+{
+    assert_close( double3_distance( a, b ), 0.0, tolerance );
+}
+
+static inline double random_between( int n, int m, double low, double high )
+{
+    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 31, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+}
+
+static inline double3 random_vector( int n, int m )
+{
+    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
+                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
+}
+
+// A row of targets, each with the same number of ghosts around it, and the simulated motion of those targets.
+typedef struct scene
+{
+    int target_count, ghost_count;
+    double3 target[MOST_TARGETS * NODES]; // rest
+    double3 ghost[MOST_GHOSTS * NODES];   // rest
+    double3 x[MOST_TARGETS * NODES], v[MOST_TARGETS * NODES];
+    double w[NODES];
+    double time;
+    int projections;
+} scene;
+
+// Ghosts stand at growing distances from their target, so that none is as far from the centre as another.
+static inline scene make_scene( int target_count, int ghosts_a_target )
+{
+    scene s = { .target_count = target_count, .ghost_count = target_count * ghosts_a_target };
+    for ( int n = 0; n < target_count * NODES; ++n )
+    {
+        int a = n / NODES, i = n % NODES;
+        double lean = 0.3 * i / NODES;
+        double3 way = double3_make( sin( lean ), -cos( lean ), 0.0 );
+        s.target[n] = i == 0 ? double3_make( 0.05 * a, 1.0, 0.0 )
+                             : double3_add( s.target[n - 1], double3_scale( segment, way ) );
+        s.x[n] = s.target[n];
+        s.w[i] = i == 0 ? 0.0 : 1e4;
+    }
+    for ( int n = 0; n < s.ghost_count * NODES; ++n )
+    {
+        int g = n / NODES, i = n % NODES, a = g / ghosts_a_target, l = g % ghosts_a_target;
+        double radius = 0.003 + 0.002 * l, angle = 2.4 * l;
+        double3 around = double3_make( radius * cos( angle ), 0.0, radius * sin( angle ) );
+        s.ghost[n] = double3_add( s.target[a * NODES + i],
+                                  double3_add( around, double3_scale( 2e-4, random_vector( g, i ) ) ) );
+    }
+    return s;
+}
+
+// One frame of all targets with the head 8 cm to the left and right of its place, once a second and a half.
+static inline void swing( scene* s, int iterations )
+{
+    constraint_oracle_skips skips = { 0 };
+    s->time += 1.0 / 60.0;
+    for ( int a = 0; a < s->target_count; ++a )
+    {
+        double3 root = double3_add( s->target[a * NODES], double3_make( 0.08 * sin( 4.2 * s->time ), 0.0, 0.0 ) );
+        guide_oracle_strand strand = { NODES, s->target + a * NODES, s->w, 1.0 / 60.0, 4, iterations,
+                                       0.2,   { 0.0, -9.8, 0.0 },    root };
+        int projected = guide_oracle_strand_step( &strand, s->x + a * NODES, s->v + a * NODES, &skips );
+        assert_true( projected > 0 );
+        s->projections += projected;
+    }
+}
+
+static inline guide_oracle_def def_of( const scene* s )
+{
+    return ( guide_oracle_def ){ s->target_count, NODES, s->ghost_count, NODES, s->target, s->ghost, NULL };
+}
+
+static inline guide_oracle make_hair( const scene* s, const guide_oracle_options* options )
+{
+    guide_oracle_def def = def_of( s );
+    guide_oracle hair;
+    wisp_error error = { 0 };
+    if ( guide_oracle_create( &def, options, &hair, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return hair;
+}
+
+static inline void step( guide_oracle* hair, const double3* x, const double3* v )
+{
+    guide_oracle_motion motion = { x, v, NULL };
+    assert_int_equal( guide_oracle_step( hair, &motion, NULL ), WISP_OK );
+}
+
+static inline guide_oracle_options options_without_weights( void )
+{
+    guide_oracle_options options = guide_oracle_default_options();
+    options.elastic_gain = options.tip_gain = options.centre_gain = 0.0;
+    return options;
+}
+
+static inline double3 ghost_mean( const guide_oracle* hair, const double3* ghosts, int a, int i )
+{
+    double3 sum = zero;
+    int count = 0;
+    for ( int g = 0; g < hair->ghost_count; ++g )
+    {
+        if ( hair->link[g * hair->options.link_count] == a )
+        {
+            sum = double3_add( sum, ghosts[g * hair->node_count + i] );
+            count += 1;
+        }
+    }
+    return double3_scale( 1.0 / count, sum );
+}
+
+// V of a node of the only group of a hair.
+static inline double present_spread( const guide_oracle* hair, int i )
+{
+    double3 points[MOST_GHOSTS];
+    for ( int g = 0; g < hair->ghost_count; ++g )
+    {
+        points[g] = hair->y[g * hair->node_count + i];
+    }
+    return guide_oracle_spread( points, hair->ghost_count );
+}
+
+static inline double largest_strain( const scene* s, int a )
+{
+    double largest = 0.0;
+    for ( int i = 1; i < NODES; ++i )
+    {
+        double length = double3_distance( s->x[a * NODES + i], s->x[a * NODES + i - 1] );
+        largest = fmax( largest, fabs( length / segment - 1.0 ) );
+    }
+    return largest;
+}
+
+// Eq. 1 once more, from the outside in: every pair's distance first, minima afterwards.
+static inline double brute_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes )
+{
+    double table[32][32], sum = 0.0;
+    for ( int n = 0; n < detail_nodes * guide_nodes; ++n )
+    {
+        double length = double3_distance( detail[n / guide_nodes], guide[n % guide_nodes] );
+        table[n / guide_nodes][n % guide_nodes] = length;
+    }
+    for ( int k = 0; k < detail_nodes; ++k )
+    {
+        double least = table[k][0];
+        for ( int i = 1; i < guide_nodes; ++i )
+        {
+            least = table[k][i] < least ? table[k][i] : least;
+        }
+        sum += least * least;
+    }
+    return sum;
+}

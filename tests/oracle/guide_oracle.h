@@ -1,0 +1,340 @@
+/// Guide hair in plain double precision: target strands drive ghost strands. The equations one by one, then the
+/// ghosts of a head of hair stepped in the order of the specification, then the curves that draw them.
+///
+/// Equation numbers and switch names are those of "PBD-based Framework for Efficiently Controlling the Movement of
+/// Strands in Hair"; A1..A16 are the resolutions of what that text leaves open or misprints, X1..X5 what goes beyond
+/// it. SI units. A strand is a run of nodes, node 0 its root; strand s of a set of n nodes each begins at s * n.
+/// Nothing here is optimised.
+#pragma once
+
+#include "constraint_oracle.h"
+#include "wisp/base.h"
+
+// ---- switches ----
+
+/// How Eq. 4 reads the change of velocity (A2).
+typedef enum guide_oracle_elastic
+{
+    GUIDE_ORACLE_ELASTIC_CHANGE,      ///< 0.5 - 0.5 cos: 0 in steady motion, 1 at reversal (default)
+    GUIDE_ORACLE_ELASTIC_PRINTED_COS, ///< 0.5 + 0.5 cos: as printed, with the angle that the prose speaks of
+    GUIDE_ORACLE_ELASTIC_PRINTED_RAW, ///< 0.5 + 0.5 v.v0: literally, in m^2/s^2, not bounded
+} guide_oracle_elastic;
+
+/// What turns the offsets of the ghosts (A16, X5).
+typedef enum guide_oracle_frame
+{
+    GUIDE_ORACLE_FRAME_OFF,      ///< R = 1: offsets keep their directions in the world (default)
+    GUIDE_ORACLE_FRAME_PARALLEL, ///< guide_oracle_parallel_frames() from the root rotation of each target
+    GUIDE_ORACLE_FRAME_GIVEN,    ///< the caller's rotation for every paired target node
+} guide_oracle_frame;
+
+/// Which point of its target a ghost node follows (A14, X1).
+typedef enum guide_oracle_pairing
+{
+    GUIDE_ORACLE_PAIRING_NODE,    ///< node i follows node i; other node counts are refused (default)
+    GUIDE_ORACLE_PAIRING_NEAREST, ///< the nearest rest particle of the target: the source's limitation, for E6 only
+    GUIDE_ORACLE_PAIRING_SPLINE,  ///< X1: the Catmull-Rom point at the same normalised arc length
+} guide_oracle_pairing;
+
+// ---- Eq. 1: correspondence ----
+
+/// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2 (A6).
+double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes );
+
+/// The guide with the least strand distance; the lowest index wins a tie.
+/// @return -1 when there is no guide
+int guide_oracle_nearest_guide( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
+                                int guide_nodes );
+
+/// X3: the `link_count` guides with the least strand distances d_k, nearest first, ties lowest index first, and
+/// their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse squared
+/// distance of the rest strands. Guides at distance 0 share the whole weight equally. One link has weight 1.
+/// @param link_count in [1, guide_count]
+void guide_oracle_links( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
+                         int guide_nodes, int link_count, int* link, double* weight );
+
+// ---- Eq. 2-3: spread of a group ----
+
+/// Why a spread projection leaves its group alone.
+typedef enum guide_oracle_spread_fault
+{
+    GUIDE_ORACLE_SPREAD_SOUND,
+    GUIDE_ORACLE_SPREAD_SINGLE,     ///< fewer than two ghosts: V is 0 whatever happens
+    GUIDE_ORACLE_SPREAD_COINCIDENT, ///< V = 0: no direction to spread
+    GUIDE_ORACLE_SPREAD_BAD_TARGET, ///< Vbar is not positive
+} guide_oracle_spread_fault;
+
+/// The plain mean of points (A10), measured from the first one so that a translation costs no digits.
+double3 guide_oracle_mean( const double3* points, int count );
+
+/// Eq. 3: V = sum |c - d|^2 about the mean c, m^2.
+double guide_oracle_spread( const double3* points, int count );
+
+/// Eq. 2: P = k_v (V - Vbar)^2.
+double guide_oracle_spread_energy( double stiffness, double spread, double wanted );
+
+/// The derivative of (2): dP/dd_l = 4 k_v (V - Vbar)(d_l - c).
+void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double wanted,
+                                   double3* gradient );
+
+/// Move a group to the wanted spread without moving its mean.
+/// @param exact true: scale the offsets by sqrt(Vbar/V). false: the step of (3) as a position based constraint,
+///        Dd_l = -((V - Vbar)/(2V))(d_l - c), which is one Newton step of the former
+guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double wanted, bool exact );
+
+// ---- Eq. 4-5: weights and displacement ----
+
+/// Eq. 4: W of the present and the previous velocity. Below 1e-6 m/s there is no direction: 0 with `change`, 0.5 with
+/// `printed_cos`.
+double guide_oracle_elastic_weight( guide_oracle_elastic elastic, double3 v, double3 v0 );
+
+/// k_tip i/(N-1), linear from the root to the tip (A12); 0 for a strand of one node.
+double guide_oracle_tip_weight( double gain, int node, int node_count );
+
+/// k_com |b - c| / largest (A12); 0 when the largest offset is 0. It is k_com at the farthest ghost; more
+/// is possible only where b is not rigid about c: with feedback, and with several targets a ghost.
+double guide_oracle_centre_weight( double gain, double3 b, double3 c, double largest_offset );
+
+/// What Eq. 5 adds to b: tau v (sum of weights), no longer than `longest` (section 7).
+/// @param longest m; negative: no limit, as printed. 0 forbids every move
+/// @param cut set to true when the limit acted, otherwise left alone
+double3 guide_oracle_displacement( double3 v, double weight, double tau, double longest, bool* cut );
+
+/// Section 4.2: moves all members by goal - mean, so their mean is the goal.
+void guide_oracle_track( double3* members, int count, double3 goal );
+
+/// Optional repair of section 4.6: from the root outwards every node moves along the line to the node before it,
+/// which is repaired already, until their distance is the rest length.
+/// @param segment_lengths [node_count], m: entry i belongs to the segment that ends in node i, entry 0 is not read
+/// @return how many segments had no length, hence no direction, and were left alone
+int guide_oracle_repair_lengths( double3* strand, int node_count, const double* segment_lengths );
+
+// ---- X5: frames ----
+
+typedef struct guide_oracle_rotation
+{
+    double m[3][3]; ///< rows first
+} guide_oracle_rotation;
+
+guide_oracle_rotation guide_oracle_no_rotation( void );
+double3 guide_oracle_rotate( const guide_oracle_rotation* rotation, double3 v );
+
+/// first `b`, then `a`
+guide_oracle_rotation guide_oracle_compose( const guide_oracle_rotation* a, const guide_oracle_rotation* b );
+
+guide_oracle_rotation guide_oracle_turn_about( double3 axis, double angle );
+
+/// The smallest rotation that takes one direction to another; none when one of them has no length. For opposite
+/// directions a half turn about the perpendicular that leans most on the coordinate axis least along `from`.
+/// @param reversed set to true for opposite directions, otherwise left alone
+guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, bool* reversed );
+
+/// Frames by smallest rotations, segment by segment from the root outwards:
+///   R_0 = root,  R_i = S( R_{i-1} t_rest,i -> t_i ) R_{i-1},  t_i = x_i - x_{i-1},
+/// with S the smallest rotation from the carried rest tangent to the present tangent. So node i has the frame of the
+/// segment that ends in it, the root has the frame of the head, and a segment without length adds no rotation.
+/// @return how many tangents were opposite
+int guide_oracle_parallel_frames( const double3* rest, const double3* present, int node_count,
+                                  const guide_oracle_rotation* root, guide_oracle_rotation* frames );
+
+// ---- Eq. 6 and splines ----
+
+/// How a strand is drawn.
+typedef enum guide_oracle_curve
+{
+    GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (A8, default)
+    GUIDE_ORACLE_CURVE_SMOOTH, ///< X2: one cubic a segment through all nodes, C1
+} guide_oracle_curve;
+
+/// The weights of Eq. 6.
+/// @param printed true: the second coefficient is 2, as printed (A1); false: 3
+void guide_oracle_bezier_weights( double t, bool printed, double weight[4] );
+
+double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
+
+/// Cubics that draw a strand: 0 for fewer than two nodes, else ceil((N-1)/3) groups, or N-1 smooth ones.
+int guide_oracle_curve_count( int node_count, guide_oracle_curve curve );
+
+/// Their control points. Groups: four nodes that share their ends; a rest of one node is a line, of two nodes a
+/// quadratic, both raised to cubics. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
+/// guide_oracle_tangent().
+/// @param controls receives 4 * guide_oracle_curve_count() points
+void guide_oracle_curve_controls( const double3* nodes, int node_count, guide_oracle_curve curve, double3* controls );
+
+/// Sample every cubic at t = k/M, joints once.
+/// @param points receives curve_count * samples + 1 points, none when curve_count is 0
+/// @return how many points
+int guide_oracle_draw( const double3* controls, int curve_count, int samples, bool printed, double3* points );
+
+/// Largest angle between successive segments, rad; segments without length are passed over.
+double guide_oracle_largest_turn( const double3* points, int count );
+
+/// Cubic Hermite curve from p0 to p1 with derivatives m0, m1 by u in [0, 1], and its derivative.
+double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, double u );
+double3 guide_oracle_hermite_slope( double3 p0, double3 m0, double3 p1, double3 m1, double u );
+
+/// GUI-06 in time: a node between two frames dt apart, by its positions and velocities at both; u in [0, 1].
+double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
+double3 guide_oracle_velocity_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
+
+/// Catmull-Rom tangent by the node number: (x_{i+1} - x_{i-1})/2, one-sided differences at the ends.
+double3 guide_oracle_tangent( const double3* nodes, int node_count, int node );
+
+/// GUI-06 along the strand: the Hermite curve of segment k with Catmull-Rom tangents, and its derivative by u.
+double3 guide_oracle_spline( const double3* nodes, int node_count, int segment, double u );
+double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int segment, double u );
+
+/// Normalised arc length of the polyline at every node, 0 at the root, 1 at the tip; i/(N-1) for a strand without
+/// length.
+void guide_oracle_arc( const double3* nodes, int node_count, double* arc );
+
+/// A point of a strand as a sum of nodes: four indices, which may repeat, and their weights.
+typedef struct guide_oracle_stencil
+{
+    int node[4];
+    double weight[4];
+} guide_oracle_stencil;
+
+/// X1: the spline point at a normalised arc length of the rest polyline. Segment k holds s between its nodes' arc
+/// lengths and u = (s - s_k)/(s_{k+1} - s_k). Made at rest, applied to present positions and velocities alike.
+guide_oracle_stencil guide_oracle_spline_stencil( const double3* rest, int node_count, double arc );
+
+/// The nearest particle; the lowest index wins a tie.
+guide_oracle_stencil guide_oracle_nearest_stencil( const double3* rest, int node_count, double3 point );
+
+double3 guide_oracle_gather( const guide_oracle_stencil* stencil, const double3* nodes );
+
+// ---- targets: a chain by position based dynamics ----
+
+/// A target strand. Node 0 follows `root` when its w is 0.
+typedef struct guide_oracle_strand
+{
+    int node_count;
+    const double3* rest;   ///< [node_count], m: rest lengths of segments and of the bends |x_i - x_{i+2}| (A13)
+    const double* w;       ///< [node_count], 1/kg
+    double dt;             ///< s, one frame
+    int substeps;          ///< > 0
+    int iterations;        ///< > 0, of all segments and then all bends, root first
+    double bend_stiffness; ///< in [0, 1], in every iteration; segments have 1
+    double3 gravity;       ///< m/s^2
+    double3 root;          ///< m, where node 0 is at the end of the frame
+} guide_oracle_strand;
+
+/// One frame: predict, project, v = (p - x)/h, `substeps` times.
+/// @return how many constraints were projected, those without length are counted in `skips`; -1: no memory, and
+///         nothing has moved
+int guide_oracle_strand_step( const guide_oracle_strand* strand, double3* x, double3* v,
+                              constraint_oracle_skips* skips );
+
+// ---- the ghosts of a head of hair ----
+
+/// Everything that is not shape. Start from guide_oracle_default_options(). Those from `dt` to `repair_lengths` may
+/// be changed between steps.
+typedef struct guide_oracle_options
+{
+    guide_oracle_pairing pairing;
+    int link_count;      ///< X3: targets a ghost, default 1
+    bool keep_offset;    ///< a ghost alone in its group keeps y - X of the rest shape, default on
+    bool strict;         ///< no target at all is an error, default off: the ghosts are static
+    double dt;           ///< s, default 1/60; only read with feedback
+    double tau;          ///< s, default dt; the printed form has 1 (A3)
+    double elastic_gain; ///< factor of W, default 1; 0 switches W off
+    double tip_gain;     ///< k_tip >= 0, default 0.5
+    double centre_gain;  ///< k_com >= 0, default 0.5
+    double spread;       ///< Vbar / v_0 > 0, default 1; only read with use_spread
+    guide_oracle_elastic elastic;
+    guide_oracle_frame frame;
+    bool cap_offset;     ///< Eq. 5 moves no farther than one segment of the target, default on
+    bool feedback;       ///< pos* is integrated, default off (A4); needs frame = off and one target a ghost
+    bool use_spread;     ///< default off
+    bool spread_exact;   ///< default on
+    bool repair_lengths; ///< default off
+} guide_oracle_options;
+
+guide_oracle_options guide_oracle_default_options( void );
+
+/// The rest shape. Copied; may die after the call.
+typedef struct guide_oracle_def
+{
+    int target_count, target_nodes;
+    int ghost_count, ghost_nodes;
+    const double3* targets; ///< [target_count * target_nodes], m
+    const double3* ghosts;  ///< [ghost_count * ghost_nodes], m
+    const int* assignment;  ///< [ghost_count] a(g), or null: Eq. 1. Only with one target a ghost
+} guide_oracle_def;
+
+/// What happened, of the set-up and of all steps.
+typedef struct guide_oracle_counters
+{
+    int empty_groups;       ///< targets that won no ghost
+    int coincident_spreads; ///< groups of a node, summed over steps, that stand on one point and cannot spread
+    int zero_segments;      ///< segments without a direction to repair
+    int cut_displacements;  ///< ghost nodes that section 7 held to one segment
+    int reversed_tangents;  ///< segments opposite to their carried rest tangent
+    long node_updates;      ///< ghost nodes moved: what the ghosts cost
+} guide_oracle_counters;
+
+/// The state. `target_nodes` are the caller's, `node_count` is the ghosts'; a paired target is a target seen at the
+/// ghosts' nodes (the same nodes with pairing = node).
+///
+/// Set-up. Ghost g belongs to the group of a(g) and follows its links a_1 = a(g), a_2, ... with weights q_k:
+///   b = sum_k q_k ( X_{a_k} + R_{a_k} o_k ),  o_k = y_rest - e_{a_k},  v = sum_k q_k V_{a_k}
+/// where the anchor e_a is the mean of the group's rest ghosts, so that the group's mean is the target. It is the
+/// paired rest target for an empty group, for a group of one with keep_offset, and with pairing = nearest, where two
+/// nodes share one particle and cannot both have it as their mean. The mean is therefore the target's node with one
+/// link; several links blend what each target would do, and equal y_rest at rest wherever the anchors are on the
+/// targets. With pairing = spline, node j of a group sits at the mean of its ghosts' normalised arc lengths at j
+/// (j/(M-1) for an empty group). With pairing = nearest it has the particle nearest to the mean of the group's nodes
+/// j.
+///
+/// The segment to which section 7 holds Eq. 5 is one of the target as it came, so that ghosts with more nodes are not
+/// held shorter: the segment before the node, or with pairing = spline the one that holds the point.
+typedef struct guide_oracle
+{
+    guide_oracle_options options;
+    int target_count, target_nodes, ghost_count, node_count;
+    int* link;              ///< [ghost_count * link_count], the first of each ghost is a(g)
+    double* link_weight;    ///< [ghost_count * link_count], sum 1 a ghost
+    int* group_size;        ///< [target_count]
+    double* largest;        ///< [target_count], max over nodes and ghosts of |y_rest - c|, m; 0 for a group of one
+    double* rest_spread;    ///< [target_count * node_count], v_0, m^2
+    double3* centre;        ///< [target_count * node_count], mean of the group's rest ghosts; else the paired target
+    double3* anchor;        ///< [target_count * node_count], e
+    double3* rest;          ///< [target_count * node_count], paired rest targets
+    double* segment;        ///< [target_count * node_count], rest length of the target's own segment there, m
+    double* ghost_segment;  ///< [ghost_count * node_count], rest length of the ghost's segment before the node, m
+    double3* offset;        ///< [ghost_count * link_count * node_count], o
+    double3 *x, *v, *v0;    ///< [target_count * node_count], paired targets of the last step
+    bool has_previous;      ///< false until the first step, which has v0 = v
+    double3 *b, *y;         ///< [ghost_count * node_count], base and output, m
+    double* elastic_weight; ///< [ghost_count * node_count], W times its gain
+    double* centre_weight;  ///< [ghost_count * node_count]
+    double3* scratch;       ///< [ghost_count]
+    guide_oracle_stencil* stencil;   ///< [target_count * node_count]
+    guide_oracle_rotation* rotation; ///< [target_count * node_count], R of the last step
+    guide_oracle_counters counters;
+} guide_oracle;
+
+/// Targets at the end of a step.
+typedef struct guide_oracle_motion
+{
+    const double3* x;                      ///< [target_count * target_nodes], m
+    const double3* v;                      ///< [target_count * target_nodes], m/s
+    const guide_oracle_rotation* rotation; ///< frame = parallel: [target_count], the root's rotation since rest;
+                                           ///< frame = given: [target_count * node_count]; null: none
+} guide_oracle_motion;
+
+/// Refuse what the method cannot take (section 7), else make ghosts at their base positions about the rest targets.
+/// @param error receives one sentence that names the ghost, the node or the parameter; may be null
+/// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
+wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,
+                                 wisp_error* error );
+
+void guide_oracle_destroy( guide_oracle* hair );
+
+/// One step of section 4: pair, frames, base, weights, Eq. 5, spread, repair. Roots have y = b: they are out of Eq.
+/// 5, of the spread and of the repair. With feedback b is carried by dt v, takes Eq. 5 and is tracked: the mean of a
+/// group returns to where the mean of X + o is. What all members share is thereby undone; what differs between them
+/// stays for good.
+/// @return WISP_BAD_INPUT: a parameter is out of range or a target node is not finite; the state is unchanged
+wisp_status guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion, wisp_error* error );
