@@ -42,4 +42,11 @@ int KERNEL( strand_stretch )( const wisp_strand_stretch_job* job, int begin, int
 void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end );
 void KERNEL( strand_follow )( const wisp_strand_follow_job* job, int begin, int end );
 void KERNEL( strand_rod )( const wisp_strand_rod_job* job, int begin, int end );
+void KERNEL( strand_contact_begin )( const wisp_strand_contact_job* job, int group, bool first_iteration,
+                                     wisp_strand_reach* reach );
+void KERNEL( strand_contact )( const wisp_strand_contact_job* job, int begin, int end );
+void KERNEL( strand_target )( const wisp_strand_target_job* job, int begin, int end );
+void KERNEL( strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end );
+void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end );
+void KERNEL( strand_curve )( const wisp_strand_curve_job* job, int begin, int end );
 void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end );

@@ -35,5 +35,11 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_link = KERNEL( strand_link ),
     .strand_follow = KERNEL( strand_follow ),
     .strand_rod = KERNEL( strand_rod ),
+    .strand_contact_begin = KERNEL( strand_contact_begin ),
+    .strand_contact = KERNEL( strand_contact ),
+    .strand_target = KERNEL( strand_target ),
+    .strand_ghost = KERNEL( strand_ghost ),
+    .strand_ghost_blend = KERNEL( strand_ghost_blend ),
+    .strand_curve = KERNEL( strand_curve ),
     .prolong = KERNEL( prolong ),
 };

@@ -53,23 +53,25 @@ LANE_INLINE frame16 frame16_multiply( frame16 a, frame16 b )
     return ( frame16 ){ turned.x, turned.y, turned.z, lane16_sub( lane16_mul( a.w, b.w ), lane16v_dot( u, v ) ) };
 }
 
-/// v turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
+/// v turned by a quaternion of any length, times the square of that length: (w^2 - u.u) v + 2 (u.v) u + 2 w (u x v).
 LANE_INLINE lane16v frame16_turn( frame16 q, lane16v v )
 {
-    const lane16v axis = { q.x, q.y, q.z };
-    const lane16v t = lane16v_scale( lane16v_cross( axis, v ), lane16_set1( 2.0f ) );
-    return lane16v_add( lane16v_mul_add( v, q.w, t ), lane16v_cross( axis, t ) );
+    const lane16v u = { q.x, q.y, q.z };
+    const lane16 along = lane16v_dot( u, v ), own = lane16_sub( lane16_mul( q.w, q.w ), lane16v_dot( u, u ) );
+    const lane16v turned = lane16v_mul_add( lane16v_scale( v, own ), lane16_add( along, along ), u );
+    return lane16v_mul_add( turned, lane16_add( q.w, q.w ), lane16v_cross( u, v ) );
 }
 
-/// The third column of the rotation.
+/// The z axis of a quaternion of any length, times the square of that length.
 LANE_INLINE lane16v frame16_z( frame16 q )
 {
-    const lane16 two = lane16_set1( 2.0f ), one = lane16_set1( 1.0f );
+    const lane16 two = lane16_set1( 2.0f );
     const lane16 xz = lane16_mul( q.x, q.z ), wy = lane16_mul( q.w, q.y );
     const lane16 yz = lane16_mul( q.y, q.z ), wx = lane16_mul( q.w, q.x );
     const lane16 tilt = lane16_add( lane16_mul( q.x, q.x ), lane16_mul( q.y, q.y ) );
+    const lane16 stand = lane16_add( lane16_mul( q.z, q.z ), lane16_mul( q.w, q.w ) );
     return ( lane16v ){ lane16_mul( two, lane16_add( xz, wy ) ), lane16_mul( two, lane16_sub( yz, wx ) ),
-                        lane16_sub( one, lane16_mul( two, tilt ) ) };
+                        lane16_sub( stand, tilt ) };
 }
 
 /// A quaternion of unit length; what has none, or no finite one, becomes `otherwise`.
@@ -77,20 +79,22 @@ LANE_INLINE frame16 frame16_normalise( frame16 q, frame16 otherwise )
 {
     const lane16 squared = frame16_dot( q, q );
     const lane16m has_length =
-        lane16m_and( lane16_lt( lane16_set1( 1e-20f ), squared ), lane16_lt( squared, lane16_set1( FLT_MAX ) ) );
+        lane16m_and( lane16_lt( lane16_set1( FLT_MIN ), squared ), lane16_lt( squared, lane16_set1( FLT_MAX ) ) );
     const lane16 inverse = lane16_div( lane16_set1( 1.0f ), lane16_sqrt( squared ) );
     return frame16_select( has_length, frame16_scale( q, inverse ), otherwise );
 }
 
-/// The frame carried along: turned by the smallest rotation that takes its z axis to the unit vector t. Against its own
-/// direction there is no smallest one: then it turns about its own x axis.
-LANE_INLINE frame16 frame16_carry( frame16 q, lane16v t )
+/// The frame carried along: turned by the smallest rotation that takes its z axis to the direction of e, and of unit length
+/// again. Against its own direction there is no smallest one: then it turns about its own x axis.
+/// @param length of e, above 0
+LANE_INLINE frame16 frame16_carry( frame16 q, lane16v e, lane16 length )
 {
-    const lane16 one = lane16_set1( 1.0f ), zero = lane16_zero();
-    const lane16v z = frame16_z( q ), axis = lane16v_cross( z, t );
-    const frame16 swing = { axis.x, axis.y, axis.z, lane16_add( one, lane16v_dot( z, t ) ) };
+    const lane16 zero = lane16_zero();
+    const lane16v z = frame16_z( q ), axis = lane16v_cross( z, e );
+    const lane16 whole = lane16_mul( frame16_dot( q, q ), length );
+    const frame16 swing = { axis.x, axis.y, axis.z, lane16_add( whole, lane16v_dot( z, e ) ) };
     const frame16 about_x = { q.w, q.z, lane16_neg( q.y ), lane16_neg( q.x ) };
-    const lane16m turns_back = lane16_lt( swing.w, lane16_set1( 1e-6f ) );
+    const lane16m turns_back = lane16_lt( swing.w, lane16_mul( lane16_set1( 1e-6f ), whole ) );
     const frame16 carried = frame16_select( turns_back, about_x, frame16_multiply( swing, q ) );
-    return frame16_normalise( carried, ( frame16 ){ zero, zero, zero, one } );
+    return frame16_normalise( carried, ( frame16 ){ zero, zero, zero, lane16_set1( 1.0f ) } );
 }

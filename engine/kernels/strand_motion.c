@@ -3,39 +3,42 @@
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// Roots go where they are carried; their velocity tells how they get there, and so does that of other pinned vertices, which
-// stand at the end of their way already.
+// Roots go where they are carried; their velocity tells how they get there.
+static void predict_roots( const wisp_strand_motion_job* job, int group, lane16v gain )
+{
+    const size_t at = (size_t)job->group_row[group] * STRIDE;
+    const lane16 dt = lane16_set1( job->dt ), inverse_dt = lane16_set1( 1.0f / job->dt );
+    const lane16v p = lane16v_load( job->position + at ), v = lane16v_load( job->velocity + at );
+    const lane16v root = job->root != NULL ? lane16v_load( job->root + (size_t)group * STRIDE ) : p;
+    const lane16m is_free =
+        lane16_lt( lane16_zero(), lane16_load( job->weight + (size_t)job->group_row[group] * WISP_LANES ) );
+    const lane16v flies = lane16v_add( v, gain ), carried = lane16v_scale( lane16v_sub( root, p ), inverse_dt );
+    lane16v_store( job->previous + at, p );
+    lane16v_store( job->velocity + at, lane16v_select( is_free, flies, carried ) );
+    lane16v_store( job->position + at, lane16v_select( is_free, lane16v_mul_add( p, dt, flies ), root ) );
+}
+
+// Pinned vertices behind the roots stand at the end of their way already, and their velocity tells where they came from.
 void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end )
 {
     const wisp_strand_motion_job mine = *job;
     const lane16 dt = lane16_set1( mine.dt ), zero = lane16_zero();
-    const lane16 inverse_dt = lane16_set1( 1.0f / mine.dt );
-    const lane16v gain = lane16v_scale( lane16v_set1( mine.acceleration ), dt );
+    const lane16v gain = lane16v_scale( lane16v_set1( mine.acceleration ), dt ), none = { zero, zero, zero };
     for ( int g = begin; g < end; ++g )
     {
-        const int first = mine.group_row[g];
-        for ( int row = first; row < mine.group_row[g + 1]; ++row )
+        predict_roots( &mine, g, gain );
+        for ( int row = mine.group_row[g] + 1; row < mine.group_row[g + 1]; ++row )
         {
             const size_t at = (size_t)row * STRIDE;
-            lane16v p = lane16v_load( mine.position + at ), v = lane16v_load( mine.velocity + at );
             const lane16m is_free = lane16_lt( zero, lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
-            lane16v start = p;
-            if ( row == first && mine.root != NULL )
-            {
-                const lane16v root = lane16v_load( mine.root + (size_t)g * STRIDE );
-                const lane16v carried = lane16v_scale( lane16v_sub( root, p ), inverse_dt );
-                v = lane16v_select( is_free, lane16v_add( v, gain ), carried );
-                p = lane16v_select( is_free, lane16v_mul_add( p, dt, v ), root );
-            }
-            else
-            {
-                start = lane16v_select( is_free, p, lane16v_sub( p, lane16v_scale( v, dt ) ) );
-                v = lane16v_select( is_free, lane16v_add( v, gain ), v );
-                p = lane16v_select( is_free, lane16v_mul_add( p, dt, v ), p );
-            }
+            const lane16v p = lane16v_load( mine.position + at );
+            const lane16v v =
+                lane16v_add( lane16v_load( mine.velocity + at ), lane16v_select( is_free, gain, none ) );
+            const lane16v way = lane16v_scale( v, dt );
+            const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, way ) );
             lane16v_store( mine.previous + at, start );
             lane16v_store( mine.velocity + at, v );
-            lane16v_store( mine.position + at, p );
+            lane16v_store( mine.position + at, lane16v_add( start, way ) );
         }
     }
 }
@@ -92,7 +95,8 @@ void KERNEL( strand_air )( const wisp_strand_air_job* job, int begin, int end )
             const lane16 length = lane16_load( mine.length + lanes );
             const lane16v from = lane16v_load( mine.position + ( row > first ? at - STRIDE : at ) );
             const lane16v to = lane16v_load( mine.position + ( row < last ? at + STRIDE : at ) );
-            const lane16v along = lane16v_sub( to, from );
+            const lane16v own = lane16v_load( mine.position + at );
+            const lane16v along = lane16v_sub( lane16v_select( lane16_lt( zero, length ), to, own ), from );
             const lane16v v = lane16v_load( mine.velocity + at ), u = lane16v_sub( wind, v );
             const lane16 share =
                 lane16_div( lane16v_dot( u, along ), lane16_max( lane16v_dot( along, along ), tiny ) );

@@ -10,14 +10,15 @@ static const size_t QUATERNION = 4 * WISP_LANES;
 enum
 {
     ROW = WISP_STRAND_SCRATCH,
-    REST_VECTOR = 0,           // k_i in the world, [3]
-    TURNED = 3 * WISP_LANES,   // z x k_i, [3]
-    MOMENT = 6 * WISP_LANES,   // T_i
-    SLOPE = 7 * WISP_LANES,    // second derivative of the bending by a turn of the middle frame
-    LOAD = 8 * WISP_LANES,     // b_i, then what is eliminated of the twist
-    COUPLING = 9 * WISP_LANES, // of the twist
-    SOLVED = 6 * WISP_LANES,   // y of the bending, [3]: by then T_i is used up behind
-    TURN = 11 * WISP_LANES,    // of a segment about itself, rad
+    REST_VECTOR = 0,            // k_i in the world, [3]
+    TURNED = 3 * WISP_LANES,    // z x k_i, [3]
+    MOMENT = 6 * WISP_LANES,    // T_i
+    SLOPE = 7 * WISP_LANES,     // second derivative of the bending by a turn of the middle frame
+    LOAD = 8 * WISP_LANES,      // b_i
+    COUPLING = 9 * WISP_LANES,  // of the twist
+    TURN = 11 * WISP_LANES,     // of a segment about itself, rad
+    BINORMAL = 12 * WISP_LANES, // kb_i, then T_i kb_i, [3]
+    SOLVED = 6 * WISP_LANES,    // y of the bending, [3]: T_i, slope and load are used up by then
 };
 
 LANE_INLINE lane16 lanes_of( const float* column, int row )
@@ -25,23 +26,37 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
     return lane16_load( column + (size_t)row * WISP_LANES );
 }
 
+// Where a vertex goes by itself, without what accelerates it in this substep: at rest that is where it is.
+LANE_INLINE lane16v coasting( const wisp_strand_rod_job* job, int row )
+{
+    const lane16 minus_dt2 = lane16_set1( -job->dt * job->dt ), zero = lane16_zero();
+    const lane16v p = lane16v_load( job->position + (size_t)row * STRIDE );
+    const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( job->acceleration ) );
+    return lane16v_select( lane16_lt( zero, lanes_of( job->weight, row ) ), before, p );
+}
+
 // ---- tension first ----
 
 static void pull( const wisp_strand_rod_job* job, int first, int last )
 {
     const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -job->dt * job->dt );
-    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), before = { zero, zero, zero };
+    lane16v p = coasting( job, first ), before = { zero, zero, zero };
     for ( int row = first; row < last; ++row )
     {
         lane16v behind = { zero, zero, zero }, next = p;
         if ( row + 1 < last )
         {
-            next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
-            const lane16 share = lane16_mul( lanes_of( job->tension, row ), lanes_of( job->inverse_length, row ) );
+            next = coasting( job, row + 1 );
+            const lane16 most = lanes_of( job->most_tension, row );
+            float* at = job->tension + (size_t)row * WISP_LANES;
+            const lane16 tension = lane16_max( lane16_neg( most ), lane16_min( most, lane16_load( at ) ) );
+            const lane16 share = lane16_mul( tension, lanes_of( job->inverse_length, row ) );
+            lane16_store( at, tension );
             behind = lane16v_scale( lane16v_sub( p, next ), lane16_mul( share, minus_dt2 ) );
         }
-        const lane16v moved = lane16v_mul_add( p, lanes_of( job->weight, row ), lane16v_sub( behind, before ) );
-        lane16v_store( job->position + (size_t)row * STRIDE, moved );
+        float* place = job->position + (size_t)row * STRIDE;
+        const lane16v force = lane16v_sub( behind, before );
+        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( job->weight, row ), force ) );
         before = behind;
         p = next;
     }
@@ -58,28 +73,31 @@ static frame16 clamp_frame( const wisp_strand_rod_job* job, int group )
 // Turn a segment's frame to where the segment points now; without a length it keeps its direction.
 static frame16 carry_frame( const wisp_strand_rod_job* job, int row, lane16v e )
 {
-    float* at = job->frame + (size_t)row * QUATERNION;
-    const frame16 q = frame16_load( at );
+    const frame16 q = frame16_load( job->frame + (size_t)row * QUATERNION );
     const lane16 squared = lane16v_dot( e, e );
     const lane16m has_length = lane16_lt( lane16_set1( 1e-30f ), squared );
-    const lane16v t = lane16v_scale( e, lane16_div( lane16_set1( 1.0f ), lane16_sqrt( squared ) ) );
-    return frame16_select( has_length, frame16_carry( q, t ), q );
+    return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
 }
 
 // Vertex i between two frames: rest vector, twist moment, what bending and its slope ask of the twist.
-static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, frame16 b, lane16v bend, float* out )
+static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, frame16 b, lane16v from, lane16v to,
+                            float* out )
 {
+    const lane16v bend = lane16v_sub( to, from );
     const lane16 zero = lane16_zero(), two = lane16_set1( 2.0f );
     const lane16m opposed = lane16_lt( frame16_dot( a, b ), zero );
     b = frame16_select( opposed, frame16_scale( b, lane16_set1( -1.0f ) ), b );
-    const frame16 middle = frame16_normalise( frame16_add( a, b ), a );
-    const lane16v k = frame16_turn( middle, lane16v_load( job->rest + (size_t)row * STRIDE ) );
-    const lane16v turned = lane16v_cross( frame16_z( middle ), k );
+    const lane16 rw = frame16_dot( a, b );
+    // |a + b|^2 = 2 + 2 a.b, and both were brought to one side, so it is 2 at least
+    const frame16 middle = frame16_add( a, b );
+    const lane16 shrink = lane16_div( lane16_set1( 0.5f ), lane16_add( lane16_set1( 1.0f ), rw ) );
+    const lane16v rest = lane16v_scale( lane16v_load( job->rest + (size_t)row * STRIDE ), shrink );
+    const lane16v k = frame16_turn( middle, rest );
+    const lane16v turned = lane16v_scale( lane16v_cross( frame16_z( middle ), k ), shrink );
 
     // conj( a ) b about z, less the rest twist
     const lane16 rz = lane16_add( lane16_sub( lane16_mul( a.w, b.z ), lane16_mul( a.z, b.w ) ),
                                   lane16_sub( lane16_mul( a.y, b.x ), lane16_mul( a.x, b.y ) ) );
-    const lane16 rw = frame16_dot( a, b );
     const float* rest_twist = job->rest_twist + (size_t)row * 2 * WISP_LANES;
     const lane16 c = lane16_load( rest_twist ), s = lane16_load( rest_twist + WISP_LANES );
     const lane16 z = lane16_sub( lane16_mul( rz, c ), lane16_mul( rw, s ) );
@@ -88,6 +106,11 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
     const lane16 whole = lane16_max( lane16_abs( w ), lane16_set1( 0.087f ) );
     const lane16 sign = lane16_select( lane16_lt( w, zero ), lane16_set1( -2.0f ), two );
     const lane16 twist = lane16_div( lane16_mul( sign, z ), whole );
+
+    // the binormal has no end where a strand folds back: it is cut at 154 degrees
+    const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
+    const lane16 share = lane16_div( two, lane16_max( fold, lane16_set1( 0.1f ) ) );
+    lane16v_store( out + BINORMAL, lane16v_scale( lane16v_cross( from, to ), share ) );
 
     const lane16 stiffness = lanes_of( job->stiffness, row );
     lane16v_store( out + REST_VECTOR, k );
@@ -101,15 +124,15 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
 static void measure_frames( const wisp_strand_rod_job* job, int group, int first, int last )
 {
     frame16 before = clamp_frame( job, group );
-    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), t_before = frame16_z( before );
+    lane16v p = coasting( job, first ), t_before = frame16_z( before );
     float* out = job->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
+        const lane16v next = coasting( job, row + 1 );
         const lane16v e = lane16v_sub( next, p ), t = lane16v_scale( e, lanes_of( job->inverse_length, row ) );
         const frame16 q = carry_frame( job, row, e );
         frame16_store( job->frame + (size_t)row * QUATERNION, q );
-        measure_vertex( job, row, before, q, lane16v_sub( t, t_before ), out );
+        measure_vertex( job, row, before, q, t_before, t, out );
         before = q;
         t_before = t;
         p = next;
@@ -151,9 +174,9 @@ static void balance_twist( const wisp_strand_rod_job* job, int first, int last )
 // Back from the tip: segments turn about themselves, and what was measured turns with them.
 static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
 {
-    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), one = lane16_set1( 1.0f );
+    const lane16 half = lane16_set1( 0.5f );
     const lane16 most = lane16_set1( 1.0f );
-    lane16 behind = zero;
+    lane16 behind = lane16_zero();
     for ( int row = last - 2; row >= first; --row )
     {
         float* at = job->scratch + (size_t)( row - first ) * ROW;
@@ -161,12 +184,14 @@ static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
         behind = turn;
         turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // a radian a substep: NaN becomes one
         lane16_store( at + TURN, turn );
+        // times ( 0, 0, tan, 1 ): the length is made one again when the frame is carried
         const lane16 s = lane16_mul( half, turn );
         float* frame = job->frame + (size_t)row * QUATERNION;
         const frame16 q = frame16_load( frame );
-        frame16_store( frame, frame16_normalise( frame16_multiply( q, ( frame16 ){ zero, zero, s, one } ), q ) );
+        frame16_store( frame, ( frame16 ){ lane16_mul_add( s, q.y, q.x ), lane16_sub( q.y, lane16_mul( s, q.x ) ),
+                                           lane16_mul_add( s, q.w, q.z ), lane16_sub( q.w, lane16_mul( s, q.z ) ) } );
     }
-    lane16 before = zero;
+    lane16 before = lane16_zero();
     for ( int row = first; row + 1 < last; ++row )
     {
         float* at = job->scratch + (size_t)( row - first ) * ROW;
@@ -174,7 +199,8 @@ static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
         lane16v_store( at + REST_VECTOR,
                        lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
         const lane16 twisted = lane16_mul( lanes_of( job->twist_stiffness, row ), lane16_sub( turn, before ) );
-        lane16_store( at + MOMENT, lane16_add( lane16_load( at + MOMENT ), twisted ) );
+        const lane16 moment = lane16_add( lane16_load( at + MOMENT ), twisted );
+        lane16v_store( at + BINORMAL, lane16v_scale( lane16v_load( at + BINORMAL ), moment ) );
         before = turn;
     }
 }
@@ -197,10 +223,7 @@ LANE_INLINE bending bend_vertex( const wisp_strand_rod_job* job, int row, const 
     if ( job->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
-        const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( a, b ) );
-        const lane16 share = lane16_div( lane16_set1( 2.0f ), lane16_max( fold, lane16_set1( 0.1f ) ) );
-        const lane16 twist = lane16_mul( lane16_load( scratch + MOMENT ), lane16_mul( share, dt2 ) );
-        out.twist = lane16v_scale( lane16v_cross( a, b ), twist );
+        out.twist = lane16v_scale( lane16v_load( scratch + BINORMAL ), dt2 );
     }
     out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( job->stiffness, row ) );
     return out;
@@ -225,7 +248,8 @@ static void load_and_eliminate( const wisp_strand_rod_job* job, int group, int f
     lane16v t = lane16v_scale( lane16v_sub( p, lane16v_load( job->position + (size_t)first * STRIDE ) ),
                                lanes_of( job->inverse_length, first ) );
     lane16v change = job->damping > 0.0f ? change_of( job, first, t ) : none;
-    bending own = bend_vertex( job, first, job->scratch, frame16_z( clamp_frame( job, group ) ), t, none );
+    bending own = bend_vertex( job, first, job->scratch, frame16_z( clamp_frame( job, group ) ), t,
+                               lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
     {
@@ -293,13 +317,13 @@ void KERNEL( strand_rod )( const wisp_strand_rod_job* job, int begin, int end )
         {
             continue;
         }
-        pull( &mine, first, last );
         if ( mine.frame != NULL )
         {
             measure_frames( &mine, g, first, last );
             balance_twist( &mine, first, last );
             turn_segments( &mine, first, last );
         }
+        pull( &mine, first, last );
         load_and_eliminate( &mine, g, first, last );
         substitute( &mine, first, last );
     }

@@ -26,23 +26,26 @@ static void eliminate( const wisp_strand_stretch_job* job, int first, int last )
 {
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
     const lane16 least = lane16_set1( LEAST_PIVOT );
-    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), e_before = { zero, zero, zero };
+    const lane16v none = { zero, zero, zero }; // of what is behind a tip
+    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), e_before = none;
     lane16 w = lane16_load( job->weight + (size_t)first * WISP_LANES );
     lane16 inverse_before = zero, multiplier_before = zero;
     float* out = job->scratch;
     for ( int row = first; row + 1 < last; ++row, out += SEGMENT )
     {
-        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE ), e = lane16v_sub( p, next );
+        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
         const lane16 w_next = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
         const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+        const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( p, next ), none );
         const lane16 squared = lane16v_dot( e, e );
         const lane16 lacks = lane16_mul( half, lane16_sub( lane16_mul( length, length ), squared ) );
+        // off^2 / pivot before instead of off coupling: what one segment waits for of the other is kept short
         const lane16 off = lane16_neg( lane16_mul( w, lane16v_dot( e_before, e ) ) );
-        const lane16 coupling = lane16_mul( off, inverse_before );
-        const lane16 pivot =
-            lane16_sub( lane16_mul( lane16_add( w, w_next ), squared ), lane16_mul( off, coupling ) );
+        const lane16 own = lane16_mul( lane16_add( w, w_next ), squared );
+        const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), inverse_before ) );
         const lane16m solvable = lane16_lt( least, pivot );
         const lane16 inverse = lane16_select( solvable, lane16_div( one, pivot ), zero );
+        const lane16 coupling = lane16_mul( off, inverse_before );
         const lane16 multiplier = lane16_mul( lane16_sub( lacks, lane16_mul( off, multiplier_before ) ), inverse );
         lane16v_store( out, e );
         lane16_store( out + MULTIPLIER, multiplier );
@@ -65,9 +68,11 @@ LANE_INLINE void judge( verdict* v, lane16v e, lane16 length, lane16 bad )
 {
     const lane16 square = lane16_mul( length, length );
     const lane16 error = lane16_abs( lane16_sub( lane16v_dot( e, e ), square ) );
-    v->inexact = lane16m_or( v->inexact, lane16_lt( lane16_mul( square, lane16_set1( EXACT ) ), error ) );
-    // a NaN is not within any tolerance
-    v->bad = lane16m_or( v->bad, lane16m_not( lane16_le( error, lane16_mul( square, bad ) ) ) );
+    const lane16m is_segment = lane16_lt( lane16_zero(), length );
+    const lane16m inexact = lane16_lt( lane16_mul( square, lane16_set1( EXACT ) ), error );
+    const lane16m good = lane16_le( error, lane16_mul( square, bad ) ); // a NaN is not within any tolerance
+    v->inexact = lane16m_or( v->inexact, lane16m_and( is_segment, inexact ) );
+    v->bad = lane16m_or( v->bad, lane16m_and_not( is_segment, good ) );
 }
 
 // From the tip to the root: multipliers, and each vertex moves by those of its two segments.
@@ -88,12 +93,13 @@ static verdict solve( const wisp_strand_stretch_job* job, int first, int last, l
         {
             const lane16 multiplier =
                 lane16_sub( lane16_load( in + MULTIPLIER ), lane16_mul( coupling_behind, multiplier_behind ) );
-            pull = lane16v_scale( lane16v_load( in ), multiplier );
+            const lane16v e = lane16v_load( in );
+            pull = lane16v_scale( e, multiplier );
             length_before = lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES );
             if ( job->tension != NULL )
             {
                 float* tension = job->tension + (size_t)( row - 1 ) * WISP_LANES;
-                const lane16 change = lane16_mul( lane16_mul( multiplier, length_before ), per_tension );
+                const lane16 change = lane16_mul( lane16_mul( multiplier, lane16v_length( e ) ), per_tension );
                 lane16_store( tension, lane16_sub( lane16_load( tension ), change ) );
             }
             multiplier_behind = multiplier;
@@ -158,19 +164,19 @@ static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int firs
         const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
         direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
         put = lane16v_mul_add( put, lane16_load( job->length + (size_t)row * WISP_LANES ), direction );
-        lane16v_store( at, lane16v_select( lanes, put, p ) );
+        const lane16 weight = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
+        const lane16m moves = lane16m_and( lanes, lane16_lt( zero, weight ) );
+        lane16v_store( at, lane16v_select( moves, put, p ) );
         const lane16v start = lane16v_load( from ), way = lane16v_sub( put, start );
         const lane16m far_away = lane16m_not( lane16_le( lane16v_dot( way, way ), reach2 ) );
-        lane16v_store( from, lane16v_select( lane16m_and( lanes, far_away ), put, start ) );
+        lane16v_store( from, lane16v_select( lane16m_and( moves, far_away ), put, start ) );
         before = p;
     }
-    if ( job->tension != NULL )
+    // the multipliers of passes that came to nothing are no tensions
+    for ( int row = first; row < last && job->tension != NULL; ++row )
     {
-        for ( int row = first; row < last; ++row )
-        {
-            float* tension = job->tension + (size_t)row * WISP_LANES;
-            lane16_store( tension, lane16_select( lanes, zero, lane16_load( tension ) ) );
-        }
+        float* at = job->tension + (size_t)row * WISP_LANES;
+        lane16_store( at, lane16_select( lanes, zero, lane16_load( at ) ) );
     }
 }
 

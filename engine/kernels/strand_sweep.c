@@ -7,54 +7,41 @@ static const size_t STRIDE = 3 * WISP_LANES;
 // Below this squared length, m^2, a segment has no direction.
 #define LEAST_SQUARE 1e-30f
 
-// pbd: share = stiffness / (wa + wb). xpbd: dlambda = -(C + alpha lambda) / (wa + wb + alpha). Two pinned ends do nothing.
+// What the multiplier changes by, over the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb + alpha)).
 typedef struct link_rule
 {
-    lane16 stiffness, alpha;
-    bool compliant;
+    lane16 stiffness, alpha; // alpha is 0 and stiffness k in pbd; in xpbd stiffness is 1
 } link_rule;
 
-LANE_INLINE lane16 change_of_lambda( const link_rule* rule, lane16 weight, lane16 error, lane16* lambda )
+LANE_INLINE lane16 change_over_length( const link_rule* rule, lane16 weight, lane16 length, lane16 rest,
+                                       lane16 lambda )
 {
-    const lane16 zero = lane16_zero();
-    const lane16m moves = lane16_lt( zero, weight );
-    lane16 change;
-    if ( rule->compliant )
-    {
-        const lane16 numerator = lane16_mul_add( rule->alpha, *lambda, error );
-        change = lane16_neg( lane16_div( numerator, lane16_add( weight, rule->alpha ) ) );
-    }
-    else
-    {
-        change = lane16_neg( lane16_div( lane16_mul( rule->stiffness, error ), weight ) );
-    }
-    change = lane16_select( moves, change, zero );
-    *lambda = lane16_add( *lambda, change );
-    return change;
+    const lane16 error = lane16_mul_add( rule->alpha, lambda, lane16_sub( rest, length ) );
+    const lane16 denominator = lane16_mul( length, lane16_add( weight, rule->alpha ) );
+    return lane16_div( lane16_mul( rule->stiffness, error ), denominator );
 }
 
 static void sweep_group( const wisp_strand_link_job* job, const link_rule* rule, int first, int last )
 {
-    const lane16 zero = lane16_zero();
+    const lane16 zero = lane16_zero(), least = lane16_set1( LEAST_SQUARE );
     for ( int row = first; row + job->stride < last; ++row )
     {
         const size_t a = (size_t)row * STRIDE, b = a + (size_t)job->stride * STRIDE;
         const size_t lanes = (size_t)row * WISP_LANES, other = lanes + (size_t)job->stride * WISP_LANES;
         const lane16v pa = lane16v_load( job->position + a ), pb = lane16v_load( job->position + b );
         const lane16 wa = lane16_load( job->weight + lanes ), wb = lane16_load( job->weight + other );
-        const lane16 rest = lane16_load( job->rest + lanes );
+        const lane16 rest = lane16_load( job->rest + lanes ), weight = lane16_add( wa, wb );
         const lane16v along = lane16v_sub( pa, pb );
         const lane16 squared = lane16v_dot( along, along );
-        const lane16m links =
-            lane16m_and( lane16_le( zero, rest ), lane16_lt( lane16_set1( LEAST_SQUARE ), squared ) );
+        // two pinned ends, no direction, or no link: nothing to say
+        const lane16m holds = lane16m_and( lane16m_and( lane16_lt( zero, weight ), lane16_lt( zero, rest ) ),
+                                           lane16_lt( least, squared ) );
         const lane16 length = lane16_sqrt( squared );
-        lane16 lambda = job->lambda != NULL ? lane16_load( job->lambda + lanes ) : zero;
-        const lane16 before = lambda;
-        lane16 change = change_of_lambda( rule, lane16_add( wa, wb ), lane16_sub( length, rest ), &lambda );
-        change = lane16_select( links, lane16_div( change, length ), zero );
+        const lane16 lambda = job->lambda != NULL ? lane16_neg( lane16_load( job->lambda + lanes ) ) : zero;
+        const lane16 change = lane16_select( holds, change_over_length( rule, weight, length, rest, lambda ), zero );
         if ( job->lambda != NULL )
         {
-            lane16_store( job->lambda + lanes, lane16_select( links, lambda, before ) );
+            lane16_store( job->lambda + lanes, lane16_sub( lane16_mul( change, length ), lambda ) );
         }
         lane16v_store( job->position + a, lane16v_mul_add( pa, lane16_mul( wa, change ), along ) );
         lane16v_store( job->position + b, lane16v_mul_add( pb, lane16_neg( lane16_mul( wb, change ) ), along ) );
@@ -64,8 +51,9 @@ static void sweep_group( const wisp_strand_link_job* job, const link_rule* rule,
 void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end )
 {
     const wisp_strand_link_job mine = *job;
-    const link_rule rule = { lane16_set1( mine.stiffness ), lane16_set1( mine.compliance * mine.inverse_dt2 ),
-                             mine.inverse_dt2 > 0.0f };
+    const bool compliant = mine.inverse_dt2 > 0.0f;
+    const link_rule rule = { lane16_set1( compliant ? 1.0f : mine.stiffness ),
+                             lane16_set1( mine.compliance * mine.inverse_dt2 ) };
     for ( int g = begin; g < end; ++g )
     {
         sweep_group( &mine, &rule, mine.group_row[g], mine.group_row[g + 1] );

@@ -400,20 +400,20 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
 
 // ---- what is read ----
 
-wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_quality* out )
+wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_quality* out )
 {
     *out = ( wisp_quality ){ 0 };
-    store_entity* e;
-    wisp_status status = find_surface( world, surface, &e );
-    if ( status != WISP_OK )
+    const store_entity* e = store_find( &world->store, entity );
+    if ( e == NULL )
     {
-        return status;
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                entity.index, entity.generation );
     }
     const wisp_quality* column = store_column( &world->store, e, WISP_QUALITY, 0 );
     if ( column == NULL || ( e->wants & store_bit( WISP_QUALITY ) ) == 0 )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u takes no figures: ask with wisp_want first",
-                                surface.index );
+                                entity.index );
     }
     *out = *column;
     return WISP_OK;

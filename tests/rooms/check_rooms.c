@@ -427,8 +427,8 @@ static bool add_effects_of( checker* c, const char* folder )
             good = add_effect( c, word );
         }
     }
-    // Where every word is generic, only the whole name tells the effect.
-    return good && ( special > 0 || add_effect( c, folder ) );
+    // Where every word is generic, only the whole name tells the effect; a single such word tells none.
+    return good && ( special > 0 || strchr( folder, '_' ) == NULL || add_effect( c, folder ) );
 }
 
 static bool collect_effects( checker* c )

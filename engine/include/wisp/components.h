@@ -48,7 +48,7 @@
 #define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
 #define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
 #define WISP_STRAND_WEIGHT_COLUMNS( X ) X( float, weight, 16 )     /* 1/kg; 0: pinned, or not a vertex */
-#define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 )     /* m, of the segment to the next row; 0: none */
+#define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */
 #define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \
     X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
     X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */

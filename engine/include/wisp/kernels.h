@@ -3,6 +3,7 @@
 #pragma once
 
 #include "wisp/random.h"
+#include "wisp/shapes.h"
 
 WISP_BEGIN_C
 
@@ -259,7 +260,7 @@ typedef struct wisp_strand_stretch_job
     const int32_t* group_row;
     float* position;     ///< [row][3][16]
     const float* weight; ///< [row][16]
-    const float* length; ///< [row][16] m, rest length of the segment from this row to the next; 0 behind the tip
+    const float* length; ///< [row][16] m, > 0: of the segment from this row to the next; 0 behind the tip
     float* tension;      ///< [row][16] N, of that segment; null: not wanted
     bool keeps_tension;  ///< add to what is there instead of beginning at 0
     int passes;          ///< >= 1
@@ -270,7 +271,7 @@ typedef struct wisp_strand_stretch_job
 } wisp_strand_stretch_job;
 
 /// Floats a row that a strand kernel may use.
-#define WISP_STRAND_SCRATCH ( 12 * WISP_LANES )
+#define WISP_STRAND_SCRATCH ( 15 * WISP_LANES )
 
 /// Distances along strands in one sweep from the root, between rows `stride` apart (pbd, xpbd: as wisp_link_job).
 typedef struct wisp_strand_link_job
@@ -278,7 +279,7 @@ typedef struct wisp_strand_link_job
     const int32_t* group_row;
     float* position;
     const float* weight;
-    const float* rest; ///< [row][16] m, between this row and the one `stride` behind it; negative: no link
+    const float* rest; ///< [row][16] m, between this row and the one `stride` behind it; 0 or less: no link
     float* lambda;     ///< xpbd: [row][16] N s^2 of this substep; null: one iteration
     int stride;        ///< 1 or 2
     float stiffness;   ///< pbd: share of the error taken away, in [0, 1]
@@ -301,8 +302,9 @@ typedef struct wisp_strand_follow_job
 /// Bending and twist of elastic rods, implicit in the positions. Vertex i bends with the energy
 ///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i,
 /// which is quadratic while the frames that carry the rest vectors k_i stay: (M + dt^2 K) x = -dt^2 dE/dp is one
-/// pentadiagonal system for x, y and z alike, whose factors are kept. Frames are carried along without twist; then the
-/// twist takes its balance, a tridiagonal system. Segment -1 is the clamp at the root.
+/// pentadiagonal system for x, y and z alike, whose factors are kept. Frames are carried along without twist, to where the
+/// strand goes by itself (p less dt^2 acceleration); then the twist takes its balance, a tridiagonal system. Segment -1 is
+/// the clamp at the root.
 typedef struct wisp_strand_rod_job
 {
     const int32_t* group_row;
@@ -311,18 +313,113 @@ typedef struct wisp_strand_rod_job
     const float* weight;         ///< [row][16]
     const float* inverse_length; ///< [row][16] 1/m of the segment to the next row; 0 where there is none
     const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
-    const float* factor;     ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
-    const float* tension;    ///< [row][16] N, of the substep before: it pulls along, so that at rest nothing moves
-    const float* root;       ///< [group][4][16] quaternion x y z w: how the root is turned from rest
-    const float* clamp;      ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
-    float* frame;            ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
-    const float* rest;       ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
-    const float* rest_twist; ///< [row][2][16] cosine and sine of half the rest twist; with frames only
+    const float* factor;       ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
+    float* tension;            ///< [row][16] N, of the substep before: it pulls along, so that at rest nothing moves
+    const float* most_tension; ///< [row][16] N: no more than that pulls, and tension is cut to it
+    const float* root;         ///< [group][4][16] quaternion x y z w: how the root is turned from rest
+    const float* clamp;        ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
+    float* frame;              ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
+    const float* rest;         ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
+    const float* rest_twist;   ///< [row][2][16] cosine and sine of half the rest twist; with frames only
     const float* twist_stiffness; ///< [row][16] N m, GJ / L_i; with frames only
     float damping;                ///< s, of the bending's rate
+    wisp_vec3 acceleration;       ///< m/s^2, of the prediction
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
 } wisp_strand_rod_job;
+
+/// Strands kept out of one body in closed form, with Coulomb friction. Vertices nearer to it than the thickness, where it is
+/// at the end of the substep, are pushed out along its normal there; pinned ones stay. strand_contact.c tells the law.
+typedef struct wisp_strand_contact_job
+{
+    const int32_t* group_row;
+    float* position;     ///< [row][3][16] m, in and out
+    float* previous;     ///< [row][3][16] m, position at the start of the substep; goes along with what is healed
+    const float* weight; ///< [row][16]
+    float* depth;        ///< [row][16] m, how much nearer than the thickness a vertex may be; infinite: as it began
+    float* pushed;       ///< [row][16] m, grows by what the body pushed: stands for the normal impulse
+    float* left;         ///< [row][16] m, grows to how much nearer than the thickness a vertex was let be
+    wisp_shape shape;
+    wisp_rigid before, after; ///< the body at the start and at the end of the substep
+    float thickness;          ///< m
+    float static_friction, kinetic_friction;
+    float recovery; ///< m, how far what may be deep is moved out in this call
+} wisp_strand_contact_job;
+
+/// Where the vertices of a group that move are, and were when the substep began. Empty (low above high) if none moves.
+typedef struct wisp_strand_reach
+{
+    wisp_vec3 low, high; ///< m
+    float path;          ///< m, the longest from then to now
+} wisp_strand_reach;
+
+/// How a change of velocity weighs, from the velocity v now and v0 a step before.
+typedef enum wisp_elastic
+{
+    WISP_ELASTIC_CHANGE,  ///< 1/2 - 1/2 cos(v, v0); 0 where one of them is slower than 1e-6 m/s
+    WISP_ELASTIC_COSINE,  ///< 1/2 + 1/2 cos(v, v0); 1/2 where one of them is slower
+    WISP_ELASTIC_PRODUCT, ///< 1/2 v . v0 + 1/2
+    WISP_ELASTIC_NONE,    ///< 0
+} wisp_elastic;
+
+/// What all ghosts of a target share, node by node, as quads of a table. A node has `stride` floats:
+///   x, y, z, weight     where it is; the sum of the elastic weight and tip_gain i / (n - 1)
+///   x, y, z, limit      time times its velocity, 0 at the root; the largest weight that keeps the sway within the cap
+///   x, y, z, w          stride 12 and 16: quaternion, how its frame is turned from rest
+///   x, y, z, 0          stride 16: the velocity before
+/// Blended, the weight lacks the elastic one, the velocity is not times the time, and the limit is the cap in m.
+typedef struct wisp_strand_target_job
+{
+    const int32_t* group_row;
+    const int32_t* lane_count; ///< [group][16] nodes, 0 in an empty lane
+    const int32_t* lane_node;  ///< [group][16] float of the table where the root's quads begin
+    const float* position;     ///< [row][3][16] m
+    const float* rest;         ///< [row][3][16] m
+    const float* velocity;     ///< [row][3][16] m/s; null: at rest
+    const float* before;       ///< [row][3][16] m/s, a step before; null: as now
+    const float* cap;          ///< [row][16] m, what the sway of a node must not exceed
+    const float* root;         ///< [group][4][16] quaternion, how roots are turned from rest; null: not
+    float* table;
+    int stride;          ///< 8: no frames, 12 or 16
+    bool carries_frames; ///< from the root on by the smallest rotations, else all nodes have the root's
+    bool capped, is_blended;
+    wisp_elastic elastic;
+    float time; ///< s
+    float tip_gain;
+} wisp_strand_target_job;
+
+#define WISP_MOST_LINKS 4
+
+/// Places of ghosts: y = x + R o + sway (weight + scale |o|), the weight within the limit.
+typedef struct wisp_strand_ghost_job
+{
+    const int32_t* group_row;
+    const int32_t* lane_count;
+    const int32_t* lane_node;  ///< [group][link][16] float of the table where the target's root begins
+    const float* lane_share;   ///< blend: [group][link][16] weight of the target, sum 1
+    const float* centre_scale; ///< [group][16] 1/m
+    const float* offset;       ///< [row][link][3][16] m, at rest
+    const float* table;
+    int stride;           ///< 8 or 12; blend: 16
+    int link_count;       ///< blend: targets a ghost, 1 .. WISP_MOST_LINKS; else 1
+    bool turns;           ///< blend: offsets turn with the frames
+    wisp_elastic elastic; ///< blend
+    float time;           ///< blend: s
+    float* to;            ///< [row][3][16] m
+} wisp_strand_ghost_job;
+
+/// Curves through the vertices of strands: a row for the first vertex, then `samples` rows a segment.
+typedef struct wisp_strand_curve_job
+{
+    const int32_t* group_row;     ///< of the curves
+    const int32_t* lane_row;      ///< [group][16] float of `from` where the strand's first vertex is
+    const int32_t* lane_vertices; ///< [group][16] vertices of the strand, 0 in an empty lane
+    const float* from;            ///< [row][3][16] m, the strands
+    float* to;                    ///< [row][3][16] m
+    const float* weight;          ///< [samples][4] of the four points that a segment blends, at t = (k + 1) / samples
+    int samples;
+    bool shares_ends; ///< a segment spans four vertices and blends them; else two, and it blends their neighbours too
+} wisp_strand_curve_job;
 
 typedef struct wisp_kernels
 {
@@ -370,6 +467,14 @@ typedef struct wisp_kernels
     void ( *strand_link )( const wisp_strand_link_job* job, int begin, int end );
     void ( *strand_follow )( const wisp_strand_follow_job* job, int begin, int end );
     void ( *strand_rod )( const wisp_strand_rod_job* job, int begin, int end );
+    /// What comes before the bodies of an iteration: depths from what was left, sums at 0, and the group's reach.
+    void ( *strand_contact_begin )( const wisp_strand_contact_job* job, int group, bool first_iteration,
+                                    wisp_strand_reach* reach );
+    void ( *strand_contact )( const wisp_strand_contact_job* job, int begin, int end );
+    void ( *strand_target )( const wisp_strand_target_job* job, int begin, int end );
+    void ( *strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end );
+    void ( *strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end ); ///< of several targets
+    void ( *strand_curve )( const wisp_strand_curve_job* job, int begin, int end );
     // slices of eight children
     void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;

@@ -151,7 +151,7 @@ WISP_API wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surfa
 /// @param linear m/s @param angular rad/s
 WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular );
 
-/// Figures of a surface at the end of a step. Sums are in double and in a fixed order.
+/// Figures of a surface, or of strands that move, at the end of a step. Sums are in double and in a fixed order.
 typedef struct wisp_quality
 {
     double mass;                ///< kg, of the vertices that are not pinned
@@ -159,15 +159,15 @@ typedef struct wisp_quality
     double momentum[3];         ///< kg m/s
     double angular_momentum[3]; ///< kg m^2/s about the centre
     double kinetic_energy;      ///< J
-    double potential_energy;    ///< J, of the gravity that acts on the surface; 0 at the origin
-    double volume;              ///< m^3, signed; of a mesh with a border: of the cone to the first vertex
-    double strain_max;          ///< largest |l/l0 - 1| of the edges
-    double strain_mean;         ///< mean |l/l0 - 1| of the edges
-    double speed_max;           ///< m/s
+    double potential_energy;    ///< J, of the gravity that acts on it; 0 at the origin
+    double volume;      ///< m^3, signed; of a mesh with a border: of the cone to the first vertex; 0 of strands
+    double strain_max;  ///< largest |l/l0 - 1| of the edges or segments
+    double strain_mean; ///< mean |l/l0 - 1| of the edges or segments
+    double speed_max;   ///< m/s
 } wisp_quality;
 
 /// @return WISP_CONFLICT unless WISP_QUALITY is wanted and a step was made since
-WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity surface, wisp_quality* out );
+WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_quality* out );
 
 /// An entity whose state stopped being finite, or left its bounds, was put back to its last good state and takes no part
 /// in steps any more.

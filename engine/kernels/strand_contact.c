@@ -1,0 +1,306 @@
+// Strands kept out of one body in closed form, with Coulomb friction, sixteen strands at once.
+//
+// The distance to the body is taken where the body is at the end of the substep, and where it was at the start. With h the
+// thickness, a vertex must end at h; one that began nearer may stay as deep as it was for reasons that are not its own (it
+// started inside, it was put there), less what is healed in this substep:
+//
+//   may = depth it was let be, at most where it began (or where it began, if that is new)
+//   healed <= what is recovered in a call: position and previous position go together, so it is never read as velocity
+//   pushed = h - (may - healed) - distance, the rest of the way: stands for the normal impulse
+//
+// Whatever else it is too deep is what other constraints pulled it in by: it is pushed out with the velocity that undoes
+// the pull, or a strand under tension would sink. Friction follows, on the motion against the body's surface:
+//
+//   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s pushed, else p -= mu_k pushed u / |u|
+#include "kernel_isa.h"
+
+#include <math.h>
+
+// Of the thickness: from so deep on, what moves outward by itself is not kept as velocity.
+static const float SHALLOW = 0.1f;
+
+static const size_t STRIDE = 3 * WISP_LANES;
+
+typedef struct contact_pose
+{
+    lane16v axis; // vector part of the rotation
+    lane16 w;
+    lane16v place;
+} contact_pose;
+
+// What is the same for all rows.
+typedef struct contact_body
+{
+    wisp_shape_kind kind;
+    lane16 radius, half_length;
+    lane16v half;
+    contact_pose before, after;
+    lane16 thickness, shallow, recovery, static_friction, kinetic_friction;
+} contact_body;
+
+typedef struct contact_surface
+{
+    lane16v normal;
+    lane16 distance;
+} contact_surface;
+
+static contact_pose spread_pose( wisp_rigid pose )
+{
+    const wisp_quat q = pose.rotation;
+    return ( contact_pose ){ lane16v_set1( ( wisp_vec3 ){ q.x, q.y, q.z } ), lane16_set1( q.w ),
+                             lane16v_set1( pose.translation ) };
+}
+
+static contact_body spread_body( const wisp_strand_contact_job* job )
+{
+    return ( contact_body ){
+        .kind = job->shape.kind,
+        .radius = lane16_set1( job->shape.radius ),
+        .half_length = lane16_set1( job->shape.half_length ),
+        .half = lane16v_set1( job->shape.half_extent ),
+        .before = spread_pose( job->before ),
+        .after = spread_pose( job->after ),
+        .thickness = lane16_set1( job->thickness ),
+        .shallow = lane16_set1( SHALLOW * job->thickness ),
+        .recovery = lane16_set1( job->recovery ),
+        .static_friction = lane16_set1( job->static_friction ),
+        .kinetic_friction = lane16_set1( job->kinetic_friction ),
+    };
+}
+
+// v + 2 w (q x v) + 2 q x (q x v)
+static lane16v turn( lane16v q, lane16 w, lane16v v )
+{
+    lane16v t = lane16v_scale( lane16v_cross( q, v ), lane16_set1( 2.0f ) );
+    return lane16v_add( lane16v_mul_add( v, w, t ), lane16v_cross( q, t ) );
+}
+
+static lane16v to_world( const contact_pose* pose, lane16v p )
+{
+    return lane16v_add( turn( pose->axis, pose->w, p ), pose->place );
+}
+
+static lane16v to_body( const contact_pose* pose, lane16v p )
+{
+    const lane16v q = { lane16_neg( pose->axis.x ), lane16_neg( pose->axis.y ), lane16_neg( pose->axis.z ) };
+    return turn( q, pose->w, lane16v_sub( p, pose->place ) );
+}
+
+// ---- closest points ----
+
+// Around a point whose distance vector is `away`.
+static contact_surface around( lane16v away, lane16 radius, wisp_vec3 fallback )
+{
+    lane16 length = lane16v_length( away );
+    lane16m apart = lane16_gt( length, lane16_zero() );
+    lane16v normal = lane16v_scale( away, lane16_div( lane16_set1( 1.0f ), length ) );
+    return ( contact_surface ){ lane16v_select( apart, normal, lane16v_set1( fallback ) ),
+                                lane16_sub( length, radius ) };
+}
+
+static lane16 clamp( lane16 x, lane16 half )
+{
+    return lane16_min( lane16_max( x, lane16_neg( half ) ), half );
+}
+
+static lane16 with_sign_of( float size, lane16 x )
+{
+    return lane16_select( lane16_lt( x, lane16_zero() ), lane16_set1( -size ), lane16_set1( size ) );
+}
+
+// Inside, or on the surface: the face that is nearest, the first of equals.
+static contact_surface inside_box( lane16v p, lane16v half )
+{
+    lane16 zero = lane16_zero();
+    lane16 x = lane16_sub( lane16_abs( p.x ), half.x ), y = lane16_sub( lane16_abs( p.y ), half.y );
+    lane16 z = lane16_sub( lane16_abs( p.z ), half.z ), most = lane16_max( x, y );
+    lane16m is_z = lane16_gt( z, most ), is_y = lane16m_and_not( lane16_gt( y, x ), is_z );
+    lane16m is_x = lane16m_not( lane16m_or( is_y, is_z ) );
+    lane16v normal = {
+        lane16_select( is_x, with_sign_of( 1.0f, p.x ), zero ),
+        lane16_select( is_y, with_sign_of( 1.0f, p.y ), zero ),
+        lane16_select( is_z, with_sign_of( 1.0f, p.z ), zero ),
+    };
+    return ( contact_surface ){ normal, lane16_max( z, most ) };
+}
+
+static contact_surface closest_on_box( lane16v p, lane16v half )
+{
+    const lane16v q = { clamp( p.x, half.x ), clamp( p.y, half.y ), clamp( p.z, half.z ) };
+    lane16v away = lane16v_sub( p, q );
+    lane16 length = lane16v_length( away );
+    lane16m outside = lane16_gt( length, lane16_zero() );
+    const contact_surface in = inside_box( p, half );
+    lane16v normal = lane16v_scale( away, lane16_div( lane16_set1( 1.0f ), length ) );
+    return ( contact_surface ){ lane16v_select( outside, normal, in.normal ),
+                                lane16_select( outside, length, in.distance ) };
+}
+
+static contact_surface closest( const contact_body* body, lane16v p )
+{
+    switch ( body->kind )
+    {
+        case WISP_SHAPE_SPHERE:
+            return around( p, body->radius, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+        case WISP_SHAPE_CAPSULE:
+            p.y = lane16_sub( p.y, clamp( p.y, body->half_length ) );
+            return around( p, body->radius, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+        case WISP_SHAPE_BOX:
+            return closest_on_box( p, body->half );
+        default:
+            return ( contact_surface ){ lane16v_set1( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } ), p.y };
+    }
+}
+
+// ---- one row ----
+
+// How far out a vertex goes, and what of it.
+typedef struct contact_way
+{
+    lane16 out;    // m, along the normal
+    lane16 healed; // m of it, which its previous place goes along with
+    lane16 calmed; // m that its previous place goes besides
+    lane16 left;   // m that it stays too deep
+} contact_way;
+
+static contact_way find_way( const contact_body* body, lane16 start, lane16 now, lane16 depth )
+{
+    lane16 zero = lane16_zero();
+    lane16 began = lane16_max( lane16_sub( body->thickness, start ), zero );
+    lane16m is_new = lane16_gt( began, lane16_add( depth, body->thickness ) );
+    lane16 may = lane16_select( is_new, began, lane16_min( depth, began ) );
+    lane16 pulled = lane16_sub( began, may );
+    lane16 outward = lane16_max( lane16_sub( lane16_sub( now, start ), pulled ), zero );
+    lane16 left = lane16_max( lane16_sub( may, outward ), zero );
+    contact_way way;
+    way.healed = lane16_min( left, lane16_max( lane16_sub( body->recovery, outward ), zero ) );
+    way.left = lane16_sub( left, way.healed );
+    way.out = lane16_max( lane16_sub( lane16_sub( body->thickness, way.left ), now ), zero );
+    way.calmed = lane16_select( lane16_gt( may, body->shallow ), outward, zero );
+    return way;
+}
+
+// What of the motion `u` across the normal friction takes away.
+static lane16v rub( const contact_body* body, lane16v u, lane16 pushed )
+{
+    lane16 length = lane16v_length( u );
+    lane16m sticks = lane16_le( length, lane16_mul( body->static_friction, pushed ) );
+    lane16 share = lane16_div( lane16_mul( body->kinetic_friction, pushed ), length );
+    return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), share ) );
+}
+
+// How far the body's surface under the vertex moves in the substep.
+static lane16v surface_motion( const contact_body* body, lane16v local, const contact_surface* s )
+{
+    lane16v point = lane16v_mul_add( local, lane16_neg( s->distance ), s->normal );
+    return lane16v_sub( to_world( &body->after, point ), to_world( &body->before, point ) );
+}
+
+static void touch_row( const wisp_strand_contact_job* job, const contact_body* body, size_t row )
+{
+    float *at = job->position + row * STRIDE, *from = job->previous + row * STRIDE;
+    lane16v p = lane16v_load( at );
+    lane16v local = to_body( &body->after, p );
+    const contact_surface s = closest( body, local );
+    lane16m moves = lane16_gt( lane16_load( job->weight + row * WISP_LANES ), lane16_zero() );
+    lane16m touches = lane16m_and( moves, lane16_lt( s.distance, body->thickness ) );
+    if ( lane16m_any( touches ) == false )
+    {
+        return;
+    }
+    float *pushed = job->pushed + row * WISP_LANES, *left = job->left + row * WISP_LANES;
+    lane16v previous = lane16v_load( from );
+    lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
+    const contact_way way = find_way( body, start, s.distance, lane16_load( job->depth + row * WISP_LANES ) );
+    lane16v normal = turn( body->after.axis, body->after.w, s.normal );
+    lane16v out = lane16v_mul_add( p, way.out, normal );
+    lane16v moved = lane16v_mul_add( previous, lane16_add( way.healed, way.calmed ), normal );
+
+    lane16 push = lane16_max( lane16_sub( way.out, way.healed ), lane16_zero() );
+    lane16v u = lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) );
+    u = lane16v_mul_add( u, lane16_neg( lane16v_dot( normal, u ) ), normal );
+    out = lane16v_sub( out, rub( body, u, push ) );
+
+    lane16v_store( at, lane16v_select( touches, out, p ) );
+    lane16v_store( from, lane16v_select( touches, moved, previous ) );
+    lane16 sum = lane16_load( pushed ), deepest = lane16_load( left );
+    lane16_store( pushed, lane16_select( touches, lane16_add( sum, push ), sum ) );
+    lane16_store( left, lane16_select( touches, lane16_max( deepest, way.left ), deepest ) );
+}
+
+// ---- before the first body ----
+
+static lane16v smaller( lane16v a, lane16v b )
+{
+    return ( lane16v ){ lane16_min( a.x, b.x ), lane16_min( a.y, b.y ), lane16_min( a.z, b.z ) };
+}
+
+static lane16v larger( lane16v a, lane16v b )
+{
+    return ( lane16v ){ lane16_max( a.x, b.x ), lane16_max( a.y, b.y ), lane16_max( a.z, b.z ) };
+}
+
+// Who touched nothing in the iteration before is let be as deep as it is found.
+static void begin_row( const wisp_strand_contact_job* job, size_t row, bool first_iteration )
+{
+    float *pushed = job->pushed + row * WISP_LANES, *left = job->left + row * WISP_LANES;
+    lane16 sum = lane16_load( pushed ), deep = lane16_load( left );
+    lane16m held = lane16_gt( lane16_max( sum, deep ), lane16_zero() );
+    lane16_store( job->depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
+    lane16_store( left, lane16_zero() );
+    if ( first_iteration )
+    {
+        lane16_store( pushed, lane16_zero() );
+    }
+}
+
+static wisp_vec3 fold( lane16v v, bool to_smallest )
+{
+    _Alignas( 64 ) float lanes[3 * WISP_LANES];
+    float least[3];
+    lane16v_store( lanes, v );
+    for ( int k = 0; k < 3; ++k )
+    {
+        least[k] = lanes[k * WISP_LANES];
+        for ( int l = 1; l < WISP_LANES; ++l )
+        {
+            const float x = lanes[k * WISP_LANES + l];
+            least[k] = ( to_smallest ? x < least[k] : x > least[k] ) ? x : least[k];
+        }
+    }
+    return ( wisp_vec3 ){ least[0], least[1], least[2] };
+}
+
+// Vertices that are no number widen nothing: they are the second operand of no comparison.
+void KERNEL( strand_contact_begin )( const wisp_strand_contact_job* job, int group, bool first_iteration,
+                                     wisp_strand_reach* reach )
+{
+    const lane16v nowhere = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
+    const lane16v beyond = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
+    lane16v low = nowhere, high = beyond;
+    lane16 longest = lane16_zero();
+    for ( int row = job->group_row[group]; row < job->group_row[group + 1]; ++row )
+    {
+        lane16v p = lane16v_load( job->position + (size_t)row * STRIDE );
+        lane16v q = lane16v_load( job->previous + (size_t)row * STRIDE ), d = lane16v_sub( p, q );
+        lane16m moves = lane16_gt( lane16_load( job->weight + (size_t)row * WISP_LANES ), lane16_zero() );
+        low = smaller( lane16v_select( moves, smaller( p, q ), nowhere ), low );
+        high = larger( lane16v_select( moves, larger( p, q ), beyond ), high );
+        longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
+        begin_row( job, (size_t)row, first_iteration );
+    }
+    *reach = ( wisp_strand_reach ){ .low = fold( low, true ), .high = fold( high, false ) };
+    lane16 length = lane16_sqrt( longest );
+    reach->path = fold( ( lane16v ){ length, length, length }, false ).x;
+}
+
+// ---- one body ----
+
+void KERNEL( strand_contact )( const wisp_strand_contact_job* job, int begin, int end )
+{
+    const contact_body body = spread_body( job );
+    for ( int row = job->group_row[begin]; row < job->group_row[end]; ++row )
+    {
+        touch_row( job, &body, (size_t)row );
+    }
+}

@@ -1,0 +1,127 @@
+// Smooth curves through the vertices of strands, lane = strand. A segment of a curve blends four points; its samples are
+// one row each, so the blending weights are the same for all lanes.
+#include "kernel_isa.h"
+
+// Four points that a segment blends. Joints belong to the segment before them.
+typedef struct segment16
+{
+    lane16v p[4];
+} segment16;
+
+// Vertex `i` of the strands that a group's lanes follow, their ends repeated beyond them.
+typedef struct curve_source
+{
+    const float* from;
+    const int32_t *at, *count; // of the group's lanes
+    bool in_step;              // the lanes are those of one group of the source, and equally long: nothing to gather
+    lane16i last;              // vertices less one
+} curve_source;
+
+static curve_source source_of( const wisp_strand_curve_job* job, int group )
+{
+    const int32_t* at = job->lane_row + group * WISP_LANES;
+    const int32_t* count = job->lane_vertices + group * WISP_LANES;
+    curve_source s = { job->from, at, count, at[0] % WISP_LANES == 0, lane16i_loadu( count ) };
+    for ( int lane = 1; lane < WISP_LANES; ++lane )
+    {
+        s.in_step = s.in_step && at[lane] == at[0] + lane && count[lane] == count[0];
+    }
+    s.last = lane16i_sub( s.last, lane16i_set1( 1 ) );
+    return s;
+}
+
+static lane16v vertex( const curve_source* s, int i )
+{
+    i = i < 0 ? 0 : i;
+    if ( s->in_step )
+    {
+        const int last = s->count[0] - 1;
+        return lane16v_load( s->from + s->at[0] + (size_t)( i < last ? i : last ) * 3 * WISP_LANES );
+    }
+    float rows[3 * WISP_LANES] __attribute__( ( aligned( 64 ) ) );
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        const int last = s->count[lane] - 1, row = i < last ? i : last;
+        const float* p = s->from + s->at[lane] + (ptrdiff_t)( row > 0 ? row : 0 ) * 3 * WISP_LANES;
+        for ( int axis = 0; axis < 3; ++axis )
+        {
+            rows[axis * WISP_LANES + lane] = s->count[lane] > 0 ? p[axis * WISP_LANES] : 0.0f;
+        }
+    }
+    return lane16v_load( rows );
+}
+
+// a + share (b - a), which is a where both are the same.
+static lane16v between( lane16v a, lane16v b, float share )
+{
+    return lane16v_mul_add( a, lane16_set1( share ), lane16v_sub( b, a ) );
+}
+
+// Groups of four vertices that share their ends. Where a lane has fewer left, a line or a quadratic as a cubic.
+static segment16 shared_ends( const curve_source* s, int segment )
+{
+    const int first = 3 * segment;
+    segment16 c = { { vertex( s, first ), vertex( s, first + 1 ), vertex( s, first + 2 ), vertex( s, first + 3 ) } };
+    const lane16i left = lane16i_sub( s->last, lane16i_set1( first ) );
+    const lane16m line = lane16i_lt( left, lane16i_set1( 2 ) ), quadratic = lane16i_eq( left, lane16i_set1( 2 ) );
+    if ( lane16m_any( lane16m_or( line, quadratic ) ) )
+    {
+        // behind a lane's last vertex all four are that vertex, and remain it
+        const lane16v middle = c.p[1], end = c.p[3];
+        c.p[1] = lane16v_select( quadratic, between( c.p[0], middle, 2.0f / 3.0f ), c.p[1] );
+        c.p[2] = lane16v_select( quadratic, between( middle, end, 1.0f / 3.0f ), c.p[2] );
+        c.p[1] = lane16v_select( line, between( c.p[0], end, 1.0f / 3.0f ), c.p[1] );
+        c.p[2] = lane16v_select( line, between( c.p[0], end, 2.0f / 3.0f ), c.p[2] );
+    }
+    return c;
+}
+
+// One segment between two vertices and its neighbours. Beyond an end the strand goes on straight: then the tangent there
+// is the one-sided difference.
+static segment16 neighbours( const curve_source* s, int segment )
+{
+    const lane16 two = lane16_set1( 2.0f );
+    segment16 c = { { vertex( s, segment - 1 ), vertex( s, segment ), vertex( s, segment + 1 ),
+                      vertex( s, segment + 2 ) } };
+    if ( segment == 0 )
+    {
+        c.p[0] = lane16v_sub( lane16v_scale( c.p[1], two ), c.p[2] );
+    }
+    const lane16m at_end = lane16i_lt( s->last, lane16i_set1( segment + 2 ) );
+    if ( lane16m_any( at_end ) )
+    {
+        c.p[3] = lane16v_select( at_end, lane16v_sub( lane16v_scale( c.p[2], two ), c.p[1] ), c.p[3] );
+    }
+    return c;
+}
+
+static void draw_segment( const wisp_strand_curve_job* job, segment16 c, float* to, int samples )
+{
+    for ( int k = 0; k < samples; ++k )
+    {
+        const float* weight = job->weight + 4 * (size_t)k;
+        lane16v sum = lane16v_scale( c.p[0], lane16_set1( weight[0] ) );
+        for ( int n = 1; n < 4; ++n )
+        {
+            sum = lane16v_mul_add( sum, lane16_set1( weight[n] ), c.p[n] );
+        }
+        lane16v_store( to + (size_t)k * 3 * WISP_LANES, sum );
+    }
+}
+
+void KERNEL( strand_curve )( const wisp_strand_curve_job* job, int begin, int end )
+{
+    for ( int group = begin; group < end; ++group )
+    {
+        const curve_source source = source_of( job, group );
+        const int row_count = job->group_row[group + 1] - job->group_row[group];
+        float* to = job->to + (size_t)job->group_row[group] * 3 * WISP_LANES;
+        lane16v_store( to, vertex( &source, 0 ) );
+        for ( int segment = 0; 1 + segment * job->samples < row_count; ++segment )
+        {
+            const segment16 c = job->shares_ends ? shared_ends( &source, segment ) : neighbours( &source, segment );
+            draw_segment( job, c, to + ( 1 + (size_t)segment * (size_t)job->samples ) * 3 * WISP_LANES,
+                          job->samples );
+        }
+    }
+}

@@ -1,0 +1,364 @@
+// Strands that follow others. What all ghosts of a target share is worked out once, a node of the target at a time, and laid
+// down as quads; a ghost then costs two or three quads, its own offset and its place, so that memory is what limits it.
+#include "strand_frame.h"
+
+enum
+{
+    LARGEST_STRIDE = 16, // floats a node in the table
+};
+
+static const float SLOW_SPEED = 1e-6f; // m/s, below it a velocity has no direction
+
+// ---- how the velocity changed ----
+
+// The weight of a target that moves with v and moved with `before`, lane by lane.
+#define DEFINE_ELASTIC( P, PV )                                                                                      \
+    LANE_INLINE P P##_elastic( wisp_elastic elastic, PV v, PV before )                                               \
+    {                                                                                                                \
+        const P half = P##_set1( 0.5f ), one = P##_set1( 1.0f ), slow = P##_set1( SLOW_SPEED );                      \
+        const P product = P##v_dot( v, before );                                                                     \
+        if ( elastic == WISP_ELASTIC_NONE )                                                                          \
+        {                                                                                                            \
+            return P##_zero();                                                                                       \
+        }                                                                                                            \
+        if ( elastic == WISP_ELASTIC_PRODUCT )                                                                       \
+        {                                                                                                            \
+            return P##_mul_add( product, half, half );                                                               \
+        }                                                                                                            \
+        const P speed = P##v_length( v ), speed0 = P##v_length( before );                                            \
+        const P##m directed = P##m_and( P##_ge( speed, slow ), P##_ge( speed0, slow ) );                             \
+        const P ratio = P##_div( product, P##_mul( speed, speed0 ) );                                                \
+        const P cosine = P##_max( P##_min( ratio, one ), P##_set1( -1.0f ) );                                        \
+        const P share = P##_mul( half, P##_select( directed, cosine, P##_zero() ) );                                 \
+        const P change = P##_select( directed, P##_sub( half, share ), P##_zero() );                                 \
+        return elastic == WISP_ELASTIC_CHANGE ? change : P##_add( half, share );                                     \
+    }
+
+DEFINE_ELASTIC( lane8, lane8v )
+DEFINE_ELASTIC( lane16, lane16v )
+
+// ---- targets ----
+
+// The coordinate axis along which a unit vector is shortest: surely not parallel to it.
+static lane16v least_axis( lane16v v )
+{
+    const lane16 x = lane16_abs( v.x ), y = lane16_abs( v.y ), z = lane16_abs( v.z );
+    const lane16m is_x = lane16m_and( lane16_le( x, y ), lane16_le( x, z ) );
+    const lane16m is_y = lane16m_and_not( lane16_le( y, z ), is_x );
+    const lane16 one = lane16_set1( 1.0f ), zero = lane16_zero();
+    const lane16m is_z = lane16m_not( lane16m_or( is_x, is_y ) );
+    return ( lane16v ){ lane16_select( is_x, one, zero ), lane16_select( is_y, one, zero ),
+                        lane16_select( is_z, one, zero ) };
+}
+
+// q, followed by the smallest rotation that takes `from` to `to`. Opposite directions turn half way round about the
+// perpendicular that leans most on the least axis; what has no length turns nothing.
+static frame16 carry( frame16 q, lane16v from, lane16v to )
+{
+    const lane16 one = lane16_set1( 1.0f ), zero = lane16_zero();
+    const lane16 from_length = lane16v_length( from ), to_length = lane16v_length( to );
+    const lane16m directed = lane16m_and( lane16_lt( zero, from_length ), lane16_lt( zero, to_length ) );
+    const lane16v a = lane16v_scale( from, lane16_div( one, from_length ) );
+    const lane16v b = lane16v_scale( to, lane16_div( one, to_length ) );
+    const lane16v axis = lane16v_cross( a, b );
+    frame16 swing = { axis.x, axis.y, axis.z, lane16_add( one, lane16v_dot( a, b ) ) };
+    const lane16m opposite =
+        lane16m_and( directed, lane16m_and( lane16_lt( lane16v_dot( axis, axis ), lane16_set1( 1e-12f ) ),
+                                            lane16_lt( swing.w, one ) ) );
+    if ( lane16m_any( opposite ) )
+    {
+        const lane16v least = least_axis( a );
+        const lane16v across = lane16v_sub( least, lane16v_scale( a, lane16v_dot( least, a ) ) );
+        swing = frame16_select( opposite, ( frame16 ){ across.x, across.y, across.z, zero }, swing );
+    }
+    const frame16 none = { zero, zero, zero, one };
+    const frame16 turn = frame16_select( directed, frame16_normalise( swing, none ), none );
+    return frame16_normalise( frame16_multiply( turn, q ), q );
+}
+
+// Rows of a group that are read one after another.
+typedef struct target_rows
+{
+    const float *position, *rest, *velocity, *before, *cap;
+    lane16v last, last_rest; // of the row before
+    frame16 frame;
+} target_rows;
+
+static target_rows begin_rows( const wisp_strand_target_job* job, int group )
+{
+    const size_t row = (size_t)job->group_row[group], triple = row * 3 * WISP_LANES;
+    const lane16 zero = lane16_zero();
+    target_rows r = {
+        .position = job->position + triple,
+        .rest = job->rest + triple,
+        .velocity = job->velocity != NULL ? job->velocity + triple : NULL,
+        .before = job->before != NULL ? job->before + triple : NULL,
+        .cap = job->cap + row * WISP_LANES,
+        .frame = { zero, zero, zero, lane16_set1( 1.0f ) },
+    };
+    if ( job->root != NULL )
+    {
+        r.frame = frame16_load( job->root + (size_t)group * 4 * WISP_LANES );
+    }
+    return r;
+}
+
+// The numbers of one node a lane, a quad after the other, as wisp_strand_target_job says.
+static void node_numbers( const wisp_strand_target_job* job, target_rows* r, int i, lane16 tip, lane16 numbers[] )
+{
+    const size_t triple = (size_t)i * 3 * WISP_LANES;
+    const lane16 zero = lane16_zero();
+    const lane16v x = lane16v_load( r->position + triple ), rest = lane16v_load( r->rest + triple );
+    lane16v v = { zero, zero, zero };
+    if ( r->velocity != NULL && i > 0 )
+    {
+        v = lane16v_load( r->velocity + triple );
+    }
+    const lane16v before = r->before != NULL && i > 0 ? lane16v_load( r->before + triple ) : v;
+    if ( job->carries_frames && i > 0 )
+    {
+        r->frame =
+            carry( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ), lane16v_sub( x, r->last ) );
+    }
+    r->last = x;
+    r->last_rest = rest;
+
+    const lane16 cap = job->capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
+    const lane16v sway = job->is_blended ? v : lane16v_scale( v, lane16_set1( job->time ) );
+    lane16 limit = cap;
+    if ( job->is_blended == false )
+    {
+        // a node at rest has a sway of zero: any limit serves
+        const lane16 length = lane16v_length( sway );
+        limit = job->capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
+        tip = lane16_add( lane16_elastic( job->elastic, v, before ), tip );
+    }
+    const lane16 all[LARGEST_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
+                                         sway.z,   limit,    r->frame.x, r->frame.y, r->frame.z, r->frame.w,
+                                         before.x, before.y, before.z,   zero };
+    for ( int k = 0; k < job->stride; ++k )
+    {
+        numbers[k] = all[k];
+    }
+}
+
+// Lanes behind their tip have no node of their own.
+static void store_node( const wisp_strand_target_job* job, int group, int i, bool everywhere, const lane16 numbers[] )
+{
+    float block[LARGEST_STRIDE][WISP_LANES] __attribute__( ( aligned( 64 ) ) );
+    int32_t at[WISP_LANES];
+    for ( int k = 0; k < job->stride; ++k )
+    {
+        lane16_store( block[k], numbers[k] );
+    }
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        at[lane] = job->lane_node[group * WISP_LANES + lane] + i * job->stride;
+    }
+    for ( int half = 0; half < WISP_LANES && everywhere; half += 8 )
+    {
+        for ( int k = 0; k < job->stride; k += 4 )
+        {
+            lane8_store_xyzw( job->table + k, at + half, lane8_load( block[k] + half ),
+                              lane8_load( block[k + 1] + half ), lane8_load( block[k + 2] + half ),
+                              lane8_load( block[k + 3] + half ) );
+        }
+    }
+    for ( int lane = 0; lane < WISP_LANES && everywhere == false; ++lane )
+    {
+        for ( int k = 0; k < job->stride && i < job->lane_count[group * WISP_LANES + lane]; ++k )
+        {
+            job->table[at[lane] + k] = block[k][lane];
+        }
+    }
+}
+
+void KERNEL( strand_target )( const wisp_strand_target_job* job, int begin, int end )
+{
+    for ( int group = begin; group < end; ++group )
+    {
+        target_rows rows = begin_rows( job, group );
+        const lane16i count = lane16i_load( job->lane_count + group * WISP_LANES );
+        const lane16 last =
+            lane16_max( lane16_from_int( lane16i_sub( count, lane16i_set1( 1 ) ) ), lane16_set1( 1 ) );
+        const int row_count = job->group_row[group + 1] - job->group_row[group];
+        for ( int i = 0; i < row_count; ++i )
+        {
+            lane16 numbers[LARGEST_STRIDE];
+            const lane16 tip = lane16_div( lane16_set1( job->tip_gain * (float)i ), last );
+            node_numbers( job, &rows, i, tip, numbers );
+            store_node( job, group, i, lane16m_all( lane16i_lt( lane16i_set1( i ), count ) ), numbers );
+        }
+    }
+}
+
+// ---- ghosts ----
+
+// Where the quads of eight lanes are, row by row. Behind its tip a lane stays there.
+typedef struct quad_walk
+{
+    int32_t at[8];
+    lane8i next, last, stride;
+} quad_walk;
+
+LANE_INLINE quad_walk begin_walk( const int32_t* node, const int32_t* count, int stride )
+{
+    const lane8i one = lane8i_set1( 1 ), zero = lane8i_set1( 0 ), step = lane8i_set1( stride );
+    const lane8i first = lane8i_loadu( node ), behind = lane8i_sub( lane8i_loadu( count ), one );
+    const lane8i steps = lane8i_select( lane8i_lt( behind, zero ), zero, behind );
+    return ( quad_walk ){ .next = first, .last = lane8i_add( first, lane8i_mul( steps, step ) ), .stride = step };
+}
+
+LANE_INLINE void walk( quad_walk* w )
+{
+    lane8i_storeu( w->at, w->next );
+    const lane8i ahead = lane8i_add( w->next, w->stride );
+    w->next = lane8i_select( lane8i_lt( w->last, ahead ), w->last, ahead );
+}
+
+LANE_INLINE lane8v load_offset( const float* rows )
+{
+    return ( lane8v ){ lane8_load( rows ), lane8_load( rows + WISP_LANES ), lane8_load( rows + 2 * WISP_LANES ) };
+}
+
+LANE_INLINE void store_place( float* rows, lane8v y )
+{
+    lane8_store( rows, y.x );
+    lane8_store( rows + WISP_LANES, y.y );
+    lane8_store( rows + 2 * WISP_LANES, y.z );
+}
+
+// v turned by the quaternion at the third quad of each lane's node.
+LANE_INLINE lane8v turn_by_node( const float* table, const int32_t* at, lane8v v )
+{
+    lane8 x, y, z, w;
+    lane8_load_xyzw( table + 8, at, &x, &y, &z, &w );
+    const lane8v axis = { x, y, z };
+    const lane8v t = lane8v_scale( lane8v_cross( axis, v ), lane8_set1( 2.0f ) );
+    return lane8v_add( lane8v_mul_add( v, w, t ), lane8v_cross( axis, t ) );
+}
+
+LANE_INLINE lane8 within( lane8 weight, lane8 limit )
+{
+    return lane8_max( lane8_min( weight, limit ), lane8_neg( limit ) );
+}
+
+// y = x + R o + (shared weight + scale |o|) sway, the weight within the limit.
+LANE_INLINE void ghost_rows( const wisp_strand_ghost_job mine, int group, bool turns )
+{
+    const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
+    const float* offset = mine.offset + (size_t)mine.group_row[group] * 3 * WISP_LANES;
+    float* to = mine.to + (size_t)mine.group_row[group] * 3 * WISP_LANES;
+    const int stride = turns ? 12 : 8;
+    quad_walk walks[2];
+    lane8 scale[2];
+    for ( int half = 0; half < 2; ++half )
+    {
+        walks[half] = begin_walk( mine.lane_node + lanes + 8 * half, mine.lane_count + lanes + 8 * half, stride );
+        scale[half] = lane8_loadu( mine.centre_scale + lanes + 8 * half );
+    }
+    for ( int i = 0; i < row_count; ++i )
+    {
+        for ( int half = 0; half < 2; ++half )
+        {
+            const size_t row = (size_t)i * 3 * WISP_LANES + (size_t)half * 8;
+            quad_walk* w = walks + half;
+            lane8v x, sway;
+            lane8 shared, limit;
+            walk( w );
+            lane8_load_xyzw( mine.table, w->at, &x.x, &x.y, &x.z, &shared );
+            lane8_load_xyzw( mine.table + 4, w->at, &sway.x, &sway.y, &sway.z, &limit );
+            const lane8v o = load_offset( offset + row );
+            const lane8 weight = lane8_mul_add( scale[half], lane8v_length( o ), shared );
+            const lane8v b = lane8v_add( x, turns ? turn_by_node( mine.table, w->at, o ) : o );
+            store_place( to + row, lane8v_mul_add( b, within( weight, limit ), sway ) );
+        }
+    }
+}
+
+void KERNEL( strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end )
+{
+    for ( int group = begin; group < end; ++group )
+    {
+        if ( job->stride == 12 )
+        {
+            ghost_rows( *job, group, true );
+        }
+        else
+        {
+            ghost_rows( *job, group, false );
+        }
+    }
+}
+
+// ---- ghosts of several targets ----
+
+// What the targets of eight ghosts would do with a row, blended.
+typedef struct blended
+{
+    lane8v base, velocity, before;
+    lane8 tip, cap; // of the first target
+} blended;
+
+static blended blend_row( const wisp_strand_ghost_job* job, int lane, quad_walk* walks, const float* offset )
+{
+    const lane8 zero = lane8_zero();
+    const lane8v none = { zero, zero, zero };
+    blended sum = { none, none, none, zero, zero };
+    for ( int k = 0; k < job->link_count; ++k )
+    {
+        lane8v x, v, before;
+        lane8 tip, cap, unused;
+        walk( walks + k );
+        lane8_load_xyzw( job->table, walks[k].at, &x.x, &x.y, &x.z, &tip );
+        lane8_load_xyzw( job->table + 4, walks[k].at, &v.x, &v.y, &v.z, &cap );
+        lane8_load_xyzw( job->table + 12, walks[k].at, &before.x, &before.y, &before.z, &unused );
+        const lane8 share = lane8_loadu( job->lane_share + lane + k * WISP_LANES );
+        const lane8v o = load_offset( offset + (size_t)k * 3 * WISP_LANES );
+        const lane8v place = lane8v_add( x, job->turns ? turn_by_node( job->table, walks[k].at, o ) : o );
+        sum.base = lane8v_mul_add( sum.base, share, place );
+        sum.velocity = lane8v_mul_add( sum.velocity, share, v );
+        sum.before = lane8v_mul_add( sum.before, share, before );
+        sum.tip = k == 0 ? tip : sum.tip;
+        sum.cap = k == 0 ? cap : sum.cap;
+    }
+    return sum;
+}
+
+static void blend_half( const wisp_strand_ghost_job* job, int group, int half )
+{
+    const int links = job->link_count, first = group * WISP_LANES + half;
+    const int row_count = job->group_row[group + 1] - job->group_row[group];
+    const size_t from = (size_t)job->group_row[group] * (size_t)links * 3 * WISP_LANES + (size_t)half;
+    const size_t to = (size_t)job->group_row[group] * 3 * WISP_LANES + (size_t)half;
+    quad_walk walks[WISP_MOST_LINKS];
+    for ( int k = 0; k < links; ++k )
+    {
+        const int32_t* node = job->lane_node + ( group * links + k ) * WISP_LANES + half;
+        walks[k] = begin_walk( node, job->lane_count + first, LARGEST_STRIDE );
+    }
+    const lane8 scale = lane8_loadu( job->centre_scale + first );
+    for ( int i = 0; i < row_count; ++i )
+    {
+        const float* offset = job->offset + from + (size_t)i * (size_t)links * 3 * WISP_LANES;
+        blended b = blend_row( job, group * links * WISP_LANES + half, walks, offset );
+        const lane8 elastic = lane8_elastic( job->elastic, b.velocity, b.before );
+        const lane8 centre = lane8_mul( scale, lane8v_length( load_offset( offset ) ) );
+        const lane8 weight = lane8_add( elastic, lane8_add( b.tip, centre ) );
+        const lane8v sway = lane8v_scale( b.velocity, lane8_set1( job->time ) );
+        const lane8 length = lane8v_length( sway );
+        const lane8m moves = lane8_lt( lane8_zero(), length );
+        const lane8 limit = lane8_select( moves, lane8_div( b.cap, length ), lane8_zero() );
+        store_place( job->to + to + (size_t)i * 3 * WISP_LANES,
+                     lane8v_mul_add( b.base, within( weight, limit ), sway ) );
+    }
+}
+
+void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end )
+{
+    for ( int group = begin; group < end; ++group )
+    {
+        blend_half( job, group, 0 );
+        blend_half( job, group, 8 );
+    }
+}

@@ -1,0 +1,291 @@
+// Kernels over groups of strands: every instruction set gives the same bits, lanes keep out of each other, and what each kernel
+// promises of a single strand. The oracle in double precision holds them to the equations in tests/modules.
+#include "strands_state.h"
+
+static const float DT = 1.0f / 600.0f;
+
+// ---- the same bits ----
+
+static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
+{
+    const wisp_strand_motion_job motion = motion_job( s, DT );
+    const wisp_strand_damp_job damp = { s->group_row, s->position[0][0], s->velocity[0][0],     s->weight[0],
+                                        0.9f,         { 1, 2, 3 },       { 0.5f, -1.0f, 2.0f }, { 0.1f, 0, 0 } };
+    const wisp_strand_air_job air = {
+        s->group_row, s->position[0][0], s->velocity[0][0], s->weight[0], s->length[0], { 3, 0, 1 }, 4e-5f, DT
+    };
+    k->strand_damp( &damp, 0, STRAND_GROUPS );
+    k->strand_air( &air, 0, STRAND_GROUPS );
+    k->strand_predict( &motion, 0, STRAND_GROUPS );
+    if ( kind == 0 || kind == 1 )
+    {
+        const wisp_strand_rod_job rod = rod_job( s, DT, kind == 1, kind == 1 ? 0.01f : 0.0f );
+        k->strand_rod( &rod, 0, STRAND_GROUPS );
+    }
+    for ( int stride = 2; stride > 0 && kind == 2; --stride )
+    {
+        const wisp_strand_link_job pbd = strand_links( s, stride, true ), xpbd = strand_links( s, stride, false );
+        k->strand_link( &pbd, 0, STRAND_GROUPS );
+        k->strand_link( &xpbd, 0, STRAND_GROUPS );
+    }
+    if ( kind == 3 )
+    {
+        const wisp_strand_follow_job follow = { s->group_row, s->position[0][0], s->previous[0][0],
+                                                s->weight[0], s->length[0],      0.9f };
+        k->strand_follow( &follow, 0, STRAND_GROUPS );
+    }
+    const wisp_strand_stretch_job stretch = stretch_job( s, DT, 2 );
+    k->strand_stretch( &stretch, 0, STRAND_GROUPS );
+    k->strand_velocity( &motion, 0, STRAND_GROUPS );
+}
+
+static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
+{
+    (void)state;
+    static strands_state first, other;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int kind = 0; kind < 4; ++kind )
+    {
+        for ( int t = 0; t < count; ++t )
+        {
+            strands_state* s = t == 0 ? &first : &other;
+            make_strands( s );
+            for ( int step = 0; step < 3; ++step )
+            {
+                a_substep( tables[t], s, kind );
+            }
+            memset( s->scratch, 0, sizeof( s->scratch ) );
+            if ( memcmp( &first, s, sizeof( first ) ) != 0 )
+            {
+                fail_msg( "kind %d: %s and %s differ", kind, tables[0]->isa, tables[t]->isa );
+            }
+        }
+    }
+}
+
+static void ranges_of_groups_may_be_cut_anywhere( void** state )
+{
+    (void)state;
+    static strands_state whole, cut;
+    const wisp_kernels* k = widest_table();
+    make_strands( &whole );
+    make_strands( &cut );
+    const wisp_strand_rod_job rod = rod_job( &whole, DT, true, 0.0f ), rod_cut = rod_job( &cut, DT, true, 0.0f );
+    const wisp_strand_stretch_job stretch = stretch_job( &whole, DT, 3 ), stretch_cut = stretch_job( &cut, DT, 3 );
+    k->strand_rod( &rod, 0, STRAND_GROUPS );
+    k->strand_stretch( &stretch, 0, STRAND_GROUPS );
+    for ( int g = STRAND_GROUPS - 1; g >= 0; --g )
+    {
+        k->strand_rod( &rod_cut, g, g + 1 );
+        k->strand_stretch( &stretch_cut, g, g + 1 );
+    }
+    assert_memory_equal( whole.position, cut.position, sizeof( whole.position ) );
+    assert_memory_equal( whole.frame, cut.frame, sizeof( whole.frame ) );
+}
+
+// ---- what moves and what does not ----
+
+static bool is_vertex( const strands_state* s, int g, int row, int lane )
+{
+    return row - s->group_row[g] < s->count[g][lane];
+}
+
+static double segment_error( const strands_state* s, int row, int lane )
+{
+    double squared = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double e = (double)s->position[row + 1][k][lane] - (double)s->position[row][k][lane];
+        squared += e * e;
+    }
+    return fabs( sqrt( squared ) / (double)s->length[row][lane] - 1.0 );
+}
+
+static double largest_error( const strands_state* s )
+{
+    double largest = 0.0;
+    for ( int g = 0; g < STRAND_GROUPS; ++g )
+    {
+        for ( int row = s->group_row[g]; row + 1 < s->group_row[g + 1]; ++row )
+        {
+            for ( int lane = 0; lane < 16; ++lane )
+            {
+                if ( is_vertex( s, g, row + 1, lane ) )
+                {
+                    const double error = segment_error( s, row, lane );
+                    largest = error <= largest ? largest : error;
+                }
+            }
+        }
+    }
+    return largest;
+}
+
+static void segments_have_their_rest_length_after_the_direct_solve( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    assert_true( largest_error( &s ) > 0.05 );
+    const wisp_strand_stretch_job job = stretch_job( &s, DT, 8 );
+    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), 0 );
+    // lengths of 5 mm at 0.3 m from the origin: rounding of a position is 6e-6 of a length
+    assert_true( largest_error( &s ) < 2e-5 );
+}
+
+static void follow_the_leader_is_exact_and_leaves_leaders_alone( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    const wisp_strand_follow_job job = { s.group_row, s.position[0][0], s.previous[0][0],
+                                         s.weight[0], s.length[0],      0.9f };
+    widest_table()->strand_follow( &job, 0, STRAND_GROUPS );
+    assert_true( largest_error( &s ) < 1e-5 );
+}
+
+static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( void** state )
+{
+    (void)state;
+    static strands_state s, before;
+    make_strands( &s );
+    before = s;
+    const wisp_strand_stretch_job job = stretch_job( &s, DT, 3 );
+    const wisp_strand_rod_job rod = rod_job( &s, DT, true, 0.01f );
+    const wisp_strand_link_job links = strand_links( &s, 2, false );
+    widest_table()->strand_rod( &rod, 0, STRAND_GROUPS );
+    widest_table()->strand_link( &links, 0, STRAND_GROUPS );
+    widest_table()->strand_stretch( &job, 0, STRAND_GROUPS );
+    for ( int row = 0; row < STRAND_ROWS; ++row )
+    {
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            for ( int k = 0; k < 3 && s.weight[row][lane] == 0.0f; ++k )
+            {
+                assert_true( s.position[row][k][lane] == before.position[row][k][lane] );
+            }
+        }
+    }
+}
+
+static void strands_without_a_direction_are_laid_out_from_the_root( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    memset( s.position, 0, sizeof( s.position ) );
+    memset( s.previous, 0, sizeof( s.previous ) );
+    const wisp_strand_stretch_job job = stretch_job( &s, DT, 2 );
+    int strands = 0;
+    for ( int g = 0; g < STRAND_GROUPS; ++g )
+    {
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            strands += s.count[g][lane] > 1 ? 1 : 0;
+        }
+    }
+    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), strands );
+    assert_true( largest_error( &s ) < 1e-6 );
+    assert_true( s.position[1][1][0] < 0.0f && s.position[1][0][0] == 0.0f ); // downwards
+}
+
+static void what_is_not_finite_is_laid_out_too( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    s.position[5][1][3] = NAN;
+    s.position[6][2][7] = INFINITY;
+    s.position[8][0][1] = 3e30f;
+    const wisp_strand_stretch_job job = stretch_job( &s, DT, 8 );
+    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), 3 );
+    assert_true( largest_error( &s ) < 1e-2 ); // false for what is not finite
+    assert_true( s.tension[5][3] == 0.0f );
+}
+
+static void air_leaves_motion_along_the_strand_alone( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    for ( int row = 0; row < STRAND_ROWS; ++row )
+    {
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            const float at[3] = { 0.0f, 0.005f * (float)row, 0.0f }, v[3] = { 0.0f, 2.0f, 0.0f };
+            for ( int k = 0; k < 3; ++k )
+            {
+                s.position[row][k][lane] = at[k];
+                s.velocity[row][k][lane] = v[k];
+            }
+        }
+    }
+    const wisp_strand_air_job air = {
+        s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0], s.length[0], { 1, 0, 0 }, 4e-5f, DT
+    };
+    widest_table()->strand_air( &air, 1, 2 );
+    const int row = s.group_row[1] + 4;
+    assert_true( s.velocity[row][1][0] == 2.0f );
+    assert_true( s.velocity[row][0][0] > 0.0f && s.velocity[row][0][0] < 1.0f );
+}
+
+static void damping_leaves_the_rigid_motion_alone( void** state )
+{
+    (void)state;
+    static strands_state s, before;
+    make_strands( &s );
+    const float linear[3] = { 1.0f, 2.0f, 3.0f };
+    for ( int row = 0; row < STRAND_ROWS; ++row )
+    {
+        for ( int lane = 0; lane < 16; ++lane )
+        {
+            const float x = s.position[row][0][lane], y = s.position[row][1][lane];
+            s.velocity[row][0][lane] = linear[0] - 2.0f * y;
+            s.velocity[row][1][lane] = linear[1] + 2.0f * x;
+            s.velocity[row][2][lane] = linear[2];
+        }
+    }
+    before = s;
+    const wisp_strand_damp_job job = { s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0],
+                                       0.5f,        { 1, 2, 3 },      { 0, 0, 2 },      { 0, 0, 0 } };
+    widest_table()->strand_damp( &job, 0, STRAND_GROUPS );
+    for ( int i = 0; i < STRAND_ROWS * 48; ++i )
+    {
+        const int row = i / 48, k = i / 16 % 3, lane = i % 16;
+        assert_near( (double)s.velocity[row][k][lane], (double)before.velocity[row][k][lane], 1e-6, "velocity", i );
+    }
+}
+
+static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** state )
+{
+    (void)state;
+    static strands_state s;
+    make_strands( &s );
+    const float before = s.position[s.group_row[1]][0][2];
+    const wisp_strand_motion_job job = motion_job( &s, DT );
+    widest_table()->strand_predict( &job, 0, STRAND_GROUPS );
+    const int row = s.group_row[1];
+    assert_true( s.position[row][0][2] == s.root[1][0][2] );
+    assert_near( (double)s.velocity[row][0][2], (double)( ( s.root[1][0][2] - before ) / DT ), 1e-4, "root", 2 );
+    const float v = s.velocity[row][0][2];
+    widest_table()->strand_velocity( &job, 0, STRAND_GROUPS );
+    assert_true( s.velocity[row][0][2] == v );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_instruction_set_moves_strands_to_the_same_bits ),
+        cmocka_unit_test( ranges_of_groups_may_be_cut_anywhere ),
+        cmocka_unit_test( segments_have_their_rest_length_after_the_direct_solve ),
+        cmocka_unit_test( follow_the_leader_is_exact_and_leaves_leaders_alone ),
+        cmocka_unit_test( what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are ),
+        cmocka_unit_test( strands_without_a_direction_are_laid_out_from_the_root ),
+        cmocka_unit_test( what_is_not_finite_is_laid_out_too ),
+        cmocka_unit_test( air_leaves_motion_along_the_strand_alone ),
+        cmocka_unit_test( damping_leaves_the_rigid_motion_alone ),
+        cmocka_unit_test( roots_go_where_they_are_carried_and_their_velocity_says_so ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
