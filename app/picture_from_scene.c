@@ -21,6 +21,12 @@ static bool has_look( const simulation* s, int body )
     return body < s->scene.strands_count && s->scene.strands[body].has_look;
 }
 
+// Guides, whose ghosts or curves are to be seen instead.
+static bool is_hidden( const simulation* s, int body )
+{
+    return body < s->scene.strands_count && !s->scene.strands[body].is_shown;
+}
+
 // ---- the world ----
 
 static wisp_status want_all( const picture_source* source, simulation* s, wisp_error* error )
@@ -29,6 +35,10 @@ static wisp_status want_all( const picture_source* source, simulation* s, wisp_e
     wisp_status status = WISP_OK;
     for ( int i = 0; i < moving && status == WISP_OK; ++i )
     {
+        if ( is_hidden( s, i ) )
+        {
+            continue;
+        }
         status = scene_world_want( &s->world, i, SCENE_WISH_POINTS, error );
         if ( status == WISP_OK && source->bodies[i].values )
         {
@@ -126,7 +136,7 @@ static wisp_status load( picture_source* source, int frame, wisp_error* error )
     }
     for ( int i = 0; i < source->body_count && status == WISP_OK; ++i )
     {
-        status = read_body( source, s, i, error );
+        status = is_hidden( s, i ) ? WISP_OK : read_body( source, s, i, error );
     }
     return status;
 }
@@ -186,6 +196,11 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
 {
     scene_body from = scene_world_body( &s->world, body );
     picture_body* to = &source->bodies[body];
+    if ( is_hidden( s, body ) )
+    {
+        *to = ( picture_body ){ .name = from.name, .kind = from.kind, .offsets = from.offsets };
+        return picture_make_points( source, body, false, error );
+    }
     *to = ( picture_body ){
         .name = from.name,
         .kind = from.kind,

@@ -122,7 +122,26 @@ static void print_stages( const wisp_frozen_hair_def* def )
             def->clump ? " clump" : "" );
 }
 
-static void print_strands( const wisp_scene_strands* entry, const wisp_groom* groom )
+static void print_motion( const wisp_scene* scene, const wisp_scene_strands* entry )
+{
+    static const char* const stretches[] = { "direct", "links", "follow" };
+    static const char* const bends[] = { "rod", "links", "none" };
+    if ( entry->has_dynamics )
+    {
+        printf( "    dynamics: stretch %s, bend %s%s\n", stretches[entry->dynamics.stretch],
+                bends[entry->dynamics.bend], entry->has_grid ? ", grid" : "" );
+    }
+    if ( entry->on_surface >= 0 )
+    {
+        printf( "    rooted on %s\n", scene->surfaces[entry->on_surface].name );
+    }
+    if ( entry->targets >= 0 )
+    {
+        printf( "    ghosts of %s\n", scene->strands[entry->targets].name );
+    }
+}
+
+static void print_strands( const wisp_scene* scene, const wisp_scene_strands* entry, const wisp_groom* groom )
 {
     printf( "  %s (line %d): %d strands, %d vertices, %d dimensions, ", entry->name, entry->line, groom->strand_count,
             groom->vertex_count, groom->dimension );
@@ -130,10 +149,19 @@ static void print_strands( const wisp_scene_strands* entry, const wisp_groom* gr
     {
         printf( "made: %s\n", shape_name( entry->recipe.shape ) );
     }
+    else if ( entry->is_scattered )
+    {
+        printf( "scattered around %s\n", scene->strands[entry->scatter.around].name );
+    }
+    else if ( entry->is_curves )
+    {
+        printf( "curves of %s\n", scene->strands[entry->curves_of].name );
+    }
     else
     {
         printf( "read from %s\n", entry->file );
     }
+    print_motion( scene, entry );
     if ( entry->has_frozen_hair )
     {
         print_stages( &entry->frozen_hair );
@@ -147,10 +175,12 @@ static void print_strands( const wisp_scene_strands* entry, const wisp_groom* gr
     {
         printf( "    look: %g to %g m wide\n", (double)entry->look.root_width, (double)entry->look.tip_width );
     }
-    if ( entry->want_points || entry->want_width || entry->want_colour )
+    if ( entry->want_points || entry->want_width || entry->want_colour || entry->want_strain || entry->want_speed ||
+         entry->want_quality )
     {
-        printf( "    wants:%s%s%s\n", entry->want_points ? " points" : "", entry->want_width ? " width" : "",
-                entry->want_colour ? " colour" : "" );
+        printf( "    wants:%s%s%s%s%s%s\n", entry->want_points ? " points" : "", entry->want_width ? " width" : "",
+                entry->want_colour ? " colour" : "", entry->want_strain ? " strain" : "",
+                entry->want_speed ? " speed" : "", entry->want_quality ? " quality" : "" );
     }
 }
 
@@ -231,7 +261,7 @@ static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
         status = scene_groom( scene, i, &groom, error );
         if ( status == WISP_OK )
         {
-            print_strands( &scene->strands[i], &groom );
+            print_strands( scene, &scene->strands[i], &groom );
             wisp_groom_release( &groom );
         }
     }

@@ -27,8 +27,8 @@ wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const 
     return wisp_fail( error, status, "%s:%d:%d: %s '%s': %s", scene->name, line, column, what, name, sentence );
 }
 
-static wisp_status fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
-                                    wisp_error* error )
+wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
+                                   wisp_error* error )
 {
     const wisp_scene_strands* entry = &scene->strands[strands];
     return scene_fail_at( scene, entry->line, entry->column, "strands", entry->name, status, sentence, error );
@@ -77,11 +77,20 @@ static wisp_status check_list( const wisp_scene* scene, int strands, const char*
     }
     char sentence[200];
     snprintf( sentence, sizeof( sentence ), "%s lists %d numbers for %d strands", what, listed, strand_count );
-    return fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
+    return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
 }
 
-static wisp_status read_or_make( const wisp_scene_strands* entry, wisp_groom* out, wisp_error* error )
+static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_groom* source, wisp_groom* out,
+                                 wisp_error* error )
 {
+    if ( entry->is_scattered )
+    {
+        return wisp_scene_make_scatter( &entry->scatter, source, out, error );
+    }
+    if ( entry->is_curves )
+    {
+        return wisp_scene_make_curves( &entry->curves, source, out, error );
+    }
     if ( entry->is_made )
     {
         return wisp_groom_make( &entry->recipe, out, error );
@@ -90,21 +99,31 @@ static wisp_status read_or_make( const wisp_scene_strands* entry, wisp_groom* ou
     return status == WISP_OK ? wisp_groom_check( out, error ) : status;
 }
 
-wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error )
+static bool is_placed( const wisp_scene_strands* entry )
+{
+    const wisp_rigid pose = entry->pose;
+    return entry->scale != 1.0f || pose.rotation.w != 1.0f || pose.translation.x != 0.0f ||
+           pose.translation.y != 0.0f || pose.translation.z != 0.0f;
+}
+
+// Strands that a pose takes out of the plane are flat no more.
+static void place( const wisp_scene_strands* entry, wisp_groom* groom )
+{
+    const float scale = entry->scale;
+    const int count = is_placed( entry ) ? groom->vertex_count : 0;
+    for ( int v = 0; v < count; ++v )
+    {
+        wisp_vec3* p = &groom->points[v];
+        *p = wisp_rigid_to_world( entry->pose, ( wisp_vec3 ){ scale * p->x, scale * p->y, scale * p->z } );
+        groom->dimension = p->z != 0.0f ? 3 : groom->dimension;
+    }
+}
+
+static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp_groom* groom, wisp_error* error )
 {
     const wisp_scene_strands* entry = &scene->strands[strands];
-    *out = ( wisp_groom ){ 0 };
-    wisp_error cause = { 0 };
-    wisp_status status = read_or_make( entry, out, &cause );
-    if ( status != WISP_OK )
-    {
-        status = fail_at_strands( scene, strands, status, cause.sentence, error );
-    }
-    int count = out->strand_count;
-    if ( status == WISP_OK )
-    {
-        status = check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error );
-    }
+    const int count = groom->strand_count;
+    wisp_status status = check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error );
     if ( status == WISP_OK )
     {
         status = check_list( scene, strands, "bend stiffness", entry->bend_count, count, error );
@@ -113,10 +132,57 @@ wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, 
     {
         status = check_list( scene, strands, "intensity", entry->intensity_count, count, error );
     }
+    if ( status == WISP_OK && entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
+    {
+        char sentence[100];
+        snprintf( sentence, sizeof( sentence ), "dynamics.vertex_masses lists %d masses for %d vertices",
+                  entry->mass_count, groom->vertex_count );
+        status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
+    }
+    return status;
+}
+
+wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_groom* source, wisp_groom* out,
+                            wisp_error* error )
+{
+    const wisp_scene_strands* entry = &scene->strands[strands];
+    *out = ( wisp_groom ){ 0 };
+    wisp_error cause = { 0 };
+    wisp_status status = read_or_make( entry, source, out, &cause );
+    if ( status != WISP_OK )
+    {
+        status = scene_fail_at_strands( scene, strands, status, cause.sentence, error );
+    }
+    else
+    {
+        place( entry, out );
+        status = check_lists( scene, strands, out, error );
+    }
     if ( status != WISP_OK )
     {
         wisp_groom_release( out );
     }
+    return status;
+}
+
+int scene_groom_source( const wisp_scene* scene, int strands )
+{
+    const wisp_scene_strands* entry = &scene->strands[strands];
+    return entry->is_curves ? entry->curves_of : entry->scatter.around;
+}
+
+// Curves of strands that are scattered around others: no more than three deep.
+wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error )
+{
+    const int from = scene_groom_source( scene, strands );
+    wisp_groom source = { 0 };
+    wisp_status status = from >= 0 ? scene_groom( scene, from, &source, error ) : WISP_OK;
+    *out = ( wisp_groom ){ 0 };
+    if ( status == WISP_OK )
+    {
+        status = scene_groom_of( scene, strands, &source, out, error );
+    }
+    wisp_groom_release( &source );
     return status;
 }
 
@@ -137,12 +203,27 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     return wisp_world_create( &def, &out->world, error );
 }
 
-static wisp_status wish( scene_world* out, int strands, bool wanted, wisp_component component )
+static wisp_status wish_all( scene_world* out, int strands )
 {
-    return wanted ? wisp_want( out->world, out->entities[strands], component ) : WISP_OK;
+    const wisp_scene_strands* entry = &out->scene->strands[strands];
+    const struct
+    {
+        bool wanted;
+        wisp_component component;
+    } columns[] = {
+        { entry->want_points, WISP_STRAND_POINTS }, { entry->want_width, WISP_POINT_WIDTH },
+        { entry->want_colour, WISP_POINT_COLOUR },  { entry->want_strain, WISP_POINT_STRAIN },
+        { entry->want_speed, WISP_POINT_SPEED },    { entry->want_quality, WISP_QUALITY },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
+    {
+        status = columns[i].wanted ? wisp_want( out->world, out->entities[strands], columns[i].component ) : WISP_OK;
+    }
+    return status;
 }
 
-static wisp_status dress( scene_world* out, int strands )
+wisp_status scene_strands_dress( scene_world* out, int strands )
 {
     const wisp_scene_strands* entry = &out->scene->strands[strands];
     wisp_entity entity = out->entities[strands];
@@ -159,21 +240,15 @@ static wisp_status dress( scene_world* out, int strands )
     {
         status = wisp_set_strand_look( out->world, entity, &entry->look );
     }
-    if ( status == WISP_OK )
-    {
-        status = wish( out, strands, entry->want_points, WISP_STRAND_POINTS );
-    }
-    if ( status == WISP_OK )
-    {
-        status = wish( out, strands, entry->want_width, WISP_POINT_WIDTH );
-    }
-    return status == WISP_OK ? wish( out, strands, entry->want_colour, WISP_POINT_COLOUR ) : status;
+    return status == WISP_OK ? wish_all( out, strands ) : status;
 }
 
 static wisp_status add_strands( scene_world* out, int strands, wisp_error* error )
 {
     wisp_groom* groom = &out->grooms[strands];
-    wisp_status status = scene_groom( out->scene, strands, groom, error );
+    const int source = scene_groom_source( out->scene, strands );
+    wisp_status status =
+        scene_groom_of( out->scene, strands, source >= 0 ? &out->grooms[source] : NULL, groom, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -186,11 +261,11 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
     status = wisp_add_strands( out->world, &def, &out->entities[strands] );
     if ( status == WISP_OK )
     {
-        status = dress( out, strands );
+        status = scene_strands_dress( out, strands );
     }
     if ( status != WISP_OK )
     {
-        return fail_at_strands( out->scene, strands, status, wisp_world_message( out->world ), error );
+        return scene_fail_at_strands( out->scene, strands, status, wisp_world_message( out->world ), error );
     }
     return WISP_OK;
 }
@@ -209,10 +284,11 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
                              : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its strands", scene->name );
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
-        status = add_strands( out, i, error );
+        status = scene->strands[i].is_curves ? WISP_OK : add_strands( out, i, error );
     }
     status = status == WISP_OK ? scene_surfaces_add( out, error ) : status;
     status = status == WISP_OK ? scene_colliders_add( out, error ) : status;
+    status = status == WISP_OK ? scene_motion_set( out, error ) : status;
     if ( status != WISP_OK )
     {
         scene_world_destroy( out );

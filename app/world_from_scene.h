@@ -41,7 +41,7 @@ typedef struct scene_world
 {
     const wisp_scene* scene; ///< must outlive this
     wisp_world* world;
-    wisp_entity* entities;           ///< [strands_count]
+    wisp_entity* entities;           ///< [strands_count] also of ghosts and curves
     wisp_groom* grooms;              ///< [strands_count] the rest shape; an output's shape once outputs were written
     scene_world_surface* surfaces;   ///< [surface_count]
     scene_world_collider* colliders; ///< [collider_count]
@@ -68,6 +68,13 @@ wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error );
 /// A groom of the scene, read or made, and checked against what the scene says about it.
 /// @param out to be released; empty on failure
 wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error );
+
+/// The same for who has the groom that an entry is scattered around, or whose strands its curves run through, already.
+/// @param source null if the entry needs none
+wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_groom* source, wisp_groom* out,
+                            wisp_error* error );
+/// The entry whose groom another one needs. @return an index into the scene's strands, -1: none
+int scene_groom_source( const wisp_scene* scene, int strands );
 
 /// The mesh of a surface, read or made, repaired as the scene says, and where it starts. Repairs are told on stderr.
 /// @param out to be released; empty on failure
@@ -113,11 +120,11 @@ scene_body scene_world_body( const scene_world* world, int body );
 typedef enum scene_wish
 {
     SCENE_WISH_POINTS, ///< strands and surfaces
-    SCENE_WISH_STRAIN, ///< surfaces
-    SCENE_WISH_SPEED,  ///< surfaces
+    SCENE_WISH_STRAIN, ///< surfaces, strands with dynamics
+    SCENE_WISH_SPEED,  ///< surfaces, strands with dynamics
     SCENE_WISH_WIDTH,  ///< strands with a look
     SCENE_WISH_COLOUR, ///< strands with a look
-    SCENE_WISH_QUALITY ///< surfaces
+    SCENE_WISH_QUALITY ///< surfaces, strands with dynamics
 } scene_wish;
 
 /// Ask for more than the scene does; asking twice is asking once. Nothing is asked of a collider: its points are known.
@@ -135,7 +142,7 @@ wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish 
 /// Colour of every vertex of strands. @param out [vertex_count] linear RGB
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
-/// Figures of a surface. @return WISP_CONFLICT unless it is wanted and a step was made
+/// Figures of a surface or of strands that move. @return WISP_CONFLICT unless it is wanted and a step was made
 wisp_status scene_world_quality( const scene_world* world, int body, wisp_quality* out, wisp_error* error );
 
 /// Seconds of simulated time that the steps so far made up.

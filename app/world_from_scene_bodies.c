@@ -97,10 +97,14 @@ static wisp_component component_of( const scene_world* world, body_place place, 
         return 0;
     }
     const bool look = world->scene->strands[place.index].has_look;
-    return wish == SCENE_WISH_POINTS           ? WISP_STRAND_POINTS
-           : wish == SCENE_WISH_WIDTH && look  ? WISP_POINT_WIDTH
-           : wish == SCENE_WISH_COLOUR && look ? WISP_POINT_COLOUR
-                                               : 0;
+    const bool moves = world->scene->strands[place.index].has_dynamics;
+    return wish == SCENE_WISH_POINTS             ? WISP_STRAND_POINTS
+           : wish == SCENE_WISH_WIDTH && look    ? WISP_POINT_WIDTH
+           : wish == SCENE_WISH_COLOUR && look   ? WISP_POINT_COLOUR
+           : wish == SCENE_WISH_STRAIN && moves  ? WISP_POINT_STRAIN
+           : wish == SCENE_WISH_SPEED && moves   ? WISP_POINT_SPEED
+           : wish == SCENE_WISH_QUALITY && moves ? WISP_QUALITY
+                                                 : 0;
 }
 
 static wisp_entity entity_of( const scene_world* world, body_place place )

@@ -1,4 +1,4 @@
-// What happens to surfaces and colliders before a step: keyframes, then the script's entries.
+// What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
 #include "world_from_scene_parts.h"
 
 /// A step of simulated time, s.
@@ -57,6 +57,16 @@ static wisp_rigid pose_at( const wisp_scene_path* path, wisp_rigid start, double
 static bool is_moving( const scene_world* world, const wisp_scene_path* path, step_times t )
 {
     return path->count > 0 && is_before( world, t.begin, (double)path->poses[path->count - 1].time );
+}
+
+bool scene_path_moves( const scene_world* world, const wisp_scene_path* path )
+{
+    return is_moving( world, path, next_times( world ) );
+}
+
+wisp_rigid scene_path_pose( const scene_world* world, const wisp_scene_path* path, wisp_rigid start )
+{
+    return pose_at( path, start, next_times( world ).end );
 }
 
 static wisp_status move_pins( scene_world* world, int surface, step_times t )
@@ -134,7 +144,7 @@ static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     const step_times t = next_times( world );
-    wisp_status status = WISP_OK;
+    wisp_status status = scene_heads_follow( world, error );
     for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
     {
         status = follow_surface( world, i, t, error );
@@ -176,6 +186,10 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 // Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
+    if ( e->strands >= 0 )
+    {
+        return wisp_set_strand_wind( world->world, world->entities[e->strands], e->wind );
+    }
     scene_world_surface* s = &world->surfaces[e->surface];
     wisp_status status = play_gas( world, e );
     if ( status == WISP_OK && e->release )

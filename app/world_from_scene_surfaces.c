@@ -256,8 +256,8 @@ static wisp_status wish( scene_world* world, int surface )
         bool wanted;
         wisp_component component;
     } columns[] = {
-        { entry->want_points, WISP_SURFACE_POINTS },   { entry->want_normals, WISP_SURFACE_NORMALS },
-        { entry->want_strain, WISP_POINT_STRAIN },     { entry->want_speed, WISP_POINT_SPEED },
+        { entry->want_points, WISP_SURFACE_POINTS }, { entry->want_normals, WISP_SURFACE_NORMALS },
+        { entry->want_strain, WISP_POINT_STRAIN },   { entry->want_speed, WISP_POINT_SPEED },
         { entry->want_quality, WISP_QUALITY },
     };
     wisp_status status = WISP_OK;

@@ -23,8 +23,7 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 {
     static const char* const header[] = { "figure", "experiment", "expected", "measured", "met" };
     figures_case page = { .out = out, .pictures = options->pictures };
-    page.table =
-        results_add_table( out, "The figures of the balloon source as experiments", WISP_COUNT( header ), header );
+    page.table = results_add_table( out, "The figures of the sources as experiments", WISP_COUNT( header ), header );
     wisp_status status = balloon_mesh_figure( &page.figure, &page.figure_name, error );
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
@@ -46,8 +45,10 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 wisp_status figures_bench( const bench_options* options, results* out, wisp_error* error )
 {
     static figures_fn* const all[] = {
-        figures_two_particles,   figures_links, figures_fixed_volume,     figures_four_forces,
-        figures_inflate_release, figures_spin,  figures_rise_and_reverse, figures_real_time,
+        figures_two_particles,   figures_links,        figures_fixed_volume,     figures_four_forces,
+        figures_inflate_release, figures_spin,         figures_rise_and_reverse, figures_real_time,
+        figures_ghost_centre,    figures_ghost_sway,   figures_ghost_block,      figures_ghost_apart,
+        figures_ghost_curves,    figures_ghost_spread, figures_ghost_pairing,
     };
     return figures_run( all, WISP_COUNT( all ), options, out, error );
 }

@@ -260,7 +260,8 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
         return scene_refuse_kind( &r, root, "a mapping with the key 'wisp'" );
     }
     wisp_status status = check_version( &r, root );
-    return status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
+    status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
+    return status ? status : scene_bind_roots( &r, root );
 }
 
 wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out, wisp_error* error )

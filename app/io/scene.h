@@ -9,7 +9,9 @@
 #include "cloth/cloth.h"
 #include "collision/collision.h"
 #include "frozen_hair/frozen_hair.h"
+#include "guide_hair/guide_hair.h"
 #include "strand_look/strand_look.h"
+#include "strands/strands.h"
 
 #include "groom.h"
 #include "mesh.h"
@@ -27,15 +29,48 @@ extern "C"
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
 #define WISP_SCENE_MAX_NAME 64              ///< letters of a name
 
+    /// A pose at a time. Of pins: how far they are from where they started; of colliders and heads: where they are.
+    typedef struct wisp_scene_pose
+    {
+        float time; ///< s
+        wisp_rigid pose;
+    } wisp_scene_pose;
+
+    typedef struct wisp_scene_path
+    {
+        const wisp_scene_pose* poses; ///< [count] times rise
+        int count;
+    } wisp_scene_path;
+
+    // ---- strands ----
+
+    /// Strands to be made around those of another entry, which is read or made itself.
+    typedef struct wisp_scene_scatter
+    {
+        int around;    ///< index into the scene's strands, lower than its own
+        int count;     ///< strands around each, >= 1
+        float radius;  ///< m: offsets are uniform in a disc across the direction in which the root grows
+        uint64_t seed; ///< of the offsets
+    } wisp_scene_scatter;
+
     /// One entry of `strands`. Texts and arrays belong to the scene; the definitions point at them.
     typedef struct wisp_scene_strands
     {
         const char* name; ///< unique in the scene
         int line, column; ///< of the entry, for messages about it that come later
 
-        const char* file;         ///< where to read the strands, already relative to the scene's folder; null if made
-        bool is_made;             ///< `recipe` tells how to make them
-        wisp_groom_recipe recipe; ///< the defaults if not made
+        // Where they come from: one of these.
+        const char* file;           ///< where to read the strands, already relative to the scene's folder; or null
+        bool is_made;               ///< `recipe` tells how to make them
+        bool is_scattered;          ///< `scatter` does
+        bool is_curves;             ///< `curves` does: smooth curves through the strands of another entry
+        wisp_groom_recipe recipe;   ///< the defaults if not made
+        wisp_scene_scatter scatter; ///< around none (-1) if not scattered
+        wisp_curves_def curves;     ///< without a source
+        int curves_of;              ///< index into the scene's strands, of those the curves run through; -1: none
+
+        float scale; ///< > 0, about the groom's own origin, before the pose
+        wisp_rigid pose;
 
         bool has_frozen_hair, has_climate, has_look;
         wisp_frozen_hair_def frozen_hair; ///< the defaults without a stage if the scene has none
@@ -46,7 +81,24 @@ extern "C"
         int bend_count;    ///< of strands, which is known here, and checked, only if they are made
         int intensity_count; ///< so for strand_bend_stiffness and strand_intensity
 
+        bool has_dynamics, has_grid, has_collision, has_head, has_head_pivot;
+        wisp_strand_dynamics_def dynamics; ///< the defaults under the scene's gravity if there are none
+        int mass_count;                    ///< length of dynamics.vertex_masses, 0 if that is null
+        wisp_strand_grid_def grid;
+        wisp_collision_def collision;
+        wisp_scene_path head;
+        wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
+        int on_surface;       ///< index into the scene's surfaces, of the one that roots are on; -1: none
+
+        bool has_ghosts;
+        wisp_ghosts_def ghosts; ///< without targets
+        int targets;            ///< index into the scene's strands, of those that ghosts follow; -1: none
+
         bool want_points, want_width, want_colour; ///< points also if an output writes them
+        bool want_strain, want_speed, want_quality;
+        bool want_contacts; ///< figures of the collision
+        bool is_shown;      ///< in pictures: as written, else unless ghosts follow them or curves run through them
+        bool has_show;      ///< it is written
     } wisp_scene_strands;
 
     // ---- surfaces ----
@@ -61,19 +113,6 @@ extern "C"
         int demands;             ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
         float scale;             ///< > 0, about the mesh's own origin
     } wisp_scene_mesh;
-
-    /// A pose at a time. Of pins: how far they are from where they started; of colliders: where they are.
-    typedef struct wisp_scene_pose
-    {
-        float time; ///< s
-        wisp_rigid pose;
-    } wisp_scene_pose;
-
-    typedef struct wisp_scene_path
-    {
-        const wisp_scene_pose* poses; ///< [count] times rise
-        int count;
-    } wisp_scene_path;
 
     /// A filling at a time.
     typedef struct wisp_scene_fill
@@ -158,11 +197,12 @@ extern "C"
         int line, column; ///< of the entry, for messages
     } wisp_scene_command;
 
-    /// What is done to a surface before a step.
+    /// What is done to a surface, or to strands, before a step.
     typedef struct wisp_scene_event
     {
         int step;    ///< in [0, steps)
-        int surface; ///< index into the scene's surfaces
+        int strands; ///< index into the scene's strands, -1: it is a surface's
+        int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind alone
         bool has_fill, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity;
         float fill;
         float inflation_rate; ///< m^3/s
@@ -189,7 +229,7 @@ extern "C"
         int substeps, iterations;
         int workers; ///< 0 is one a core
 
-        wisp_vec3 gravity; ///< m/s^2, of surfaces
+        wisp_vec3 gravity; ///< m/s^2, of surfaces and of strands that move
 
         wisp_scene_strands* strands; ///< [strands_count], in the order of the file
         int strands_count;
@@ -199,7 +239,7 @@ extern "C"
         int collider_count;
         wisp_scene_command* commands; ///< [command_count], by step, and by strands within a step
         int command_count;
-        wisp_scene_event* events; ///< [event_count], by step, and by surface within a step
+        wisp_scene_event* events; ///< [event_count], by step, and by strands and surface within a step
         int event_count;
         wisp_scene_output* outputs; ///< [output_count], in the order of the file
         int output_count;
@@ -217,6 +257,19 @@ extern "C"
     /// @param name what messages call it, and whose folder relative files are in
     WISP_API wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out,
                                            wisp_error* error );
+
+    /// Make the strands of a scattered entry around those of its source, target after target. Each is its target moved by
+    /// an offset; in two dimensions offsets lie in the plane.
+    /// @param out receives the groom, to be released; empty on failure
+    /// @return WISP_BAD_INPUT more than WISP_GROOM_MADE_CAP vertices; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_scene_make_scatter( const wisp_scene_scatter* scatter, const wisp_groom* source,
+                                                  wisp_groom* out, wisp_error* error );
+
+    /// Curves through strands as these start; a strand of one vertex has none.
+    /// @param out receives the groom, to be released; empty on failure
+    /// @return WISP_BAD_INPUT more than WISP_GROOM_MADE_CAP points; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom* source,
+                                                 wisp_groom* out, wisp_error* error );
 
     /// Null and a zero scene are allowed.
     WISP_API void wisp_scene_release( wisp_scene* scene );

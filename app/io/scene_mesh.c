@@ -315,14 +315,14 @@ static const scene_field PIN_POSE_FIELDS[] = {
     { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
     { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
 };
-static const scene_field COLLIDER_POSE_FIELDS[] = {
+static const scene_field POSITION_FIELDS[] = {
     TIME_FIELD,
     { "position", SCENE_VECTOR, .required = true, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
     { "rotation", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
 };
 #undef AT
 static const scene_block PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
-static const scene_block COLLIDER_POSE_BLOCK = BLOCK( COLLIDER_POSE_FIELDS );
+static const scene_block POSITION_BLOCK = BLOCK( POSITION_FIELDS );
 
 static wisp_status read_path( scene_reader* r, const scene_node* node, const scene_block* block, wisp_quat start,
                               wisp_scene_path* path )
@@ -360,8 +360,13 @@ wisp_status scene_read_pin_path( scene_reader* r, const scene_node* node, void* 
     return read_path( r, node, &PIN_POSE_BLOCK, straight, at );
 }
 
+wisp_status scene_read_positions( scene_reader* r, const scene_node* node, wisp_quat start, wisp_scene_path* path )
+{
+    return read_path( r, node, &POSITION_BLOCK, start, path );
+}
+
 wisp_status scene_read_collider_path( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_collider* collider = at;
-    return read_path( r, node, &COLLIDER_POSE_BLOCK, collider->def.pose.rotation, &collider->path );
+    return scene_read_positions( r, node, collider->def.pose.rotation, &collider->path );
 }

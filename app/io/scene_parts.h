@@ -6,14 +6,17 @@
 extern const scene_block SCENE_BLOCK_OF_ALL;  // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK; // over wisp_scene_strands
 extern const scene_block SCENE_MAKE_BLOCK;    // over wisp_groom_recipe
-extern const scene_block SCENE_COMMAND_BLOCK; // over wisp_scene_command
-extern const scene_block SCENE_EVENT_BLOCK;   // over scene_event
-extern const scene_block SCENE_OUTPUT_BLOCK;  // over wisp_scene_output
-extern const scene_block SCENE_SURFACE_BLOCK; // over wisp_scene_surface
-extern const scene_block SCENE_BOX_BLOCK;     // over wisp_scene_box
+extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
+    SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK; // over wisp_scene_strands
+extern const scene_block SCENE_COMMAND_BLOCK;                           // over wisp_scene_command
+extern const scene_block SCENE_EVENT_BLOCK;                             // over scene_event
+extern const scene_block SCENE_OUTPUT_BLOCK;                            // over wisp_scene_output
+extern const scene_block SCENE_SURFACE_BLOCK;                           // over wisp_scene_surface
+extern const scene_block SCENE_BOX_BLOCK;                               // over wisp_scene_box
 
 // Readers that fill what they are pointed at.
 scene_read_fn scene_read_name, scene_read_file;      // const char*
+scene_read_fn scene_read_later_name;                 // nothing: a name that is looked up once all are known
 scene_read_fn scene_read_rotation;                   // wisp_quat
 scene_read_fn scene_read_mesh_make;                  // wisp_scene_mesh
 scene_read_fn scene_read_repair, scene_read_require; // int, flags of mesh.h
@@ -22,6 +25,7 @@ scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
 scene_read_fn scene_read_strain_limit;               // float[2]
 scene_read_fn scene_read_tile_size;                  // int
 scene_read_fn scene_read_surface_name;               // int, an index into the scene's surfaces
+scene_read_fn scene_read_strands_name;               // int, an index into the scene's strands
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
 scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands,
@@ -29,11 +33,12 @@ scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene
 
 // Readers of an entry's values; they are pointed at the entry.
 scene_read_fn scene_read_make, scene_read_curve, scene_read_want;                           // wisp_scene_strands
+scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path;       // wisp_scene_strands
 scene_read_fn scene_read_command_strands;                                                   // wisp_scene_command
 scene_read_fn scene_read_output_strands, scene_read_output_surface, scene_read_output_file; // wisp_scene_output
-scene_read_fn scene_read_instance_of, scene_read_pins, scene_read_pin_box, scene_read_pin_nearest,
-    scene_read_surface_want, scene_read_outlet, scene_read_fill_path; // wisp_scene_surface
-scene_read_fn scene_read_collider_path, scene_read_friction;          // wisp_scene_collider
+scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_want, scene_read_outlet,
+    scene_read_fill_path;                                    // wisp_scene_surface
+scene_read_fn scene_read_collider_path, scene_read_friction; // wisp_scene_collider
 
 /// What an entry of `script` says before its time has become a step.
 typedef struct scene_event
@@ -42,6 +47,17 @@ typedef struct scene_event
     bool has_step, has_time;
     float time; // s
 } scene_event;
+
+/// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
+wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
+                                  wisp_scene_path* path );
+
+/// scene_motion.c: what an entry of strands must be besides what its tables say.
+wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );
+/// Find the strands that entries of the list name. To be called once all strands are registered.
+wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
+/// Find the surfaces that entries of strands name. To be called once everything is registered.
+wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
 
 /// Vertices that a recipe makes.
 int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe );

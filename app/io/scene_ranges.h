@@ -13,6 +13,7 @@
 #define SIZE RANGE( 1e-6, 1e6 )
 #define TIME RANGE( 0, 1e6 )
 #define COMPLIANCE RANGE( 0, 1e12 )
+#define ANY_MASS RANGE( 1e-12, 1e12 )
 
 // Vectors whose length is bounded: each part is at most the bound over the square root of three.
 #define ACCELERATION RANGE( -5e5, 5e5 )
@@ -30,6 +31,7 @@
 #define TURNS "angular velocities are plain numbers in rad/s"
 #define ACCELERATIONS "accelerations are plain numbers in m/s^2"
 #define DENSITIES "area densities are plain numbers in kg/m^2"
+#define LINE_DENSITIES "line densities are plain numbers in kg/m"
 #define AIR_DENSITIES "densities are plain numbers in kg/m^3"
 #define MASSES "masses are plain numbers in kg"
 #define MOLAR_MASSES "molar masses are plain numbers in kg/mol"
@@ -40,3 +42,4 @@
 #define COMPLIANCES "compliances are plain numbers in m/N"
 #define STIFFNESSES "stiffnesses are plain numbers in N/m"
 #define RIGIDITIES "rigidities are plain numbers in N m"
+#define ROD_RIGIDITIES "rigidities of a rod are plain numbers in N m^2"

@@ -185,6 +185,11 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
                         sizeof( wisp_balloon_drag ) == sizeof choice &&
                         sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_sweep ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
+    _Static_assert( sizeof( wisp_strand_stretch ) == sizeof choice && sizeof( wisp_strand_bend ) == sizeof choice &&
+                        sizeof( wisp_strand_rest ) == sizeof choice &&
+                        sizeof( wisp_ghost_elastic ) == sizeof choice &&
+                        sizeof( wisp_ghost_frame ) == sizeof choice && sizeof( wisp_curve_kind ) == sizeof choice,
+                    "an enumeration is not as wide as an int" );
     memcpy( out, &choice, sizeof choice );
     return WISP_OK;
 }

@@ -1,4 +1,4 @@
-// The script: what is done to surfaces before which step.
+// The script: what is done to surfaces and strands before which step.
 #include "scene_parts.h"
 
 #include <math.h>
@@ -7,6 +7,11 @@
 wisp_status scene_read_surface_name( scene_reader* r, const scene_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_SURFACE, at );
+}
+
+wisp_status scene_read_strands_name( scene_reader* r, const scene_node* node, void* at )
+{
+    return scene_read_named( r, node, SCENE_STRANDS, at );
 }
 
 // The first step that begins at the time or after it. A time is written in decimals, and a step may be 1/60 s: what is
@@ -66,8 +71,36 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     return WISP_OK;
 }
 
+// Ghosts and curves follow others, and so does their air.
+static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
+{
+    const wisp_scene_strands* s = &r->scene->strands[e->strands];
+    if ( e->has_fill || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
+         e->release )
+    {
+        return scene_refuse_node( r, node, "strands take 'wind' alone" );
+    }
+    if ( !e->has_wind )
+    {
+        return scene_refuse_node( r, node, "does nothing: it has no wind" );
+    }
+    return s->has_dynamics && s->dynamics.drag > 0.0f
+               ? WISP_OK
+               : scene_refuse_node( r, node, "wind needs air: the strands '%s' have no dynamics.drag", s->name );
+}
+
 static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
+    if ( ( e->strands >= 0 ) == ( e->surface >= 0 ) )
+    {
+        return scene_refuse_node( r, node,
+                                  e->strands >= 0 ? "has both 'strands' and 'surface'; an entry is for one of them"
+                                                  : "has neither 'strands' nor 'surface'; one tells what it is for" );
+    }
+    if ( e->strands >= 0 )
+    {
+        return check_strands( r, node, e );
+    }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
     if ( !( e->has_fill || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
             e->has_angular_velocity || e->release ) )
@@ -94,6 +127,7 @@ static int compare_events( const void* a, const void* b )
 {
     const wisp_scene_event *x = a, *y = b;
     int order = ( x->step > y->step ) - ( x->step < y->step );
+    order = order ? order : ( x->strands > y->strands ) - ( x->strands < y->strands );
     order = order ? order : ( x->surface > y->surface ) - ( x->surface < y->surface );
     order = order ? order : ( x->line > y->line ) - ( x->line < y->line );
     return order ? order : ( x->column > y->column ) - ( x->column < y->column );
@@ -106,11 +140,13 @@ static wisp_status refuse_equal_events( scene_reader* r )
     for ( int i = 1; i < scene->event_count; ++i )
     {
         const wisp_scene_event *e = &scene->events[i], *before = e - 1;
-        if ( e->step == before->step && e->surface == before->surface )
+        if ( e->step == before->step && e->strands == before->strands && e->surface == before->surface )
         {
             return scene_refuse( r->source, e->line, e->column, r->path,
-                                 "the surface '%s' has an entry for step %d already, in line %d",
-                                 scene->surfaces[e->surface].name, e->step, before->line );
+                                 "the %s '%s' %s an entry for step %d already, in line %d",
+                                 e->strands >= 0 ? "strands" : "surface",
+                                 e->strands >= 0 ? scene->strands[e->strands].name : scene->surfaces[e->surface].name,
+                                 e->strands >= 0 ? "have" : "has", e->step, before->line );
         }
     }
     return WISP_OK;
@@ -126,7 +162,7 @@ wisp_status scene_read_script( scene_reader* r, const scene_node* node, void* at
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
     {
         size_t outside = scene_enter_index( r, scene->event_count );
-        scene_event read = { .event = { .line = item->line, .column = item->column } };
+        scene_event read = { .event = { .strands = -1, .surface = -1, .line = item->line, .column = item->column } };
         status = scene_read_block( r, item, &SCENE_EVENT_BLOCK, &read );
         status = status ? status : find_step( r, item, &read );
         status = status ? status : check_event( r, item, &read.event );

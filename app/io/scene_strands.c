@@ -156,31 +156,51 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
     return WISP_OK;
 }
 
+// Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision too.
 wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
 {
-    static const char* const columns[] = { "points", "width", "colour", NULL };
-    wisp_scene_strands* strands = base;
-    bool* const wants[] = { &strands->want_points, &strands->want_width, &strands->want_colour };
+    static const char* const words[] = {
+        "points", "width", "colour", "strain", "speed", "quality", "contacts", NULL
+    };
+    enum
+    {
+        OF_LOOK = 1,
+        OF_DYNAMICS = 3,
+        OF_COLLISION = 6,
+    };
+    wisp_scene_strands* s = base;
+    bool* const wants[] = { &s->want_points, &s->want_width,   &s->want_colour,  &s->want_strain,
+                            &s->want_speed,  &s->want_quality, &s->want_contacts };
 
-    wisp_status status = scene_expect_list( r, node, "a list of points, width and colour" );
+    wisp_status status = scene_expect_list( r, node, "a list of words" );
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
     {
         size_t outside = scene_enter_index( r, i++ );
-        int column = 0;
-        status = scene_read_choice( r, item, columns, &column );
-        if ( !status && *wants[column] )
+        int word = 0;
+        status = scene_read_choice( r, item, words, &word );
+        if ( !status && *wants[word] )
         {
-            return scene_refuse_node( r, item, "'%s' is listed twice", columns[column] );
+            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
         }
-        if ( !status && column > 0 && !strands->has_look )
+        if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_look )
         {
             return scene_refuse_node( r, item, "'%s' comes from a look, but these strands have no key 'look'",
-                                      columns[column] );
+                                      words[word] );
+        }
+        if ( !status && word >= OF_DYNAMICS && !s->has_dynamics )
+        {
+            return scene_refuse_node( r, item, "'%s' is of strands that move, but these have no key 'dynamics'",
+                                      words[word] );
+        }
+        if ( !status && word >= OF_COLLISION && !s->has_collision )
+        {
+            return scene_refuse_node(
+                r, item, "'%s' come from a collision, but these strands have no key 'collision'", words[word] );
         }
         if ( !status )
         {
-            *wants[column] = true;
+            *wants[word] = true;
             scene_leave( r, outside );
         }
     }
@@ -189,29 +209,44 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
 
 // ---- the list ----
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_strands* strands )
+static wisp_scene_strands plain_entry( const scene_reader* r, const scene_node* node )
 {
-    *strands = ( wisp_scene_strands ){
+    wisp_scene_strands strands = {
         .line = node->line,
         .column = node->column,
         .recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 ),
+        .scatter = { .around = -1, .count = 1, .seed = 1 },
+        .curves = wisp_default_curves_def(),
+        .curves_of = -1,
+        .scale = 1.0f,
+        .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .frozen_hair = wisp_default_frozen_hair_def(),
         .climate = wisp_default_climate_def(),
         .look = wisp_default_strand_look_def(),
+        .dynamics = wisp_default_strand_dynamics_def(),
+        .grid = wisp_default_strand_grid_def(),
+        .collision = wisp_default_collision_def(),
+        .on_surface = -1,
+        .ghosts = wisp_default_ghosts_def(),
+        .targets = -1,
+        .is_shown = true,
     };
+    strands.dynamics.gravity = r->scene->gravity;
     // Stages are asked for by their keys, not by default.
-    strands->frozen_hair.freeze = strands->frozen_hair.align = strands->frozen_hair.clump = false;
+    strands.frozen_hair.freeze = strands.frozen_hair.align = strands.frozen_hair.clump = false;
+    // Ghosts move all the time, and what lies on top of them follows in every frame.
+    if ( scene_child( r, node, "ghosts" ) )
+    {
+        strands.frozen_hair.event = WISP_EVENT_FRAME;
+    }
+    return strands;
+}
 
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_strands* strands )
+{
+    *strands = plain_entry( r, node );
     wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
-    if ( !status && strands->file && strands->is_made )
-    {
-        return scene_refuse_node( r, node, "has both 'file' and 'make'; strands are read or made, not both" );
-    }
-    if ( !status && !strands->file && !strands->is_made )
-    {
-        return scene_refuse_node( r, node, "has neither 'file' nor 'make'; one tells where the strands come from" );
-    }
-    return status;
+    return status ? status : scene_check_strands( r, node, strands );
 }
 
 wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* base )
@@ -243,5 +278,6 @@ wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* b
         scene->strands_count++;
         scene_leave( r, outside );
     }
-    return scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
+    status = scene_register( r, SCENE_STRANDS, scene->strands, sizeof *scene->strands, scene->strands_count );
+    return status ? status : scene_bind_strands( r, node );
 }

@@ -112,7 +112,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
     { "make", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
-    { "instance_of", SCENE_CUSTOM, .read = scene_read_instance_of },
+    { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name },
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK },
@@ -156,7 +156,8 @@ const scene_block SCENE_BOX_BLOCK = BLOCK( BOX_FIELDS );
 static const scene_field EVENT_FIELDS[] = {
     { "step", SCENE_WHOLE, .at = EVENT( step ), .range = RANGE( 0, 999999 ), .given = AT( has_step ) },
     { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ) },
-    { "surface", SCENE_CUSTOM, .required = true, .at = EVENT( surface ), .read = scene_read_surface_name },
+    { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = scene_read_strands_name },
+    { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = scene_read_surface_name },
     { "fill", SCENE_NUMBER, .at = EVENT( fill ), .range = RANGE( 1e-3, 1e6 ), .given = EVENT( has_fill ) },
     { "inflation_rate", SCENE_NUMBER, .at = EVENT( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
       .given = EVENT( has_inflation_rate ) },

@@ -493,11 +493,3 @@ wisp_status scene_read_surfaces( scene_reader* r, const scene_node* node, void* 
     status = status ? status : find_sources( r, node );
     return status ? status : count_vertices( r, node );
 }
-
-// The value is looked up once all names are known; here it is only made sure that it is one.
-wisp_status scene_read_instance_of( scene_reader* r, const scene_node* node, void* at )
-{
-    (void)at;
-    const char* name = NULL;
-    return scene_read_name( r, node, &name );
-}

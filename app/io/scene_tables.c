@@ -117,15 +117,32 @@ static const scene_block LOOK_BLOCK = { LOOK_FIELDS, WISP_COUNT( LOOK_FIELDS ) }
 
 // ---- an entry of strands ----
 
-// `make` stands before `frozen_hair`, whose lists must be as long as the recipe says.
+static const scene_field TRANSFORM_FIELDS[] = {
+    { "scale", SCENE_NUMBER, .at = AT( scale ), .range = SIZE },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
+};
+static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
+
+// `make` stands before what is numbered by its strands and vertices, and the effects before `want`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file },
     { "make", SCENE_CUSTOM, .read = scene_read_make },
+    { "scatter", SCENE_BLOCK, .at = AT( is_scattered ), .block = &SCENE_SCATTER_BLOCK },
+    { "curves", SCENE_BLOCK, .at = AT( is_curves ), .block = &SCENE_CURVES_BLOCK },
+    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK },
+    { "dynamics", SCENE_BLOCK, .at = AT( has_dynamics ), .block = &SCENE_DYNAMICS_BLOCK },
+    { "head", SCENE_BLOCK, .at = AT( has_head ), .block = &SCENE_HEAD_BLOCK },
+    { "on_surface", SCENE_CUSTOM, .read = scene_read_later_name },
+    { "grid", SCENE_BLOCK, .at = AT( has_grid ), .block = &SCENE_GRID_BLOCK },
+    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &SCENE_STRAND_COLLISION_BLOCK },
+    { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK },
     { "climate", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK },
     { "look", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK },
     { "want", SCENE_CUSTOM, .read = scene_read_want },
+    { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ) },
 };
 #undef AT
 
@@ -150,7 +167,7 @@ static const scene_field OUTPUT_FIELDS[] = {
 const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
 
 // Commands, script and output name the entries of the lists above them, and what they do must come before the last step.
-// Surfaces take the scene's gravity unless they have their own.
+// Surfaces and strands that move take the scene's gravity unless they have their own.
 #define AT( member ) offsetof( wisp_scene, member )
 static const scene_field SCENE_FIELDS[] = {
     { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version },

@@ -1,4 +1,4 @@
-/// Collision: surfaces that bodies keep out, with Coulomb friction. Bodies are planes, spheres, capsules and boxes in
+/// Collision: surfaces and strands that bodies keep out, with Coulomb friction. Bodies are planes, spheres, capsules and boxes in
 /// closed form, and triangle meshes through Embree; they stand still or move as they are told.
 #pragma once
 
@@ -22,7 +22,7 @@ typedef enum wisp_collider_kind
     WISP_COLLIDER_COUNT,
 } wisp_collider_kind;
 
-/// A rigid body that surfaces collide with. Fill from wisp_default_collider_def(). Copied; may die after the call.
+/// A rigid body that surfaces and strands collide with. Fill from wisp_default_collider_def(). Copied; may die after the call.
 typedef struct wisp_collider_def
 {
     wisp_collider_kind kind;
@@ -37,7 +37,7 @@ typedef struct wisp_collider_def
     float static_friction;  ///< mu that must be overcome, >= 0, default 0.5
     float kinetic_friction; ///< mu while sliding, 0 .. static_friction, default 0.5
     float thickness;        ///< m, >= 0: added to that of what touches the body, default 0
-    uint32_t layers;        ///< bits; a surface collides with the body if its mask has one of them; default 1
+    uint32_t layers;        ///< bits; who collides meets the body if its mask has one of them; default 1
     uint32_t made_by_default;
 } wisp_collider_def;
 
@@ -55,14 +55,15 @@ WISP_API wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_d
 /// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the entity is no collider
 WISP_API wisp_status wisp_move_collider( wisp_world* world, wisp_entity collider, wisp_rigid pose );
 
-/// How a surface collides. Fill from wisp_default_collision_def(). Copied.
+/// How a surface, or strands, collide. Fill from wisp_default_collision_def(). Copied.
 typedef struct wisp_collision_def
 {
     float
-        thickness; ///< m, the distance that particles keep; default 0: a quarter of the mean rest length of the edges
+        thickness; ///< m, the distance that vertices keep; default 0: a quarter of the mean rest length of the edges,
+                   ///< of strands the mean rest length of the segments
     float friction;       ///< times that of the body, >= 0, default 1
-    float recovery_speed; ///< m/s: how fast a particle that begins inside a body is moved out, which gives it no
-                          ///< velocity; default 0: ten mean edges a second
+    float recovery_speed; ///< m/s: how fast a vertex that begins inside a body is moved out, which gives it no
+                          ///< velocity; default 0: ten mean edges, or segments, a second
     uint32_t mask;        ///< of the layers to collide with, default all
     bool enabled;         ///< default true
     uint32_t made_by_default;
@@ -70,27 +71,28 @@ typedef struct wisp_collision_def
 
 WISP_API wisp_collision_def wisp_default_collision_def( void );
 
-/// Let a surface collide with the bodies of the world, or change how it does. Vertices that are pinned are not moved.
+/// Let a surface or strands collide with the bodies of the world, or change how they do. Vertices that are pinned are not
+/// moved. Strands keep out of bodies vertex by vertex, before their lengths are restored, which may pull a vertex back in by
+/// some of the thickness: see wisp_read_collision_figures().
 /// @return WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_CONFLICT the module is not registered,
-///         or the entity is not a surface; WISP_NO_MEMORY
-WISP_API wisp_status wisp_set_collision( wisp_world* world, wisp_entity surface, const wisp_collision_def* def );
+///         or the entity is neither a surface nor strands with dynamics; WISP_NO_MEMORY
+WISP_API wisp_status wisp_set_collision( wisp_world* world, wisp_entity guest, const wisp_collision_def* def );
 
-/// Figures of a surface at the end of a step, over its vertices that are not pinned.
+/// Figures of a surface or of strands at the end of a step, over its vertices that are not pinned.
 typedef struct wisp_collision_figures
 {
     float penetration; ///< m, how much nearer than the thickness a vertex is to a body, at most; 0: none is
-    float thickness;   ///< m, to compare it with: that of the surface, and of the body there
-    int32_t vertex;    ///< which one, the user's number; -1: none
+    float thickness;   ///< m, to compare it with: its own, and that of the body there
+    int32_t vertex;    ///< which one, the user's number, the lowest of equals; -1: none
     int32_t contacts;  ///< vertices that a body presses on
-    int32_t dropped;   ///< contacts beyond WISP_COLLISION_CONTACTS a vertex, not answered for
+    int32_t dropped;   ///< surfaces: contacts beyond WISP_COLLISION_CONTACTS a vertex, not answered for
 } wisp_collision_figures;
 
 /// Ask for figures from the next step on. They cost a query a vertex and body.
-/// @return WISP_CONFLICT the surface has no collision
-WISP_API wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity surface, bool wanted );
+/// @return WISP_CONFLICT the entity has no collision
+WISP_API wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity guest, bool wanted );
 
 /// @return WISP_CONFLICT nobody asked for them. Without a body, or before the first step, there is nothing: vertex is -1
-WISP_API wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity surface,
-                                                  wisp_collision_figures* out );
+WISP_API wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity guest, wisp_collision_figures* out );
 
 WISP_END_C

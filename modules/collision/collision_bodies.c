@@ -188,6 +188,9 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
     const wisp_vec3 halves[] = { { all, all, all }, { r, r, r }, { r, r + d->half_length, r }, d->half_extent };
     body->half = halves[d->kind];
     body->ball_radius = collision_length( body->half );
+    const wisp_vec3 h = d->half_extent;
+    const float inner[] = { all, r, r, fminf( h.x, fminf( h.y, h.z ) ) };
+    body->inner = inner[d->kind];
     return WISP_OK;
 }
 
@@ -231,7 +234,7 @@ static wisp_status enter_body( wisp_world* world, collision_state* state, const 
     if ( status == WISP_OK )
     {
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
-        status = collision_dress_surfaces( world, state );
+        status = collision_dress_guests( world, state );
     }
     if ( status != WISP_OK )
     {

@@ -1,4 +1,6 @@
-// How deep a surface is in bodies when the step is done. Measured afresh, so it also sees what the contacts missed.
+// How deep a surface or strands are in bodies when the step is done. Measured afresh, so it also sees what the contacts
+// missed. Workers measure blocks of their own; of equally deep vertices the lowest number counts, so that it does not
+// matter who measured which.
 #include "collision_internal.h"
 
 #include <math.h>
@@ -6,56 +8,63 @@
 enum
 {
     CHUNK = WISP_PARTICLE_BLOCK,
+    GROUPS = 4, // of strands, that a worker takes at once
 };
 
 static const wisp_collision_figures NOTHING = { .vertex = -1 };
 
 typedef struct measure_loop
 {
-    const wisp_fabric* fabric;
-    const float* position;
-    wisp_collision_figures figures;
-    int slots[CHUNK];
-    wisp_mesh_query queries[CHUNK];
-    wisp_surface_point nearest[CHUNK];
-    bool is_near[CHUNK];
+    wisp_frame* frame;
+    const wisp_span* span;
+    const collision_state* state;
+    wisp_collision_figures figures[WISP_MAX_WORKERS];
 } measure_loop;
 
-static void measure_chunk( measure_loop* loop, const collision_view* view, int begin, int end )
+static void take_depth( wisp_collision_figures* f, float depth, float thickness, int vertex )
 {
-    int n = 0;
-    for ( int slot = begin; slot < end; ++slot )
+    if ( depth > f->penetration || ( depth == f->penetration && depth > 0.0f && vertex < f->vertex ) )
     {
-        const float* quad = loop->position + (size_t)slot * 4;
-        if ( quad[3] > 0.0f )
-        {
-            loop->slots[n] = slot;
-            loop->queries[n++] = ( wisp_mesh_query ){
-                wisp_rigid_to_body( view->after, collision_load( quad ) ),
-                view->thickness,
-            };
-        }
-    }
-    collision_closest( view->body, loop->queries, n, loop->nearest, loop->is_near );
-    for ( int i = 0; i < n; ++i )
-    {
-        float depth = loop->is_near[i] ? view->thickness - loop->nearest[i].distance : 0.0f;
-        if ( depth > loop->figures.penetration )
-        {
-            loop->figures.penetration = depth;
-            loop->figures.thickness = view->thickness;
-            loop->figures.vertex = loop->fabric->slot_vertex[loop->slots[i]];
-        }
+        f->penetration = depth;
+        f->thickness = thickness;
+        f->vertex = vertex;
     }
 }
 
-static void count_contacts( wisp_frame* frame, const wisp_span* span, const collision_state* state,
-                            measure_loop* loop )
+typedef struct measure_batch
 {
-    const int32_t* count = wisp_frame_column( frame, span->entity, state->contact, 0 );
+    int vertices[CHUNK]; // the user's numbers
+    wisp_mesh_query queries[CHUNK];
+    wisp_surface_point nearest[CHUNK];
+    bool is_near[CHUNK];
+    int count;
+} measure_batch;
+
+static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, wisp_vec3 p )
+{
+    batch->vertices[batch->count] = vertex;
+    batch->queries[batch->count++] = ( wisp_mesh_query ){ wisp_rigid_to_body( view->after, p ), view->thickness };
+}
+
+static void measure_batch_of( measure_batch* batch, const collision_view* view, wisp_collision_figures* f )
+{
+    collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        const float depth = batch->is_near[i] ? view->thickness - batch->nearest[i].distance : 0.0f;
+        take_depth( f, depth, view->thickness, batch->vertices[i] );
+    }
+    batch->count = 0;
+}
+
+// ---- surfaces ----
+
+static void count_contacts( const measure_loop* loop, int begin, int end, wisp_collision_figures* f )
+{
+    const int32_t* count = wisp_frame_column( loop->frame, loop->span->entity, loop->state->contact, 0 );
     collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
-        wisp_frame_column( frame, span->entity, state->contact, 2 );
-    for ( int slot = 0; slot < loop->fabric->vertex_count; ++slot )
+        wisp_frame_column( loop->frame, loop->span->entity, loop->state->contact, 2 );
+    for ( int slot = begin; slot < end; ++slot )
     {
         int used = count[slot] < WISP_COLLISION_CONTACTS ? count[slot] : WISP_COLLISION_CONTACTS;
         bool pressed = false;
@@ -63,34 +72,126 @@ static void count_contacts( wisp_frame* frame, const wisp_span* span, const coll
         {
             pressed = pressed || contact[slot][i].pushed > 0.0f;
         }
-        loop->figures.contacts += pressed ? 1 : 0;
-        loop->figures.dropped += count[slot] - used;
+        f->contacts += pressed ? 1 : 0;
+        f->dropped += count[slot] - used;
+    }
+}
+
+static void measure_slots( void* context, int begin, int end, int worker )
+{
+    measure_loop* loop = context;
+    const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
+    const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
+    measure_batch batch;
+    batch.count = 0;
+    collision_view view;
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        for ( int slot = begin; slot < end; ++slot )
+        {
+            const float* quad = position + (size_t)slot * 4;
+            if ( quad[3] > 0.0f )
+            {
+                add_vertex( &batch, &view, fabric->slot_vertex[slot], collision_load( quad ) );
+            }
+        }
+        measure_batch_of( &batch, &view, loop->figures + worker );
+    }
+    count_contacts( loop, begin, end, loop->figures + worker );
+}
+
+// ---- strands ----
+
+typedef struct measure_rows
+{
+    const wisp_strand_topology* strands;
+    const float *position, *weight, *pushed;
+} measure_rows;
+
+static void measure_row( const measure_rows* rows, const collision_view* view, int group, int row,
+                         wisp_collision_figures* f )
+{
+    const int32_t* strand = rows->strands->lane_strand + (size_t)group * WISP_LANES;
+    measure_batch batch;
+    batch.count = 0;
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        const float* p = rows->position + (size_t)row * 3 * WISP_LANES + l;
+        if ( rows->weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f )
+        {
+            const int vertex = rows->strands->offsets[strand[l]] + row - rows->strands->group_row[group];
+            add_vertex( &batch, view, vertex, ( wisp_vec3 ){ p[0], p[WISP_LANES], p[2 * WISP_LANES] } );
+        }
+    }
+    measure_batch_of( &batch, view, f );
+}
+
+static void measure_groups( void* context, int begin, int end, int worker )
+{
+    measure_loop* loop = context;
+    const wisp_entity e = loop->span->entity;
+    const measure_rows rows = {
+        .strands = wisp_frame_strands( loop->frame, e ),
+        .position = wisp_frame_column( loop->frame, e, WISP_STRAND_POSITION, 0 ),
+        .weight = wisp_frame_column( loop->frame, e, WISP_STRAND_WEIGHT, 0 ),
+        .pushed = wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
+    };
+    wisp_collision_figures* f = loop->figures + worker;
+    const int32_t* group_row = rows.strands->group_row;
+    for ( int group = begin; group < end; ++group )
+    {
+        collision_view view;
+        for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+        {
+            for ( int row = group_row[group]; row < group_row[group + 1]; ++row )
+            {
+                measure_row( &rows, &view, group, row, f );
+            }
+        }
+    }
+    for ( size_t i = (size_t)group_row[begin] * WISP_LANES; i < (size_t)group_row[end] * WISP_LANES; ++i )
+    {
+        f->contacts += rows.pushed[i] > 0.0f ? 1 : 0;
+    }
+}
+
+// ---- the passes ----
+
+static void measure( wisp_frame* frame, const wisp_span* span, const collision_state* state, int count, int grain,
+                     wisp_range_fn* run )
+{
+    measure_loop loop = { .frame = frame, .span = span, .state = state };
+    for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
+    {
+        loop.figures[w] = NOTHING;
+    }
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), count, grain, run, &loop );
+    wisp_collision_figures* all = wisp_frame_column( frame, span->entity, state->figures, 0 );
+    *all = NOTHING;
+    for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
+    {
+        const wisp_collision_figures* f = loop.figures + w;
+        take_depth( all, f->penetration, f->thickness, f->vertex );
+        all->contacts += f->contacts;
+        all->dropped += f->dropped;
     }
 }
 
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const collision_state* state = user;
-    measure_loop loop;
-    loop.fabric = wisp_frame_fabric( frame, span->entity );
-    loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    loop.figures = NOTHING;
-    collision_view view;
-    for ( int next = 0; collision_next( frame, span, state, &next, &view ); )
-    {
-        for ( int begin = 0; begin < loop.fabric->vertex_count; begin += CHUNK )
-        {
-            int left = loop.fabric->vertex_count - begin;
-            measure_chunk( &loop, &view, begin, begin + ( left < CHUNK ? left : CHUNK ) );
-        }
-    }
-    count_contacts( frame, span, state, &loop );
-    *(wisp_collision_figures*)wisp_frame_column( frame, span->entity, state->figures, 0 ) = loop.figures;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    measure( frame, span, user, fabric->vertex_count, CHUNK, measure_slots );
+}
+
+void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
+    measure( frame, span, user, strands->group_count, GROUPS, measure_groups );
 }
 
 // ---- the public face ----
 
-static wisp_status find_settings( wisp_world* world, wisp_entity surface, collision_state** state,
+static wisp_status find_settings( wisp_world* world, wisp_entity guest, collision_state** state,
                                   collision_settings** out )
 {
     wisp_status status = collision_find_state( world, state );
@@ -98,23 +199,23 @@ static wisp_status find_settings( wisp_world* world, wisp_entity surface, collis
     {
         return status;
     }
-    *out = wisp_world_column( world, surface, ( *state )->settings, 0 );
+    *out = wisp_world_column( world, guest, ( *state )->settings, 0 );
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", surface.index );
+                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", guest.index );
 }
 
-wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity surface, bool wanted )
+wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity guest, bool wanted )
 {
     collision_state* state;
     collision_settings* settings;
-    wisp_status status = find_settings( world, surface, &state, &settings );
+    wisp_status status = find_settings( world, guest, &state, &settings );
     if ( status != WISP_OK )
     {
         return status;
     }
     int32_t before = settings->figures;
     settings->figures = wanted ? 1 : 0;
-    status = collision_dress_surfaces( world, state );
+    status = collision_dress_guests( world, state );
     if ( status != WISP_OK )
     {
         settings->figures = before;
@@ -122,20 +223,20 @@ wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity surface,
     return status;
 }
 
-wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity surface, wisp_collision_figures* out )
+wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity guest, wisp_collision_figures* out )
 {
     *out = NOTHING;
     collision_state* state;
     collision_settings* settings;
-    wisp_status status = find_settings( world, surface, &state, &settings );
+    wisp_status status = find_settings( world, guest, &state, &settings );
     if ( status == WISP_OK && settings->figures == 0 )
     {
         status = wisp_world_fail( world, WISP_CONFLICT,
                                   "entity %u takes no figures of collision: ask with wisp_want_collision_figures",
-                                  surface.index );
+                                  guest.index );
     }
     const wisp_collision_figures* column =
-        status == WISP_OK ? wisp_world_column( world, surface, state->figures, 0 ) : NULL;
+        status == WISP_OK ? wisp_world_column( world, guest, state->figures, 0 ) : NULL;
     if ( column != NULL && column->thickness > 0.0f )
     {
         *out = *column;

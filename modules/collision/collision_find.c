@@ -18,9 +18,6 @@ enum
     CHUNK = WISP_PARTICLE_BLOCK,
 };
 
-// Of the thickness: so deep, a start is as good as on the surface.
-static const float SHALLOW = 0.1f;
-
 typedef struct find_loop
 {
     float *position, *previous;
@@ -104,23 +101,6 @@ static int ask( find_loop* loop, const collision_view* view )
 
 // ---- one particle, one body ----
 
-// Signed distance at the start, less the thickness. The plane tells it well enough near the surface; farther away the
-// surface may be curved between the two places, and is asked.
-static float start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept )
-{
-    float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
-    if ( swept || gap >= -SHALLOW * view->thickness )
-    {
-        return gap;
-    }
-    const wisp_mesh_query query = { from, view->thickness };
-    wisp_surface_point at_start;
-    bool is_near;
-    collision_closest( view->body, &query, 1, &at_start, &is_near );
-    float exact = is_near ? at_start.distance - view->thickness : 0.0f;
-    return exact > gap ? exact : gap;
-}
-
 static float contact_gap( const collision_contact* c, wisp_vec3 p )
 {
     return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
@@ -167,7 +147,7 @@ static void touch( find_loop* loop, const collision_view* view, int slot, wisp_v
     {
         return;
     }
-    float start = start_gap( view, &plane, from, swept );
+    float start = collision_start_gap( view, &plane, from, swept );
     float outward = fmaxf( 0.0f, now - view->thickness - start ), healed = 0.0f;
     if ( start + outward < 0.0f )
     {
@@ -184,7 +164,7 @@ static void touch( find_loop* loop, const collision_view* view, int slot, wisp_v
     collision_store( c.point, point );
     collision_store( c.normal, normal );
     collision_store( c.motion, collision_sub( point, was ) );
-    move_out( loop, slot, normal, healed, start < -SHALLOW * view->thickness ? outward : 0.0f );
+    move_out( loop, slot, normal, healed, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
     keep( loop, slot, &c );
 }
 

@@ -19,23 +19,25 @@ typedef struct collision_body
     wisp_vec3 centre;  // m, of a box and a ball around the body, in its frame
     wisp_vec3 half;    // m, of the box; infinite for a plane
     float ball_radius; // m
+    float inner;       // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
 
-/// Bodies and surfaces in the order they came: passes walk it, so it must not depend on anything else.
+/// Bodies and who collides with them in the order they came: passes walk it, so it must not depend on anything else.
 typedef struct collision_state
 {
-    wisp_component settings; // collision_settings: the surface collides
-    wisp_component contact;  // rows of particles; only while there is a body to touch
-    wisp_component figures;  // wisp_collision_figures
-    wisp_component collider; // collision_collider
-    wisp_component motion;   // a pose: the body is moved
+    wisp_component settings;       // collision_settings: the surface, or the strands, collide
+    wisp_component contact;        // rows of particles; only while there is a body to touch
+    wisp_component strand_contact; // rows of strands, likewise
+    wisp_component figures;        // wisp_collision_figures
+    wisp_component collider;       // collision_collider
+    wisp_component motion;         // a pose: the body is moved
     collision_body* bodies;
     int body_count, body_capacity;
-    wisp_entity* surfaces;
-    int surface_count, surface_capacity;
+    wisp_entity* guests; // surfaces and strands
+    int guest_count, guest_capacity;
 } collision_state;
 
-/// A surface's definition with the defaults filled in.
+/// The definition of a surface or of strands with the defaults filled in.
 typedef struct collision_settings
 {
     float thickness, friction, recovery_speed;
@@ -52,6 +54,9 @@ typedef struct collision_collider
     uint32_t layers;
 } collision_collider;
 
+/// Of the thickness: so deep, a start is as good as on the surface.
+static const float COLLISION_SHALLOW = 0.1f;
+
 /// A half space that a particle must stay in for a substep, and what keeping it there has cost so far.
 typedef struct collision_contact
 {
@@ -64,12 +69,12 @@ typedef struct collision_contact
     float static_friction, kinetic_friction;
 } collision_contact;
 
-/// A body in one substep, seen from a surface.
+/// A body in one substep, seen from who collides with it.
 typedef struct collision_view
 {
     const collision_body* body;
     wisp_rigid before, after;
-    float thickness; // m, of body and surface
+    float thickness; // m, of both
     float static_friction, kinetic_friction;
 } collision_view;
 
@@ -89,18 +94,22 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
                         wisp_surface_point* nearest, bool* found );
 /// The first time a path enters the body, or crosses the sheet from either side.
 bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
+/// Signed distance at the start of a path whose end has met a plane, less the thickness.
+float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept );
 
 // ---- passes ----
 
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );
 
 // ---- collision_module.c ----
 
-/// Surfaces have contacts while there is a body and they are enabled. Without memory everything is as it was.
-wisp_status collision_dress_surfaces( wisp_world* world, collision_state* state );
+/// Who collides has contacts while there is a body and it is enabled. Without memory everything is as it was.
+wisp_status collision_dress_guests( wisp_world* world, collision_state* state );
 /// The module's state, or a sentence that it is not registered.
 wisp_status collision_find_state( wisp_world* world, collision_state** out );
 /// Room for one more element behind `count`; the array may move.

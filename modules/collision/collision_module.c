@@ -10,12 +10,17 @@ static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
     X( int32_t, count, 1 ) /* contacts met; so many or WISP_COLLISION_CONTACTS are kept */                           \
     X( float, found, 4 )   /* m, where they were looked for, and how far from there nothing else is met */           \
     X( collision_contact, contact, WISP_COLLISION_CONTACTS )
+#define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
+    X( float, pushed, 16 ) /* m, by bodies in this substep */                                                        \
+    X( float, depth, 16 )  /* m, how much nearer than the thickness a vertex may be in this iteration */             \
+    X( float, left, 16 )   /* m, how much nearer it was let be */
 #define COLLISION_FIGURES_COLUMNS( X ) X( wisp_collision_figures, figures, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_rigid, target, 1 ) /* at the end of the next step */
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FIGURES_COLUMNS[] = { COLLISION_FIGURES_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
@@ -33,10 +38,9 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     {
         allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
     }
-    if ( state->surfaces != NULL )
+    if ( state->guests != NULL )
     {
-        allocator->release( allocator->user, state->surfaces,
-                            (size_t)state->surface_capacity * sizeof( wisp_entity ) );
+        allocator->release( allocator->user, state->guests, (size_t)state->guest_capacity * sizeof( wisp_entity ) );
     }
 }
 
@@ -45,29 +49,29 @@ static bool is_same( wisp_entity a, wisp_entity b )
     return a.index == b.index && a.generation == b.generation;
 }
 
-static bool forget_surface( collision_state* state, wisp_entity surface )
+static bool forget_guest( collision_state* state, wisp_entity guest )
 {
-    for ( int i = 0; i < state->surface_count; ++i )
+    for ( int i = 0; i < state->guest_count; ++i )
     {
-        if ( is_same( state->surfaces[i], surface ) )
+        if ( is_same( state->guests[i], guest ) )
         {
-            state->surface_count -= 1;
-            memmove( state->surfaces + i, state->surfaces + i + 1,
-                     (size_t)( state->surface_count - i ) * sizeof( wisp_entity ) );
+            state->guest_count -= 1;
+            memmove( state->guests + i, state->guests + i + 1,
+                     (size_t)( state->guest_count - i ) * sizeof( wisp_entity ) );
             return true;
         }
     }
     return false;
 }
 
-// With the last body the surfaces lose their contacts, and so the plan its passes. That only takes away, so it cannot
+// With the last body everybody loses the contacts, and so the plan its passes. That only takes away, so it cannot
 // fail.
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     collision_state* state = memory;
-    if ( forget_surface( state, entity ) == false && collision_forget_body( state, entity ) )
+    if ( forget_guest( state, entity ) == false && collision_forget_body( state, entity ) )
     {
-        collision_dress_surfaces( world, state );
+        collision_dress_guests( world, state );
     }
 }
 
@@ -76,11 +80,14 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
     const wisp_component_def contact = { "collision.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS,
                                          WISP_COUNT( CONTACT_COLUMNS ) };
+    const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
+                                                STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
     const wisp_component_def figures = { "collision.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
     state->contact = wisp_declare_component( r, &contact );
+    state->strand_contact = wisp_declare_component( r, &strand_contact );
     state->figures = wisp_declare_component( r, &figures );
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
@@ -128,6 +135,27 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
             .writes = { state->figures },
             .run = collision_measure,
+            .user = state,
+        },
+        {
+            .name = "collision.strands",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT },
+            .reads = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
+                       WISP_STRAND_PREVIOUS },
+            .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
+            .run = collision_touch_strands,
+            .user = state,
+        },
+        {
+            .name = "collision.strand_figures",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT },
+            .reads = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
+            .writes = { state->figures },
+            .run = collision_measure_strands,
             .user = state,
         },
     };
@@ -186,34 +214,35 @@ bool collision_reserve( wisp_world* world, void** array, int* capacity, int coun
     return true;
 }
 
-static wisp_status dress( wisp_world* world, const collision_state* state, wisp_entity surface )
+static wisp_status dress( wisp_world* world, const collision_state* state, wisp_entity guest )
 {
-    const collision_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
+    const collision_settings* settings = wisp_world_column( world, guest, state->settings, 0 );
     const bool active = state->body_count > 0 && settings->enabled != 0, figures = active && settings->figures != 0;
     wisp_status status = WISP_OK;
     if ( figures == false )
     {
-        status = wisp_unwant( world, surface, state->figures );
+        status = wisp_unwant( world, guest, state->figures );
     }
     if ( status == WISP_OK )
     {
-        status = active ? wisp_world_attach( world, surface, state->contact )
-                        : wisp_world_detach( world, surface, state->contact );
+        const wisp_component contact =
+            wisp_world_strands( world, guest ) != NULL ? state->strand_contact : state->contact;
+        status = active ? wisp_world_attach( world, guest, contact ) : wisp_world_detach( world, guest, contact );
     }
-    return status == WISP_OK && figures ? wisp_want( world, surface, state->figures ) : status;
+    return status == WISP_OK && figures ? wisp_want( world, guest, state->figures ) : status;
 }
 
-wisp_status collision_dress_surfaces( wisp_world* world, collision_state* state )
+wisp_status collision_dress_guests( wisp_world* world, collision_state* state )
 {
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->surface_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->guest_count && status == WISP_OK; ++i )
     {
-        status = dress( world, state, state->surfaces[i] );
+        status = dress( world, state, state->guests[i] );
     }
     return status;
 }
 
-// ---- surfaces ----
+// ---- surfaces and strands ----
 
 wisp_collision_def wisp_default_collision_def( void )
 {
@@ -247,7 +276,7 @@ static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
     return WISP_OK;
 }
 
-// The one length that a surface has of its own. A mesh whose edges all have no length gets a millimetre.
+// The one length that a surface has of its own.
 static float mean_edge( const wisp_fabric* fabric )
 {
     double sum = 0.0;
@@ -256,12 +285,33 @@ static float mean_edge( const wisp_fabric* fabric )
         const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
         sum += (double)collision_length( collision_sub( a, b ) );
     }
-    return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 1e-3f;
+    return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 0.0f;
 }
 
-static collision_settings resolve( const wisp_collision_def* d, const wisp_fabric* fabric, int32_t figures )
+static float mean_segment( const wisp_strand_topology* strands, const float* length )
 {
-    const float edge = mean_edge( fabric );
+    double sum = 0.0;
+    int count = 0;
+    for ( size_t i = 0; i < (size_t)strands->row_count * WISP_LANES; ++i )
+    {
+        sum += (double)length[i];
+        count += length[i] > 0.0f ? 1 : 0;
+    }
+    return count > 0 ? (float)( sum / count ) : 0.0f;
+}
+
+// Where no edge has a length it is a millimetre.
+static float own_length( wisp_world* world, wisp_entity guest )
+{
+    const wisp_strand_topology* strands = wisp_world_strands( world, guest );
+    const float length = strands != NULL
+                             ? mean_segment( strands, wisp_world_column( world, guest, WISP_STRAND_LENGTH, 0 ) )
+                             : mean_edge( wisp_world_fabric( world, guest ) );
+    return length > 0.0f ? length : 1e-3f;
+}
+
+static collision_settings resolve( const wisp_collision_def* d, float edge, int32_t figures )
+{
     return ( collision_settings ){
         .thickness = d->thickness > 0.0f ? d->thickness : 0.25f * edge,
         .friction = d->friction,
@@ -272,54 +322,73 @@ static collision_settings resolve( const wisp_collision_def* d, const wisp_fabri
     };
 }
 
-// A surface that is new to collision, on the list and with settings that are still zero.
-static wisp_status enter_surface( wisp_world* world, collision_state* state, wisp_entity surface )
+// Who is new to collision, on the list and with settings that are still zero.
+static wisp_status enter_guest( wisp_world* world, collision_state* state, wisp_entity guest )
 {
-    if ( collision_reserve( world, (void**)&state->surfaces, &state->surface_capacity, state->surface_count,
+    if ( collision_reserve( world, (void**)&state->guests, &state->guest_capacity, state->guest_count,
                             sizeof( wisp_entity ) ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d surfaces that collide",
-                                state->surface_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities that collide",
+                                state->guest_count + 1 );
     }
-    wisp_status status = wisp_world_attach( world, surface, state->settings );
+    wisp_status status = wisp_world_attach( world, guest, state->settings );
     if ( status == WISP_OK )
     {
-        state->surfaces[state->surface_count++] = surface;
+        state->guests[state->guest_count++] = guest;
     }
     return status;
 }
 
-wisp_status wisp_set_collision( wisp_world* world, wisp_entity surface, const wisp_collision_def* def )
+// Strands must have what moves them, or there is nothing that contacts could be written to.
+static wisp_status find_guest( wisp_world* world, wisp_entity guest, collision_state** state )
+{
+    if ( wisp_world_strands( world, guest ) == NULL )
+    {
+        void* found;
+        wisp_status status = wisp_world_surface_state( world, "collision", guest, &found );
+        *state = found;
+        return status;
+    }
+    wisp_status status = collision_find_state( world, state );
+    if ( status == WISP_OK && ( wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) == false ||
+                                wisp_world_has( world, guest, WISP_STRAND_LENGTH ) == false ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "collision: the strands of entity %u do not move: give them dynamics first",
+                                guest.index );
+    }
+    return status;
+}
+
+wisp_status wisp_set_collision( wisp_world* world, wisp_entity guest, const wisp_collision_def* def )
 {
     WISP_ASSERT( def->made_by_default == COLLISION_DEF_MADE );
     collision_state* state;
-    void* found;
-    wisp_status status = wisp_world_surface_state( world, "collision", surface, &found );
-    state = found;
+    wisp_status status = find_guest( world, guest, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    const bool is_new = wisp_world_has( world, surface, state->settings ) == false;
-    status = is_new ? enter_surface( world, state, surface ) : WISP_OK;
+    const bool is_new = wisp_world_has( world, guest, state->settings ) == false;
+    status = is_new ? enter_guest( world, state, guest ) : WISP_OK;
     if ( status != WISP_OK )
     {
         return status;
     }
-    collision_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
+    collision_settings* settings = wisp_world_column( world, guest, state->settings, 0 );
     const collision_settings before = *settings;
-    *settings = resolve( def, wisp_world_fabric( world, surface ), before.figures );
-    status = dress( world, state, surface );
+    *settings = resolve( def, own_length( world, guest ), before.figures );
+    status = dress( world, state, guest );
     if ( status != WISP_OK )
     {
         *settings = before;
-        dress( world, state, surface ); // only takes away: what it was dressed in is there already
+        dress( world, state, guest ); // only takes away: what it was dressed in is there already
     }
     if ( status != WISP_OK && is_new )
     {
-        forget_surface( state, surface );
-        wisp_world_detach( world, surface, state->settings );
+        forget_guest( state, guest );
+        wisp_world_detach( world, guest, state->settings );
     }
     return status;
 }

@@ -123,3 +123,20 @@ bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, 
     *hit = ( wisp_surface_point ){ h.point, h.normal, 0.0f };
     return h.triangle >= 0 && ( body->sheet || h.side > 0.0f );
 }
+
+// The plane tells it well enough near the surface; farther away the
+// surface may be curved between the two places, and is asked.
+float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept )
+{
+    float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+    if ( swept || gap >= -COLLISION_SHALLOW * view->thickness )
+    {
+        return gap;
+    }
+    const wisp_mesh_query query = { from, view->thickness };
+    wisp_surface_point at_start;
+    bool is_near;
+    collision_closest( view->body, &query, 1, &at_start, &is_near );
+    float exact = is_near ? at_start.distance - view->thickness : 0.0f;
+    return exact > gap ? exact : gap;
+}

@@ -29,7 +29,7 @@ static void command( wisp_frame* frame, const wisp_span* span, void* user )
     *report = ( wisp_frozen_hair_report ){ .event = event->number };
 }
 
-// ---- start: from the rest shape, or from what is there ----
+// ---- start: from the rest shape, from where motion carried it, or from what is there ----
 
 static void start( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -40,10 +40,12 @@ static void start( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
+    const bool carried = wisp_frame_has( frame, span->entity, WISP_STRAND_CARRIED );
+    const wisp_component base = carried ? WISP_STRAND_CARRIED : WISP_STRAND_REST;
+    const float* from = wisp_frame_column( frame, span->entity, base, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
     size_t begin = row_floats( t, span->begin ), end = row_floats( t, span->end );
-    memcpy( position + begin, rest + begin, ( end - begin ) * sizeof( float ) );
+    memcpy( position + begin, from + begin, ( end - begin ) * sizeof( float ) );
 }
 
 // ---- freeze: eq. 2-7 ----

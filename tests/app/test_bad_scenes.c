@@ -13,6 +13,7 @@
 
 #include <cmocka.h>
 
+#include "bad_scenes.h"
 #include "scene.h"
 
 #ifndef WISP_SOURCE_ROOT
@@ -20,12 +21,6 @@
 #endif
 
 static const char FOLDER[] = WISP_SOURCE_ROOT "/tests/bad/scene";
-
-typedef struct bad_scene
-{
-    const char* file;
-    const char* sentence; // what follows the file's name
-} bad_scene;
 
 // clang-format off
 static const bad_scene BAD_SCENES[] = {
@@ -178,7 +173,7 @@ static const bad_scene BAD_SCENES[] = {
     { "exponent_for_whole.yaml",
       ":2:8: steps: must be a whole number, not '1e3'" },
     { "file_and_make.yaml",
-      ":3:5: strands[0]: has both 'file' and 'make'; strands are read or made, not both" },
+      ":3:5: strands[0]: has more than one of 'file', 'make', 'scatter' and 'curves'" },
     { "file_empty.yaml",
       ":3:25: strands[0].file: must be text, but nothing is written here" },
     { "file_nothing.yaml",
@@ -270,7 +265,7 @@ static const bad_scene BAD_SCENES[] = {
     { "neighbour_limit.yaml",
       ":6:33: strands[0].frozen_hair.clump.neighbour_limit: 5000 is out of range, must be in [1, 4096]" },
     { "neither_file_nor_make.yaml",
-      ":3:5: strands[0]: has neither 'file' nor 'make'; one tells where the strands come from" },
+      ":3:5: strands[0]: has none of 'file', 'make', 'scatter' and 'curves'; one tells where the strands come from" },
     { "newer_version.yaml",
       ":1:7: wisp: the scene has version 2, this program reads version 1" },
     { "no_name.yaml",
@@ -378,7 +373,7 @@ static const bad_scene BAD_SCENES[] = {
     { "script_step_and_time.yaml",
       ":7:5: script[0]: has both 'step' and 'time'" },
     { "script_surface_missing.yaml",
-      ":7:5: script[0]: key 'surface' is missing" },
+      ":7:5: script[0]: has neither 'strands' nor 'surface'; one tells what it is for" },
     { "script_too_late.yaml",
       ":7:5: script[0]: step 60 never comes: the scene has 60, counted from 0" },
     { "script_twice.yaml",
@@ -482,11 +477,11 @@ static const bad_scene BAD_SCENES[] = {
     { "want_figures_of_cloth.yaml",
       ":6:20: surfaces[0].want[1]: 'figures' are a balloon's, but this surface has no key 'balloon'" },
     { "want_text.yaml",
-      ":5:11: strands[0].want: must be a list of points, width and colour, not 'points'" },
+      ":5:11: strands[0].want: must be a list of words, not 'points'" },
     { "want_twice.yaml",
       ":5:20: strands[0].want[1]: 'points' is listed twice" },
     { "want_unknown.yaml",
-      ":5:12: strands[0].want[0]: must be one of points, width, colour, not 'point', did you mean 'points'?" },
+      ":5:12: strands[0].want[0]: must be one of points, width, colour, strain, speed, quality, contacts, not 'point', did you mean 'points'?" },
     { "want_without_look.yaml",
       ":5:20: strands[0].want[1]: 'width' comes from a look, but these strands have no key 'look'" },
     { "wetness_percent.yaml",
@@ -500,13 +495,23 @@ static const bad_scene BAD_SCENES[] = {
 };
 // clang-format on
 
+static int scene_count( void )
+{
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT;
+}
+
+static const bad_scene* scene_at( int i )
+{
+    return i < WISP_COUNT( BAD_SCENES ) ? &BAD_SCENES[i] : &BAD_SCENES_MOTION[i - WISP_COUNT( BAD_SCENES )];
+}
+
 static const bad_scene* find( const char* file )
 {
-    for ( int i = 0; i < WISP_COUNT( BAD_SCENES ); ++i )
+    for ( int i = 0; i < scene_count(); ++i )
     {
-        if ( strcmp( BAD_SCENES[i].file, file ) == 0 )
+        if ( strcmp( scene_at( i )->file, file ) == 0 )
         {
-            return &BAD_SCENES[i];
+            return scene_at( i );
         }
     }
     return NULL;
@@ -521,9 +526,9 @@ static void path_in_folder( char* path, size_t room, const char* file )
 static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( void** state )
 {
     (void)state;
-    for ( int i = 0; i < WISP_COUNT( BAD_SCENES ); ++i )
+    for ( int i = 0; i < scene_count(); ++i )
     {
-        const bad_scene* bad = &BAD_SCENES[i];
+        const bad_scene* bad = scene_at( i );
         char path[1024];
         path_in_folder( path, sizeof path, bad->file );
         wisp_scene scene;
@@ -564,7 +569,7 @@ static void every_file_of_the_folder_has_its_sentence( void** state )
         assert_non_null( find( entry->d_name ) );
     }
     closedir( walk );
-    assert_int_equal( files, WISP_COUNT( BAD_SCENES ) );
+    assert_int_equal( files, scene_count() );
 }
 
 static void a_refusal_without_an_error_to_fill_still_has_its_status( void** state )

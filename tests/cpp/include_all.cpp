@@ -16,7 +16,9 @@
 #include "cloth.h"
 #include "collision.h"
 #include "frozen_hair.h"
+#include "guide_hair.h"
 #include "strand_look.h"
+#include "strands.h"
 
 #include <cstdio>
 

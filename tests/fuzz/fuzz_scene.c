@@ -51,20 +51,6 @@ static void demand_climate( const wisp_climate_def* climate )
     demand( !rises || !falls );
 }
 
-static void demand_strands( const wisp_scene_strands* strands )
-{
-    const wisp_frozen_hair_def* hair = &strands->frozen_hair;
-    demand( strands->name && strlen( strands->name ) <= WISP_SCENE_MAX_NAME && strands->line > 0 );
-    demand( strands->is_made == ( strands->file == NULL ) );
-    demand_numbers( hair->strand_stretch_stiffness, strands->stretch_count, 1e-3f, 1e12f );
-    demand_numbers( hair->strand_bend_stiffness, strands->bend_count, 1e-3f, 1e12f );
-    demand_numbers( hair->strand_intensity, strands->intensity_count, 0.0f, 1.0f );
-    demand( strands->bend_count == 0 || !strands->is_made || strands->bend_count == strands->recipe.strand_count );
-    demand( isfinite( hair->reach ) && isfinite( hair->cursor.x ) && hair->clump_radius > 0.0f );
-    demand( strands->has_look || !( strands->want_width || strands->want_colour ) );
-    demand_climate( &strands->climate );
-}
-
 static void demand_path( const wisp_scene_path* path )
 {
     demand( ( path->poses == NULL ) == ( path->count == 0 ) );
@@ -74,6 +60,41 @@ static void demand_path( const wisp_scene_path* path )
         demand( i == 0 || path->poses[i].time > path->poses[i - 1].time );
         demand( fabsf( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0f ) < 1e-5f );
     }
+}
+
+static void demand_dynamics( const wisp_scene_strands* strands )
+{
+    const wisp_strand_dynamics_def* d = &strands->dynamics;
+    demand( isfinite( d->gravity.y ) && d->bend_rigidity >= 0.0f && d->line_density > 0.0f && d->teleport > 0.0f );
+    demand( ( d->vertex_masses == NULL ) == ( strands->mass_count == 0 ) &&
+            ( d->pins == NULL ) == ( d->pin_count == 0 ) );
+    for ( int i = 0; i < strands->mass_count; ++i )
+    {
+        demand( d->vertex_masses[i] > 0.0f && isfinite( d->vertex_masses[i] ) );
+    }
+    demand( strands->has_dynamics || !( strands->has_grid || strands->has_head || strands->has_collision ) );
+    demand( !( strands->has_head && strands->on_surface >= 0 ) );
+    demand_path( &strands->head );
+}
+
+static void demand_strands( const wisp_scene* scene, int i )
+{
+    const wisp_scene_strands* strands = &scene->strands[i];
+    const wisp_frozen_hair_def* hair = &strands->frozen_hair;
+    demand( strands->name && strlen( strands->name ) <= WISP_SCENE_MAX_NAME && strands->line > 0 );
+    demand( ( strands->file != NULL ) + strands->is_made + strands->is_scattered + strands->is_curves == 1 );
+    demand( strands->scatter.around < i && strands->is_scattered == ( strands->scatter.around >= 0 ) );
+    demand( strands->is_curves == ( strands->curves_of >= 0 ) && strands->curves_of < scene->strands_count );
+    demand( strands->has_ghosts == ( strands->targets >= 0 ) && strands->targets < scene->strands_count );
+    demand( strands->on_surface < scene->surface_count && strands->scale > 0.0f );
+    demand_numbers( hair->strand_stretch_stiffness, strands->stretch_count, 1e-3f, 1e12f );
+    demand_numbers( hair->strand_bend_stiffness, strands->bend_count, 1e-3f, 1e12f );
+    demand_numbers( hair->strand_intensity, strands->intensity_count, 0.0f, 1.0f );
+    demand( strands->bend_count == 0 || !strands->is_made || strands->bend_count == strands->recipe.strand_count );
+    demand( isfinite( hair->reach ) && isfinite( hair->cursor.x ) && hair->clump_radius > 0.0f );
+    demand( strands->has_look || !( strands->want_width || strands->want_colour ) );
+    demand_climate( &strands->climate );
+    demand_dynamics( strands );
 }
 
 static void demand_mesh( const wisp_scene_mesh* mesh, bool needed )
@@ -130,8 +151,16 @@ static void demand_collider( const wisp_scene_collider* c )
 static void demand_event( const wisp_scene* scene, int i )
 {
     const wisp_scene_event* e = &scene->events[i];
-    demand( e->step >= 0 && e->step < scene->steps && e->surface >= 0 && e->surface < scene->surface_count );
-    demand( i == 0 || e->step > e[-1].step || ( e->step == e[-1].step && e->surface > e[-1].surface ) );
+    demand( e->step >= 0 && e->step < scene->steps && ( i == 0 || e->step >= e[-1].step ) );
+    demand( e->surface < scene->surface_count && e->strands < scene->strands_count );
+    demand( ( e->surface >= 0 ) != ( e->strands >= 0 ) );
+    if ( e->surface < 0 )
+    {
+        const wisp_strand_dynamics_def* d = &scene->strands[e->strands].dynamics;
+        demand( scene->strands[e->strands].has_dynamics && d->drag > 0.0f && e->has_wind && isfinite( e->wind.x ) );
+        return;
+    }
+    demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface );
     const wisp_scene_surface* s = &scene->surfaces[e->surface];
     demand( s->has_balloon || !( e->has_fill || e->has_inflation_rate || e->has_open ) );
     demand( !e->has_fill || e->fill >= s->balloon.least_fill );
@@ -145,7 +174,7 @@ static void demand_scene( const wisp_scene* scene )
     demand( scene->workers >= 0 && scene->workers <= WISP_MAX_WORKERS );
     for ( int i = 0; i < scene->strands_count; ++i )
     {
-        demand_strands( &scene->strands[i] );
+        demand_strands( scene, i );
     }
     for ( int i = 0; i < scene->surface_count; ++i )
     {

@@ -216,7 +216,7 @@ static void ghosts_cost_one_update_a_node_however_hard_their_targets_iterate( vo
     {
         for ( int iterations = 5; iterations <= 20; iterations += 15 )
         {
-            // 34 strands altogether are 17 targets of 1:1, or two of 1:16; the scene holds six targets
+            // cost is linear in targets, so two of them give the ratio of any number of strands
             scene s = make_scene( 2, size[n] );
             guide_oracle_options options = guide_oracle_default_options();
             guide_oracle hair = make_hair( &s, &options );

@@ -1,0 +1,310 @@
+// Strands that move, ghosts and curves: what no table can say about them, and the entries that they name.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+// ---- dynamics ----
+
+static int64_t made_vertices( const wisp_scene_strands* strands )
+{
+    return (int64_t)strands->recipe.strand_count * strands->recipe.vertices_per_strand;
+}
+
+// How many vertices there are is known if the strands are made.
+static wisp_status read_pin( scene_reader* r, const scene_node* node, const wisp_scene_strands* strands,
+                             int32_t* out )
+{
+    static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, 2147483647 ) };
+    int vertex = 0;
+    wisp_status status = scene_read_whole( r, node, &field, &vertex );
+    if ( !status && strands->is_made && vertex >= made_vertices( strands ) )
+    {
+        return scene_refuse_node( r, node, "there is no vertex %d: %lld are made, counted from 0", vertex,
+                                  (long long)made_vertices( strands ) );
+    }
+    *out = vertex;
+    return status;
+}
+
+wisp_status scene_read_strand_pins( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_strands* strands = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
+    int32_t* pins = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = read_pin( r, item, strands, &pins[i++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    strands->dynamics.pins = pins;
+    strands->dynamics.pin_count = i;
+    return status;
+}
+
+wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field mass = { "mass", SCENE_NUMBER, .range = ANY_MASS, .unit = MASSES };
+    wisp_scene_strands* strands = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of masses, one a vertex", SCENE_MAX_NODES, sizeof( float ), &items );
+    if ( !status && ( !items || ( strands->is_made && node->count != made_vertices( strands ) ) ) )
+    {
+        return scene_refuse_node( r, node, "the list has %d masses; it takes one a vertex", node->count );
+    }
+    float* masses = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = scene_read_number( r, item, &mass, &masses[i++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    strands->dynamics.vertex_masses = masses;
+    strands->mass_count = i;
+    return status;
+}
+
+wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void* at )
+{
+    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
+    wisp_scene_strands* strands = at;
+    wisp_status status = scene_read_positions( r, node, straight, &strands->head );
+    if ( !status && strands->head.count == 0 )
+    {
+        return scene_refuse_node( r, node, "the list is empty; a head that stands still has no key 'head'" );
+    }
+    return status;
+}
+
+// ---- an entry ----
+
+static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+{
+    int sources = ( s->file != NULL ) + s->is_made + s->is_scattered + s->is_curves;
+    if ( sources == 0 )
+    {
+        return scene_refuse_node(
+            r, node, "has none of 'file', 'make', 'scatter' and 'curves'; one tells where the strands come from" );
+    }
+    if ( sources > 1 )
+    {
+        return scene_refuse_node( r, node, "has more than one of 'file', 'make', 'scatter' and 'curves'" );
+    }
+    return WISP_OK;
+}
+
+// Curves are drawn and nothing else: where they are is up to the strands that they run through.
+static wisp_status check_curves( scene_reader* r, const scene_node* node )
+{
+    static const char* const keys[] = { "transform", "dynamics",    "head",    "on_surface", "grid",
+                                        "ghosts",    "frozen_hair", "climate", "collision" };
+    for ( int i = 0; i < WISP_COUNT( keys ); ++i )
+    {
+        const scene_node* child = scene_child( r, node, keys[i] );
+        if ( child )
+        {
+            return scene_refuse_node( r, child, "curves follow other strands and take no key '%s'", keys[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_dynamics( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+{
+    if ( s->has_ghosts )
+    {
+        return scene_refuse_node( r, node,
+                                  "has both 'dynamics' and 'ghosts'; ghosts follow and do not move by themselves" );
+    }
+    if ( s->has_frozen_hair )
+    {
+        return scene_refuse_node(
+            r, node, "has both 'dynamics' and 'frozen_hair'; strands that move wear it on ghosts that follow them" );
+    }
+    if ( s->mass_count > 0 && s->dynamics.vertex_mass > 0.0f )
+    {
+        return scene_refuse_node( r, node, "has both dynamics.vertex_mass and dynamics.vertex_masses" );
+    }
+    if ( s->has_head && scene_child( r, node, "on_surface" ) )
+    {
+        return scene_refuse_node( r, node, "has both 'head' and 'on_surface'; roots go with one of them" );
+    }
+    return WISP_OK;
+}
+
+// What only strands that move can take.
+static wisp_status check_still( scene_reader* r, const scene_node* node )
+{
+    static const char* const keys[] = { "head", "on_surface", "grid", "collision" };
+    for ( int i = 0; i < WISP_COUNT( keys ); ++i )
+    {
+        const scene_node* child = scene_child( r, node, keys[i] );
+        if ( child )
+        {
+            return scene_refuse_node( r, child, "'%s' is of strands that move, but these have no key 'dynamics'",
+                                      keys[i] );
+        }
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
+{
+    wisp_status status = check_source( r, node, s );
+    if ( !status && s->is_curves )
+    {
+        return check_curves( r, node );
+    }
+    const scene_node* transform = s->is_scattered ? scene_child( r, node, "transform" ) : NULL;
+    if ( !status && transform )
+    {
+        return scene_refuse_node( r, transform, "scattered strands stand around others and take no key 'transform'" );
+    }
+    if ( !status && s->has_ghosts && !s->is_scattered &&
+         !scene_child( r, scene_child( r, node, "ghosts" ), "targets" ) )
+    {
+        return scene_refuse_node( r, node,
+                                  "ghosts.targets is missing, and there is no 'scatter' that could tell them" );
+    }
+    return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node );
+}
+
+// ---- entries that are named ----
+
+// A value of an entry, or null; the path leads to it then.
+static const scene_node* enter( scene_reader* r, const scene_node* entry, const char* block, const char* key )
+{
+    const scene_node* outer = block ? scene_child( r, entry, block ) : entry;
+    const scene_node* node = outer ? scene_child( r, outer, key ) : NULL;
+    if ( node && block )
+    {
+        scene_enter_key( r, block );
+    }
+    if ( node )
+    {
+        scene_enter_key( r, key );
+    }
+    return node;
+}
+
+// A source comes before what is scattered around it, so there is no circle, and it is read or made itself.
+static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i )
+{
+    wisp_scene_strands* s = &r->scene->strands[i];
+    const scene_node* node = enter( r, entry, "scatter", "around" );
+    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->scatter.around ) : WISP_OK;
+    if ( status || !node )
+    {
+        return status;
+    }
+    const wisp_scene_strands* source = &r->scene->strands[s->scatter.around];
+    if ( s->scatter.around >= i )
+    {
+        return scene_refuse_node( r, node, "'%s' is not above this entry in the list", source->name );
+    }
+    if ( source->is_scattered || source->is_curves )
+    {
+        return scene_refuse_node( r, node, "'%s' are neither read nor made", source->name );
+    }
+    int64_t made = source->is_made ? made_vertices( source ) * s->scatter.count : 0;
+    return made <= WISP_GROOM_MADE_CAP
+               ? WISP_OK
+               : scene_refuse_node( r, node, "%d strands around each of '%s' are %lld vertices, more than %d",
+                                    s->scatter.count, source->name, (long long)made, WISP_GROOM_MADE_CAP );
+}
+
+static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i )
+{
+    wisp_scene_strands* s = &r->scene->strands[i];
+    const scene_node* node = enter( r, entry, "curves", "of" );
+    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->curves_of ) : WISP_OK;
+    if ( status || !node )
+    {
+        return status;
+    }
+    wisp_scene_strands* source = &r->scene->strands[s->curves_of];
+    if ( source->is_curves )
+    {
+        return scene_refuse_node( r, node, "'%s' are curves themselves", source->name );
+    }
+    source->is_shown = source->has_show && source->is_shown;
+    return WISP_OK;
+}
+
+// Scattered ghosts follow what they are scattered around, unless they say otherwise.
+static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i )
+{
+    wisp_scene_strands* s = &r->scene->strands[i];
+    if ( !s->has_ghosts )
+    {
+        return WISP_OK;
+    }
+    const scene_node* node = enter( r, entry, "ghosts", "targets" );
+    s->targets = s->scatter.around;
+    wisp_status status = node ? scene_read_named( r, node, SCENE_STRANDS, &s->targets ) : WISP_OK;
+    if ( status )
+    {
+        return status;
+    }
+    wisp_scene_strands* targets = &r->scene->strands[s->targets];
+    if ( !targets->has_dynamics )
+    {
+        return scene_refuse_node( r, node ? node : entry,
+                                  "ghosts follow strands that move, but '%s' have no key 'dynamics'", targets->name );
+    }
+    targets->is_shown = targets->has_show && targets->is_shown;
+    return WISP_OK;
+}
+
+static wisp_status bind_root( scene_reader* r, const scene_node* entry, int i )
+{
+    const scene_node* node = enter( r, entry, NULL, "on_surface" );
+    return node ? scene_read_named( r, node, SCENE_SURFACE, &r->scene->strands[i].on_surface ) : WISP_OK;
+}
+
+typedef wisp_status bind_fn( scene_reader* r, const scene_node* entry, int i );
+
+static wisp_status bind_all( scene_reader* r, const scene_node* list, bind_fn* bind )
+{
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, list ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        wisp_status status = bind( r, item, i++ );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_bind_strands( scene_reader* r, const scene_node* list )
+{
+    wisp_status status = bind_all( r, list, bind_scatter );
+    status = status ? status : bind_all( r, list, bind_curves );
+    return status ? status : bind_all( r, list, bind_ghosts );
+}
+
+wisp_status scene_bind_roots( scene_reader* r, const scene_node* root )
+{
+    const scene_node* list = scene_child( r, root, "strands" );
+    size_t outside = scene_enter_key( r, "strands" );
+    wisp_status status = list ? bind_all( r, list, bind_root ) : WISP_OK;
+    if ( !status )
+    {
+        scene_leave( r, outside );
+    }
+    return status;
+}

@@ -1,0 +1,116 @@
+// Strands of a scene that move, the ghosts that follow them, curves through them, and the heads that carry them.
+#include "world_from_scene_parts.h"
+
+static wisp_status fail_here( const scene_world* world, int strands, wisp_status status, wisp_error* error )
+{
+    return status == WISP_OK
+               ? WISP_OK
+               : scene_fail_at_strands( world->scene, strands, status, wisp_world_message( world->world ), error );
+}
+
+static wisp_status set_dynamics( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    wisp_entity entity = world->entities[strands];
+    wisp_status status = wisp_set_strand_dynamics( world->world, entity, &entry->dynamics );
+    if ( status == WISP_OK && entry->has_grid )
+    {
+        status = wisp_set_strand_grid( world->world, entity, &entry->grid );
+    }
+    if ( status == WISP_OK && entry->has_collision )
+    {
+        status = wisp_set_collision( world->world, entity, &entry->collision );
+    }
+    if ( status == WISP_OK && entry->want_contacts )
+    {
+        status = wisp_want_collision_figures( world->world, entity, true );
+    }
+    if ( status == WISP_OK && entry->on_surface >= 0 )
+    {
+        status = wisp_root_strands( world->world, entity, world->surfaces[entry->on_surface].entity );
+    }
+    return status;
+}
+
+// Frozen hair on ghosts begins where the motion has taken them, which is kept apart from what it makes of it.
+static wisp_status set_ghosts( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    wisp_ghosts_def def = entry->ghosts;
+    def.targets = world->entities[entry->targets];
+    wisp_status status = WISP_OK;
+    if ( entry->has_frozen_hair )
+    {
+        status = wisp_want( world->world, world->entities[strands], WISP_STRAND_CARRIED );
+    }
+    return status == WISP_OK ? wisp_set_ghosts( world->world, world->entities[strands], &def ) : status;
+}
+
+static wisp_status add_curves( scene_world* world, int strands, wisp_error* error )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    wisp_status status =
+        scene_groom_of( world->scene, strands, &world->grooms[entry->curves_of], &world->grooms[strands], error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_curves_def def = entry->curves;
+    def.source = world->entities[entry->curves_of];
+    status = wisp_add_curves( world->world, &def, &world->entities[strands] );
+    status = status == WISP_OK ? scene_strands_dress( world, strands ) : status;
+    return fail_here( world, strands, status, error );
+}
+
+// Ghosts follow what moves already, and curves run through either.
+wisp_status scene_motion_set( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = scene->strands[i].has_dynamics ? fail_here( world, i, set_dynamics( world, i ), error ) : WISP_OK;
+    }
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = scene->strands[i].has_ghosts ? fail_here( world, i, set_ghosts( world, i ), error ) : WISP_OK;
+    }
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        status = scene->strands[i].is_curves ? add_curves( world, i, error ) : WISP_OK;
+    }
+    return status;
+}
+
+// ---- heads ----
+
+// A head is a body that starts at its pivot, not turned. Its path tells where the pivot is; the engine wants to know what
+// becomes of the origin.
+static wisp_status follow_head( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    const wisp_vec3 pivot = entry->has_head_pivot ? entry->head_pivot : entry->pose.translation;
+    const wisp_rigid start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
+    wisp_rigid pose = scene_path_pose( world, &entry->head, start );
+    const wisp_vec3 turned = wisp_quat_turn( pose.rotation, pivot );
+    pose.translation =
+        ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
+    return wisp_move_strand_head( world->world, world->entities[strands], pose );
+}
+
+wisp_status scene_heads_follow( scene_world* world, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        const wisp_scene_strands* entry = &scene->strands[i];
+        if ( scene_path_moves( world, &entry->head ) )
+        {
+            status = follow_head( world, i );
+            status =
+                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
+        }
+    }
+    return status;
+}

@@ -1,0 +1,146 @@
+#include "figures_hair.h"
+
+#include "render.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SIDE 360
+
+void figures_hair_begin( const figures_case* page, figures_hair_album* album, const char* format, ... )
+{
+    if ( !page->pictures || album->count == FIGURES_HAIR_SHOTS_MAX )
+    {
+        return;
+    }
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( album->labels[album->count], sizeof( album->labels[0] ), format, arguments );
+    va_end( arguments );
+    ++album->count;
+}
+
+wisp_status figures_hair_add( const figures_case* page, figures_hair_album* album, const wisp_vec3* points,
+                              int strand_count, int vertices, wisp_vec3 colour, float radius, wisp_error* error )
+{
+    int shot = album->count - 1;
+    if ( !page->pictures || shot < 0 || album->layer_count[shot] == FIGURES_HAIR_LAYERS_MAX )
+    {
+        return WISP_OK;
+    }
+    figures_hair_layer* layer = &album->layers[shot][album->layer_count[shot]++];
+    size_t bytes = (size_t)strand_count * (size_t)vertices * sizeof( wisp_vec3 );
+    *layer = ( figures_hair_layer ){
+        .points = malloc( bytes ),
+        .offsets = malloc( ( (size_t)strand_count + 1 ) * sizeof( int32_t ) ),
+        .strand_count = strand_count,
+        .colour = colour,
+        .radius = radius,
+    };
+    if ( !layer->points || !layer->offsets )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a picture" );
+    }
+    memcpy( layer->points, points, bytes );
+    for ( int s = 0; s <= strand_count; ++s )
+    {
+        layer->offsets[s] = s * vertices;
+    }
+    return WISP_OK;
+}
+
+void figures_hair_free( figures_hair_album* album )
+{
+    for ( int shot = 0; shot < album->count; ++shot )
+    {
+        for ( int i = 0; i < album->layer_count[shot]; ++i )
+        {
+            free( album->layers[shot][i].points );
+            free( album->layers[shot][i].offsets );
+        }
+    }
+    *album = ( figures_hair_album ){ .count = 0 };
+}
+
+static void set_scene( const figures_hair_album* album, int shot, render_curves* curves, render_scene* scene )
+{
+    for ( int i = 0; i < album->layer_count[shot]; ++i )
+    {
+        const figures_hair_layer* layer = &album->layers[shot][i];
+        curves[i] = render_default_curves();
+        curves[i].points = layer->points;
+        curves[i].offsets = layer->offsets;
+        curves[i].strand_count = layer->strand_count;
+        curves[i].colour = layer->colour;
+        curves[i].radius = layer->radius;
+    }
+    *scene = render_default_scene();
+    scene->curves = curves;
+    scene->curves_count = album->layer_count[shot];
+}
+
+// One camera for all shots, so that they can be compared.
+static wisp_status find_camera( const figures_hair_album* album, render_camera* camera, wisp_error* error )
+{
+    render_bounds all = { .is_filled = false };
+    wisp_status status = WISP_OK;
+    for ( int shot = 0; shot < album->count && status == WISP_OK; ++shot )
+    {
+        render_curves curves[FIGURES_HAIR_LAYERS_MAX];
+        render_scene scene;
+        render_bounds one = { .is_filled = false };
+        set_scene( album, shot, curves, &scene );
+        status = render_scene_bounds( &scene, &one, error );
+        all = render_bounds_union( all, one );
+    }
+    const render_view view = render_default_view();
+    return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
+}
+
+static wisp_status draw( const figures_hair_album* album, image* pictures, image* sheet, wisp_error* error )
+{
+    render_camera camera;
+    render_options options = render_default_options();
+    options.width = SIDE;
+    options.height = SIDE;
+    options.threads = 2;
+    wisp_status status = find_camera( album, &camera, error );
+    const char* labels[FIGURES_HAIR_SHOTS_MAX];
+    for ( int shot = 0; shot < album->count && status == WISP_OK; ++shot )
+    {
+        render_curves curves[FIGURES_HAIR_LAYERS_MAX];
+        render_scene scene;
+        set_scene( album, shot, curves, &scene );
+        status = render_picture( &scene, &camera, &options, &pictures[shot], error );
+        labels[shot] = album->labels[shot];
+    }
+    return status == WISP_OK ? image_sheet( pictures, album->count, album->count, labels, sheet, error ) : status;
+}
+
+wisp_status figures_hair_write( figures_case* page, const figures_hair_album* album, const char* name,
+                                const char* caption, wisp_error* error )
+{
+    if ( !page->pictures || album->count == 0 )
+    {
+        return WISP_OK;
+    }
+    char path[4096];
+    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
+    }
+    image pictures[FIGURES_HAIR_SHOTS_MAX] = { { 0 } }, sheet = { 0 };
+    wisp_status status = draw( album, pictures, &sheet, error );
+    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
+    for ( int i = 0; i < album->count; ++i )
+    {
+        image_release( &pictures[i] );
+    }
+    image_release( &sheet );
+    if ( status == WISP_OK )
+    {
+        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
+    }
+    return status;
+}

@@ -1,0 +1,82 @@
+#include "strands_bench.h"
+
+#include <math.h>
+
+// Below so many seconds fewer steps lead up to the times.
+#define FULL_SECONDS 40.0
+
+strands_plan strands_default_plan( const bench_options* options )
+{
+    bool is_full = bench_seconds( options ) >= FULL_SECONDS;
+    return ( strands_plan ){
+        .sizes = { 100, 300, 500, 2000, 10000, 50000 },
+        .size_count = 6,
+        .scenario_steps = is_full ? 60 : STRANDS_TRUTH_STEPS,
+        .scenario_strands = 2000,
+        .few_settings_strands = is_full ? 10000 : 2000,
+        .few_settings = is_full ? 3 : 1,
+        .plain_strands = is_full ? 50000 : 10000,
+        .race_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
+        .head_sides = { 44, 224 },
+        .head_count = 2,
+        .head_ratios_min = 16,
+        .large_first_worker = is_full || options->workers == 1 ? 0 : 1,
+        .head_steps = is_full ? 60 : 20,
+        .settle_seconds = 8.0,
+        .workers = { 1, options->workers },
+        .worker_count = options->workers > 1 ? 2 : 1,
+        .options = options,
+    };
+}
+
+const char* strands_workers_word( int workers )
+{
+    return workers == 1 ? "worker" : "workers";
+}
+
+void strands_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
+{
+    results_add_note( out, "Claim: %s. Measured %.2f%s: %s.", claim, measured, unit,
+                      is_met ? "met" : "claim not met on this machine" );
+}
+
+wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting )
+{
+    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    def.stretch = setting->stretch;
+    def.stretch_passes = setting->passes;
+    def.bend = setting->bend;
+    def.bend_compliance = STRANDS_BEND_COMPLIANCE;
+    def.rest = WISP_STRAND_REST_STRAIGHT;
+    def.clamped = false;
+    return def;
+}
+
+wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_error* error )
+{
+    static const struct
+    {
+        wisp_status ( *make )( const strands_plan* plan, results* out, wisp_error* error );
+        const char* what;
+        double share; // of the case that is done when it begins
+    } tables[] = {
+        { strands_race, "strands against plain C", 0.0 },
+        { strands_closed_forms, "strands against closed forms", 0.6 },
+        { strands_independence, "strands at other rates", 0.65 },
+        { strands_energy, "stretch and energy", 0.7 },
+        { strands_guides, "guides and ghosts", 0.75 },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
+    {
+        bench_progress( plan->options, tables[i].share, tables[i].what );
+        status = tables[i].make( plan, out, error );
+    }
+    return status;
+}
+
+wisp_status strands_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    strands_plan plan = strands_default_plan( options );
+    return strands_bench_run( &plan, out, error );
+}

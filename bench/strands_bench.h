@@ -1,0 +1,76 @@
+/// The case `strands`: its sizes, its settings, and the tables it is made of.
+#pragma once
+
+#include "bench.h"
+#include "cells.h"
+#include "strands_scene.h"
+
+#define STRANDS_SIZES_MAX 8
+#define STRANDS_WORKERS_MAX 2
+
+/// Sizes and steps. strands_default_plan() has those of the case; tests have smaller ones.
+typedef struct strands_plan
+{
+    int sizes[STRANDS_SIZES_MAX], size_count; ///< strands in the race
+    int scenario_steps;                       ///< of the race before times are taken, at least STRANDS_TRUTH_STEPS
+    int scenario_strands;                     ///< more strands than these stop at STRANDS_TRUTH_STEPS
+    int few_settings_strands;                 ///< more strands than these race with the first few settings only
+    int few_settings;
+    int plain_strands;             ///< more strands than these race without plain C
+    double race_seconds;           ///< of all sizes together
+    int head_sides[2], head_count; ///< strands along each side of a head, multiples of 4: guides and ghosts
+    int head_ratios_min;           ///< the larger head is run with this many ghosts a guide and more
+    int large_first_worker;        ///< the larger head is run with this one of the worker counts and those behind it
+    int head_steps;                ///< of shaking
+    double settle_seconds;         ///< simulated, until a hanging strand is taken to be at rest
+    int workers[STRANDS_WORKERS_MAX], worker_count;
+    const bench_options* options; ///< for progress
+} strands_plan;
+
+/// Chaotic motion tells nothing about a solver: distances to the truth are taken after a quarter of a second.
+#define STRANDS_TRUTH_STEPS 15
+#define STRANDS_TRUTH_SUBSTEPS 160
+/// Strands do not touch, so the first so many stand for all of them.
+#define STRANDS_TRUTH_STRANDS 512
+
+strands_plan strands_default_plan( const bench_options* options );
+
+/// All tables of a plan.
+wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_error* error );
+
+// ---- the tables ----
+
+/// Solvers by size against plain C, beside other engines; then the kernels alone.
+wisp_status strands_race( const strands_plan* plan, results* out, wisp_error* error );
+/// Closed forms: error beside time.
+wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error );
+/// What the rate of steps and the number of vertices do to a hanging hair.
+wisp_status strands_independence( const strands_plan* plan, results* out, wisp_error* error );
+/// Stretch and energy of a falling chain by solver and substeps.
+wisp_status strands_energy( const strands_plan* plan, results* out, wisp_error* error );
+/// Guides and ghosts against simulating all (GUI E5).
+wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* error );
+
+// ---- ways to solve ----
+
+typedef struct strands_setting
+{
+    const char* name;
+    wisp_strand_stretch stretch;
+    wisp_strand_bend bend;
+    int passes; ///< Newton passes of the direct stretch
+    int substeps;
+} strands_setting;
+
+/// Dynamics of a setting in the scene of the race.
+wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting );
+
+/// m/N of bends by distances: at ten substeps about a fifth of the error is taken away, as the stiffness 0.2 of the other
+/// engines does; being a compliance it stays the same material at other substeps.
+#define STRANDS_BEND_COMPLIANCE 68.0f
+
+// ---- what they share ----
+
+const char* strands_workers_word( int workers );
+/// Sentence of a claim: met, or not met on this machine. Speed is not correctness, so it never fails the run.
+void strands_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out );

@@ -1,0 +1,84 @@
+/// Strands in a world of their own: shapes, settings, and what the case `strands` steps, times and looks at.
+#pragma once
+
+#include "profile_samples.h"
+#include "stats.h"
+
+#include "strands/strands.h"
+
+#define STRANDS_VERTICES 20
+#define STRANDS_SPACING 0.05f // m, as in the cloth that other engines were measured on
+#define STRANDS_STEP ( 1.0f / 60.0f )
+#define STRANDS_GRAVITY 9.81
+
+// ---- shapes ----
+
+/// Polylines of equally many vertices.
+typedef struct strands_shape
+{
+    int strand_count, vertices; ///< vertices a strand
+    wisp_vec3* points;          ///< [strand_count][vertices] m
+    int32_t* offsets;           ///< [strand_count + 1]
+} strands_shape;
+
+/// Room for a shape, every point at the origin.
+wisp_status strands_shape_create( int strand_count, int vertices, strands_shape* out, wisp_error* error );
+void strands_shape_free( strands_shape* shape );
+int strands_shape_size( const strands_shape* shape );
+
+/// The scene of the race: every strand straight and horizontal, each in a direction of its own, so that no two lanes do the
+/// same. A strand does not depend on how many there are.
+wisp_status strands_shape_make_horizontal( int strand_count, strands_shape* out, wisp_error* error );
+/// One straight strand from the origin. @param direction unit @param length m
+wisp_status strands_shape_make_straight( int vertices, wisp_vec3 direction, double length, strands_shape* out,
+                                         wisp_error* error );
+
+// ---- worlds ----
+
+typedef struct strands_recipe
+{
+    const strands_shape* shape; ///< the caller's, who keeps it until the entrant is gone
+    wisp_strand_dynamics_def dynamics;
+    int substeps, workers;
+    float seconds;    ///< a step
+    bool has_quality; ///< energies are wanted too
+} strands_recipe;
+
+/// Steps of 1/60 s, one worker, ten substeps, the engine's defaults.
+strands_recipe strands_default_recipe( const strands_shape* shape );
+
+typedef struct strands_entrant
+{
+    wisp_world* world;
+    wisp_entity entity;
+    strands_recipe recipe;
+    profile_samples profile; ///< of the steps that were kept
+    int steps;
+    int halted_at; ///< the step at which the engine halted it; 0: it never did
+} strands_entrant;
+
+/// Strands at rest, with WISP_STRAND_POINTS wanted as a renderer would.
+wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entrant* out, wisp_error* error );
+void strands_entrant_destroy( strands_entrant* entrant );
+/// What the world says about its last failure.
+wisp_status strands_entrant_fail( const strands_entrant* entrant, wisp_status status, wisp_error* error );
+
+/// One step. @param context the entrant, as a bench_variant has it
+wisp_status strands_entrant_step( void* context, wisp_error* error );
+wisp_status strands_entrant_steps( strands_entrant* entrant, int count, wisp_error* error );
+/// Keep the last step's profile.
+wisp_status strands_entrant_keep_profile( void* context );
+wisp_status strands_entrant_hash( strands_entrant* entrant, uint64_t* hash, wisp_error* error );
+/// The vertices in the user's order, valid until the next step.
+wisp_status strands_entrant_points( strands_entrant* entrant, const wisp_vec3** points, wisp_error* error );
+
+// ---- measures, in double ----
+
+typedef struct strands_stretch
+{
+    double max, mean; ///< |l/l0 - 1|; NaN if a coordinate is
+} strands_stretch;
+
+strands_stretch strands_measure_stretch( const strands_shape* rest, const wisp_vec3* points );
+/// Root mean square distance of the first `count` vertices, m.
+double strands_rms_distance( const wisp_vec3* a, const wisp_vec3* b, int count );

@@ -1,0 +1,230 @@
+// Strands: out of bodies and rubbed, once an iteration, in front of the constraints that restore their lengths.
+//
+// Nothing is looked for in advance: a vertex meets what it is in. Closed forms are asked sixteen strands at a time (kernel
+// strand_contact, which tells the law). Meshes, and closed forms that pass so fast that the end of a path may lie behind
+// the middle of the body, are asked vertex by vertex, with the path as well as its end.
+//
+// How deep a vertex may be is kept from substep to substep: it started inside and is being moved out, or it did not.
+#include "collision_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct strand_loop
+{
+    wisp_strand_contact_job job; // but for the body
+    int group;
+    wisp_strand_reach reach; // of the group
+} strand_loop;
+
+static const size_t ROW = 3 * WISP_LANES;
+
+// ---- which bodies, and how ----
+
+static bool is_still( const collision_view* view )
+{
+    return memcmp( &view->before, &view->after, sizeof( wisp_rigid ) ) == 0;
+}
+
+// The longest path of a vertex of the group as the body sees it, at most. What a rigid motion does to a box is largest at
+// one of its corners.
+static float path_seen( const strand_loop* loop, const collision_view* view )
+{
+    float most = 0.0f;
+    for ( int corner = 0; corner < 8 && is_still( view ) == false; ++corner )
+    {
+        const wisp_vec3 c = {
+            ( corner & 1 ) != 0 ? loop->reach.high.x : loop->reach.low.x,
+            ( corner & 2 ) != 0 ? loop->reach.high.y : loop->reach.low.y,
+            ( corner & 4 ) != 0 ? loop->reach.high.z : loop->reach.low.z,
+        };
+        const wisp_vec3 carried = wisp_rigid_to_world( view->after, wisp_rigid_to_body( view->before, c ) );
+        most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
+    }
+    return most + loop->reach.path;
+}
+
+static float beside( float x, float low, float high )
+{
+    return fmaxf( 0.0f, fmaxf( low - x, x - high ) );
+}
+
+// How far the group's box at least is from the ball around the body at a pose.
+static float apart_at( const strand_loop* loop, const collision_body* body, wisp_rigid pose )
+{
+    const wisp_vec3 c = wisp_rigid_to_world( pose, body->centre );
+    const wisp_vec3 d = { beside( c.x, loop->reach.low.x, loop->reach.high.x ),
+                          beside( c.y, loop->reach.low.y, loop->reach.high.y ),
+                          beside( c.z, loop->reach.low.z, loop->reach.high.z ) };
+    return collision_length( d ) - body->ball_radius;
+}
+
+// ---- one vertex ----
+
+typedef struct strand_way
+{
+    float out, healed, calmed, left; // m, as in the kernel
+} strand_way;
+
+static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth )
+{
+    const float began = fmaxf( 0.0f, thickness - start );
+    const float may = began > depth + thickness ? began : fminf( depth, began );
+    const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
+    const float left = fmaxf( 0.0f, may - outward );
+    strand_way way;
+    way.healed = fminf( left, fmaxf( 0.0f, loop->job.recovery - outward ) );
+    way.left = left - way.healed;
+    way.out = fmaxf( 0.0f, thickness - way.left - now );
+    way.calmed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
+    return way;
+}
+
+static wisp_vec3 load_lane( const float* x )
+{
+    return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
+}
+
+static void store_lane( float* x, wisp_vec3 v )
+{
+    x[0] = v.x;
+    x[WISP_LANES] = v.y;
+    x[2 * WISP_LANES] = v.z;
+}
+
+static wisp_vec3 rubbed( const collision_view* view, wisp_vec3 u, wisp_vec3 normal, float push )
+{
+    const wisp_vec3 across = collision_add_scaled( u, -collision_dot( normal, u ), normal );
+    const float length = collision_length( across );
+    const float share = length <= view->static_friction * push ? 1.0f : view->kinetic_friction * push / length;
+    return ( wisp_vec3 ){ share * across.x, share * across.y, share * across.z };
+}
+
+static void touch( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from, wisp_vec3 to,
+                   const wisp_surface_point* nearest )
+{
+    const float path = collision_length( collision_sub( to, from ) );
+    wisp_surface_point plane;
+    const bool swept = fabsf( nearest->distance ) <= path && collision_sweep( view->body, from, to, &plane );
+    plane = swept ? plane : *nearest;
+    const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
+    if ( !( now < view->thickness ) )
+    {
+        return;
+    }
+    const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
+    float *at = loop->job.position + (size_t)row * ROW + lane, *was = loop->job.previous + (size_t)row * ROW + lane;
+    const float start = collision_start_gap( view, &plane, from, swept ) + view->thickness;
+    const strand_way way = find_way( loop, view->thickness, start, now, loop->job.depth[i] );
+    const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
+    const wisp_vec3 p = collision_add_scaled( load_lane( at ), way.out, normal );
+    const wisp_vec3 previous = collision_add_scaled( load_lane( was ), way.healed + way.calmed, normal );
+    const wisp_vec3 motion = collision_sub( wisp_rigid_to_world( view->after, plane.point ),
+                                            wisp_rigid_to_world( view->before, plane.point ) );
+    const float push = fmaxf( 0.0f, way.out - way.healed );
+    const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
+    store_lane( at, collision_sub( p, rubbed( view, u, normal, push ) ) );
+    store_lane( was, previous );
+    loop->job.pushed[i] += push;
+    loop->job.left[i] = fmaxf( loop->job.left[i], way.left );
+}
+
+static void touch_row( strand_loop* loop, const collision_view* view, int row )
+{
+    int lanes[WISP_LANES], n = 0;
+    wisp_vec3 from[WISP_LANES];
+    wisp_mesh_query queries[WISP_LANES];
+    wisp_surface_point nearest[WISP_LANES];
+    bool is_near[WISP_LANES];
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        if ( !( loop->job.weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
+        {
+            continue;
+        }
+        const size_t at = (size_t)row * ROW + (size_t)l;
+        from[n] = wisp_rigid_to_body( view->before, load_lane( loop->job.previous + at ) );
+        const wisp_vec3 to = wisp_rigid_to_body( view->after, load_lane( loop->job.position + at ) );
+        const float reach = view->thickness + collision_length( collision_sub( to, from[n] ) );
+        // also false for what is no number
+        if ( collision_box_distance( view->body, to ) <= reach )
+        {
+            lanes[n] = l;
+            queries[n++] = ( wisp_mesh_query ){ to, reach };
+        }
+    }
+    collision_closest( view->body, queries, n, nearest, is_near );
+    for ( int i = 0; i < n; ++i )
+    {
+        if ( is_near[i] )
+        {
+            touch( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i );
+        }
+    }
+}
+
+// ---- the pass ----
+
+static void touch_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view )
+{
+    wisp_strand_contact_job job = loop->job;
+    job.shape = view->body->shape;
+    job.before = view->before;
+    job.after = view->after;
+    job.thickness = view->thickness;
+    job.static_friction = view->static_friction;
+    job.kinetic_friction = view->kinetic_friction;
+    wisp_frame_kernels( frame )->strand_contact( &job, loop->group, loop->group + 1 );
+}
+
+static void meet( wisp_frame* frame, strand_loop* loop, const collision_view* view )
+{
+    const collision_body* body = view->body;
+    const bool round_about = body->inner < INFINITY;
+    const float path = round_about ? path_seen( loop, view ) : 0.0f;
+    const bool slow = body->tree == NULL && path <= body->inner;
+    // both ends of a chord may be farther away than its middle, by no more than half of it
+    const float then = slow ? INFINITY : apart_at( loop, body, view->before );
+    const float apart = fminf( then, apart_at( loop, body, view->after ) ) - ( slow ? 0.0f : 0.5f * path );
+    if ( apart > view->thickness )
+    {
+        return;
+    }
+    if ( slow )
+    {
+        touch_lanes( frame, loop, view );
+        return;
+    }
+    for ( int row = loop->job.group_row[loop->group]; row < loop->job.group_row[loop->group + 1]; ++row )
+    {
+        touch_row( loop, view, row );
+    }
+}
+
+void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    strand_loop loop;
+    loop.job = ( wisp_strand_contact_job ){
+        .group_row = wisp_frame_strands( frame, span->entity )->group_row,
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_STRAND_PREVIOUS, 0 ),
+        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
+        .pushed = wisp_frame_column( frame, span->entity, state->strand_contact, 0 ),
+        .depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
+        .left = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
+        .recovery = span->iteration == 0 ? settings->recovery_speed * wisp_frame_seconds( frame ) : 0.0f,
+    };
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
+    {
+        kernels->strand_contact_begin( &loop.job, loop.group, span->iteration == 0, &loop.reach );
+        const bool moves = loop.reach.low.x <= loop.reach.high.x;
+        collision_view view;
+        for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
+        {
+            meet( frame, &loop, &view );
+        }
+    }
+}

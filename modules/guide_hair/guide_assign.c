@@ -1,0 +1,187 @@
+// Eq. 1: which targets a ghost follows. All pairs are compared in effect; boxes around the targets settle most of them.
+#include "guide_internal.h"
+
+#include <math.h>
+
+// A target's box, and the targets that have one.
+typedef struct box
+{
+    guide_point low, high;
+} box;
+
+// The nearest targets found so far, nearest first; of equals the lowest number.
+typedef struct ranking
+{
+    double distance[WISP_MOST_LINKS];
+    int target[WISP_MOST_LINKS];
+    int count, links;
+} ranking;
+
+static double worst( const ranking* r )
+{
+    return r->count < r->links ? HUGE_VAL : r->distance[r->links - 1];
+}
+
+static void enter( ranking* r, double distance, int target )
+{
+    int at = r->count;
+    while ( at > 0 &&
+            ( distance < r->distance[at - 1] || ( distance == r->distance[at - 1] && target < r->target[at - 1] ) ) )
+    {
+        at -= 1;
+    }
+    if ( at == r->links )
+    {
+        return;
+    }
+    r->count += r->count < r->links ? 1 : 0;
+    for ( int k = r->count - 1; k > at; --k )
+    {
+        r->distance[k] = r->distance[k - 1];
+        r->target[k] = r->target[k - 1];
+    }
+    r->distance[at] = distance;
+    r->target[at] = target;
+}
+
+static box box_of( const wisp_vec3* points, int count )
+{
+    box b = { { HUGE_VAL, HUGE_VAL, HUGE_VAL }, { -HUGE_VAL, -HUGE_VAL, -HUGE_VAL } };
+    for ( int i = 0; i < count; ++i )
+    {
+        const guide_point p = guide_widen( points[i] );
+        b.low = ( guide_point ){ fmin( b.low.x, p.x ), fmin( b.low.y, p.y ), fmin( b.low.z, p.z ) };
+        b.high = ( guide_point ){ fmax( b.high.x, p.x ), fmax( b.high.y, p.y ), fmax( b.high.z, p.z ) };
+    }
+    return b;
+}
+
+static double outside( double low, double p, double high )
+{
+    return p < low ? low - p : p > high ? p - high : 0.0;
+}
+
+// Is a strand farther from the box than `limit`, as sums of squares? A little is left for the rounding of the sums.
+static bool is_beyond( const box* b, const wisp_vec3* points, int count, double limit )
+{
+    const double enough = limit * ( 1.0 + 1e-9 );
+    double sum = 0.0;
+    for ( int i = 0; i < count && sum <= enough; ++i )
+    {
+        const guide_point p = guide_widen( points[i] );
+        const guide_point d = { outside( b->low.x, p.x, b->high.x ), outside( b->low.y, p.y, b->high.y ),
+                                outside( b->low.z, p.z, b->high.z ) };
+        sum += guide_dot( d, d );
+    }
+    return sum > enough;
+}
+
+// Sum over the ghost's vertices of the squared distance to the nearest vertex of the target; more than `limit` is enough.
+static double strand_distance( const wisp_vec3* ghost, int ghost_count, const wisp_vec3* target, int target_count,
+                               double limit )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < ghost_count && sum <= limit; ++k )
+    {
+        const guide_point p = guide_widen( ghost[k] );
+        double nearest = HUGE_VAL;
+        for ( int i = 0; i < target_count; ++i )
+        {
+            const guide_point d = guide_sub( p, guide_widen( target[i] ) );
+            nearest = fmin( nearest, guide_dot( d, d ) );
+        }
+        sum += nearest;
+    }
+    return sum;
+}
+
+// The target whose root is nearest: a guess that is nearly always right, which makes the boxes work.
+static int nearest_root( const guide_shape* targets, wisp_vec3 root )
+{
+    int best = -1;
+    float least = HUGE_VALF;
+    for ( int a = 0; a < targets->topology->strand_count; ++a )
+    {
+        if ( guide_vertices( targets, a ) == 0 )
+        {
+            continue;
+        }
+        const wisp_vec3 p = *guide_strand( targets, a );
+        const float x = p.x - root.x, y = p.y - root.y, z = p.z - root.z, squared = x * x + y * y + z * z;
+        best = best < 0 || squared < least ? a : best;
+        least = squared < least ? squared : least;
+    }
+    return best;
+}
+
+static ranking rank_targets( const guide_shape* ghosts, int ghost, const guide_shape* targets, const box* boxes,
+                             int links )
+{
+    const wisp_vec3* points = guide_strand( ghosts, ghost );
+    const int count = guide_vertices( ghosts, ghost ), guess = nearest_root( targets, points[0] );
+    ranking r = { .links = links };
+    for ( int n = -1; n < targets->topology->strand_count; ++n )
+    {
+        const int a = n < 0 ? guess : n, vertices = guide_vertices( targets, a );
+        if ( ( n >= 0 && a == guess ) || vertices == 0 || is_beyond( boxes + a, points, count, worst( &r ) ) )
+        {
+            continue;
+        }
+        const double limit = worst( &r );
+        const double distance = strand_distance( points, count, guide_strand( targets, a ), vertices, limit );
+        if ( distance <= limit )
+        {
+            enter( &r, distance, a );
+        }
+    }
+    return r;
+}
+
+// (1/d_k) / sum (1/d_j), both sides times the least distance: no overflow, and targets at distance 0 share it all.
+static void share_out( const ranking* r, double* share )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < r->links; ++k )
+    {
+        share[k] = r->distance[k] == r->distance[0] ? 1.0 : r->distance[0] / r->distance[k];
+        sum += share[k];
+    }
+    for ( int k = 0; k < r->links; ++k )
+    {
+        share[k] /= sum;
+    }
+}
+
+bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target, double* share,
+                   guide_memory* scratch )
+{
+    const int target_count = targets->topology->strand_count;
+    box* boxes = guide_take( scratch, (size_t)target_count, sizeof( box ) );
+    if ( boxes == NULL )
+    {
+        return false;
+    }
+    for ( int a = 0; a < target_count; ++a )
+    {
+        boxes[a] = box_of( guide_strand( targets, a ), guide_vertices( targets, a ) );
+    }
+    for ( int g = 0; g < ghosts->topology->strand_count; ++g )
+    {
+        int32_t* own = target + (size_t)g * (size_t)links;
+        if ( guide_vertices( ghosts, g ) == 0 )
+        {
+            for ( int k = 0; k < links; ++k )
+            {
+                own[k] = -1;
+            }
+            continue;
+        }
+        const ranking r = rank_targets( ghosts, g, targets, boxes, links );
+        share_out( &r, share + (size_t)g * (size_t)links );
+        for ( int k = 0; k < links; ++k )
+        {
+            own[k] = r.target[k];
+        }
+    }
+    return true;
+}

@@ -1,0 +1,457 @@
+// From groups to what the kernels read: lanes of guides, lanes of ghosts, offsets.
+#include "guide_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    ROW = 3 * WISP_LANES, // floats
+};
+
+// ---- blocks and shapes ----
+
+void* guide_take( guide_memory* memory, size_t count, size_t element )
+{
+    WISP_ASSERT( memory->count < GUIDE_MOST_BLOCKS );
+    const size_t bytes = ( count > 0 ? count : 1 ) * element;
+    void* block = memory->allocator->allocate( memory->allocator->user, bytes, 64 );
+    if ( block == NULL )
+    {
+        memory->failed = true;
+        return NULL;
+    }
+    memset( block, 0, bytes );
+    memory->blocks[memory->count] = block;
+    memory->bytes[memory->count++] = bytes;
+    return block;
+}
+
+void guide_give_back( guide_memory* memory )
+{
+    for ( int i = 0; i < memory->count; ++i )
+    {
+        memory->allocator->release( memory->allocator->user, memory->blocks[i], memory->bytes[i] );
+    }
+    memory->count = 0;
+}
+
+bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* memory, guide_shape* shape )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* rows = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    shape->topology = t;
+    shape->points = guide_take( memory, (size_t)t->vertex_count, sizeof( wisp_vec3 ) );
+    for ( int lane = 0; lane < t->group_count * WISP_LANES && shape->points != NULL; ++lane )
+    {
+        const float* from = rows + (size_t)t->group_row[lane / WISP_LANES] * ROW + lane % WISP_LANES;
+        for ( int i = 0; i < t->lane_count[lane]; ++i, from += ROW )
+        {
+            shape->points[t->offsets[t->lane_strand[lane]] + i] =
+                ( wisp_vec3 ){ from[0], from[WISP_LANES], from[2 * WISP_LANES] };
+        }
+    }
+    return shape->points != NULL;
+}
+
+// ---- lanes of guides ----
+
+static int row_total( const guide_groups* g, const int32_t* order, int count )
+{
+    int rows = 0;
+    for ( int n = 0; n < count; n += WISP_LANES )
+    {
+        rows += g->groups[order[n]].node_count;
+    }
+    return rows;
+}
+
+// Groups by falling node count, stable, as strands are cooked.
+static bool sort_groups( const guide_groups* g, int32_t* order, guide_memory* scratch )
+{
+    int longest = 0;
+    for ( int n = 0; n < g->group_count; ++n )
+    {
+        longest = g->groups[n].node_count > longest ? g->groups[n].node_count : longest;
+    }
+    int32_t* place = guide_take( scratch, (size_t)longest + 2, sizeof( int32_t ) );
+    if ( place == NULL )
+    {
+        return false;
+    }
+    for ( int n = 0; n < g->group_count; ++n )
+    {
+        place[longest - g->groups[n].node_count + 1] += 1;
+    }
+    for ( int i = 0; i < longest; ++i )
+    {
+        place[i + 1] += place[i];
+    }
+    for ( int n = 0; n < g->group_count; ++n )
+    {
+        order[place[longest - g->groups[n].node_count]++] = n;
+    }
+    return true;
+}
+
+// Float of an entity's rows where each strand begins.
+static bool find_strands( const wisp_strand_topology* t, guide_memory* scratch, int32_t** row, int32_t** lane_of )
+{
+    *row = guide_take( scratch, (size_t)t->strand_count, sizeof( int32_t ) );
+    *lane_of = guide_take( scratch, (size_t)t->strand_count, sizeof( int32_t ) );
+    for ( int lane = 0; lane < t->group_count * WISP_LANES && scratch->failed == false; ++lane )
+    {
+        if ( t->lane_strand[lane] >= 0 )
+        {
+            ( *row )[t->lane_strand[lane]] = t->group_row[lane / WISP_LANES] * ROW + lane % WISP_LANES;
+            ( *lane_of )[t->lane_strand[lane]] = lane;
+        }
+    }
+    return scratch->failed == false;
+}
+
+static void cook_stencils( guide_lanes* l, const guide_groups* g, const guide_group* group, int lane, int32_t begin )
+{
+    const int first = l->group_row[lane / WISP_LANES];
+    for ( int i = 0; i < group->node_count; ++i )
+    {
+        const guide_node* node = g->nodes + group->first_node + i;
+        const size_t row = (size_t)( first + i );
+        for ( int n = 0; n < 4; ++n )
+        {
+            const size_t at = ( row * 4 + (size_t)n ) * WISP_LANES + (size_t)( lane % WISP_LANES );
+            l->source[at] = begin + node->stencil.vertex[n] * ROW;
+            l->weight[at] = (float)node->stencil.weight[n];
+        }
+        float* rest = l->rest + row * ROW + lane % WISP_LANES;
+        rest[0] = (float)node->rest.x;
+        rest[WISP_LANES] = (float)node->rest.y;
+        rest[2 * WISP_LANES] = (float)node->rest.z;
+    }
+}
+
+static bool take_resampled( guide_lanes* l, guide_memory* memory )
+{
+    const size_t groups = (size_t)l->group_count, rows = (size_t)l->row_count;
+    l->source = guide_take( memory, rows * 4 * WISP_LANES, sizeof( int32_t ) );
+    l->weight = guide_take( memory, rows * 4 * WISP_LANES, sizeof( float ) );
+    l->source_lane = guide_take( memory, groups * WISP_LANES, sizeof( int32_t ) );
+    l->rest = guide_take( memory, rows * ROW, sizeof( float ) );
+    l->position = guide_take( memory, rows * ROW, sizeof( float ) );
+    l->velocity = guide_take( memory, rows * ROW, sizeof( float ) );
+    l->before = guide_take( memory, rows * ROW, sizeof( float ) );
+    l->root = guide_take( memory, groups * 4 * WISP_LANES, sizeof( float ) );
+    return memory->failed == false;
+}
+
+// Lanes of their own: a lane a group of ghosts.
+static bool lay_out_groups( guide_follower* f, const guide_groups* g, int32_t* order, guide_memory* scratch )
+{
+    guide_lanes* l = &f->guides;
+    l->group_count = ( g->group_count + WISP_LANES - 1 ) / WISP_LANES;
+    int32_t* rows = guide_take( &f->memory, (size_t)l->group_count + 1, sizeof( int32_t ) );
+    int32_t* counts = guide_take( &f->memory, (size_t)l->group_count * WISP_LANES, sizeof( int32_t ) );
+    int32_t *begin, *lane_of;
+    if ( f->memory.failed || sort_groups( g, order, scratch ) == false ||
+         find_strands( g->targets->topology, scratch, &begin, &lane_of ) == false )
+    {
+        return false;
+    }
+    l->row_count = row_total( g, order, g->group_count );
+    for ( int n = 0; n < g->group_count; ++n )
+    {
+        counts[n] = g->groups[order[n]].node_count;
+        rows[n / WISP_LANES + 1] = n % WISP_LANES == 0 ? rows[n / WISP_LANES] + counts[n] : rows[n / WISP_LANES + 1];
+    }
+    l->group_row = rows;
+    l->lane_count = counts;
+    if ( take_resampled( l, &f->memory ) == false )
+    {
+        return false;
+    }
+    for ( int lane = 0; lane < l->group_count * WISP_LANES; ++lane )
+    {
+        const guide_group* group = lane < g->group_count ? g->groups + order[lane] : NULL;
+        l->source_lane[lane] = -1;
+        if ( group != NULL )
+        {
+            const int from = lane_of[group->target];
+            l->source_lane[lane] = from / WISP_LANES * 4 * WISP_LANES + from % WISP_LANES;
+            cook_stencils( l, g, group, lane, begin[group->target] );
+        }
+    }
+    return true;
+}
+
+// Caps, and where in the table each lane's quads are. Group of a lane: through `order`, or the target of the lane.
+static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory* scratch )
+{
+    const wisp_strand_topology* t = g->targets->topology;
+    guide_lanes* l = &f->guides;
+    int32_t* order = guide_take( scratch, (size_t)g->group_count, sizeof( int32_t ) );
+    if ( order == NULL )
+    {
+        return false;
+    }
+    if ( f->resampled == false )
+    {
+        l->group_count = t->group_count;
+        l->row_count = t->row_count;
+        l->group_row = t->group_row;
+        l->lane_count = t->lane_count;
+    }
+    else if ( lay_out_groups( f, g, order, scratch ) == false )
+    {
+        return false;
+    }
+    l->lane_node = guide_take( &f->memory, (size_t)l->group_count * WISP_LANES, sizeof( int32_t ) );
+    l->cap = guide_take( &f->memory, (size_t)l->row_count * WISP_LANES, sizeof( float ) );
+    for ( int lane = 0; lane < l->group_count * WISP_LANES && f->memory.failed == false; ++lane )
+    {
+        const int n = l->lane_count[lane] == 0 ? -1 : f->resampled ? order[lane] : t->lane_strand[lane];
+        l->lane_node[lane] = ( n >= 0 ? g->groups[n].first_node : g->node_count ) * f->stride;
+        for ( int i = 0; i < l->lane_count[lane]; ++i )
+        {
+            const size_t row = (size_t)( l->group_row[lane / WISP_LANES] + i );
+            const double cap = g->nodes[g->groups[n].first_node + i].cap;
+            l->cap[row * WISP_LANES + (size_t)( lane % WISP_LANES )] = (float)cap;
+        }
+    }
+    return f->memory.failed == false;
+}
+
+// ---- lanes of ghosts ----
+
+// Eq. 2-3: the exact projection scales what differs from the centre, and nothing else moves the ghosts of a group against
+// each other before the sway, so it is part of the offset.
+static void cook_offsets( guide_follower* f, const guide_groups* g, int lane, int ghost )
+{
+    const wisp_strand_topology* t = g->ghosts->topology;
+    const int links = g->links, count = t->lane_count[lane];
+    const int32_t* link = g->group + (size_t)ghost * (size_t)links;
+    const guide_group* own = g->groups + link[0];
+    const double grown = own->size > 1 ? sqrt( (double)g->def->spread ) - 1.0 : 0.0;
+    for ( int n = 0; n < ( t->group_row[lane / WISP_LANES + 1] - t->group_row[lane / WISP_LANES] ) * links; ++n )
+    {
+        const int row = n / links, i = row < count ? row : count - 1;
+        const guide_point p = guide_widen( guide_strand( g->ghosts, ghost )[i] );
+        const guide_node* node = g->nodes + g->groups[link[n % links]].first_node + i;
+        guide_point o = guide_sub( p, node->anchor );
+        if ( i > 0 )
+        {
+            o = guide_mul_add( o, grown, guide_sub( p, g->nodes[own->first_node + i].centre ) );
+        }
+        const size_t first = (size_t)t->group_row[lane / WISP_LANES] * (size_t)links + (size_t)n;
+        float* to = f->offset + first * ROW + lane % WISP_LANES;
+        to[0] = (float)o.x;
+        to[WISP_LANES] = (float)o.y;
+        to[2 * WISP_LANES] = (float)o.z;
+    }
+}
+
+static void cook_lengths( guide_follower* f, const guide_groups* g, int lane, int ghost )
+{
+    const wisp_strand_topology* t = g->ghosts->topology;
+    const wisp_vec3* points = guide_strand( g->ghosts, ghost );
+    for ( int i = 1; i < t->lane_count[lane]; ++i )
+    {
+        const guide_point d = guide_sub( guide_widen( points[i] ), guide_widen( points[i - 1] ) );
+        const size_t row = (size_t)( t->group_row[lane / WISP_LANES] + i );
+        f->length[row * WISP_LANES + (size_t)( lane % WISP_LANES )] = (float)sqrt( guide_dot( d, d ) );
+    }
+}
+
+static void cook_ghost( guide_follower* f, const guide_groups* g, const double* share, int lane )
+{
+    const int links = g->links, ghost = g->ghosts->topology->lane_strand[lane];
+    for ( int k = 0; k < links; ++k )
+    {
+        const size_t at = (size_t)( lane / WISP_LANES * links + k ) * WISP_LANES + (size_t)( lane % WISP_LANES );
+        const size_t link = (size_t)( ghost >= 0 ? ghost : 0 ) * (size_t)links + (size_t)k;
+        f->lane_node[at] = ( ghost >= 0 ? g->groups[g->group[link]].first_node : g->node_count ) * f->stride;
+        f->lane_share[at] = ghost >= 0 ? (float)share[link] : 0.0f;
+    }
+    if ( ghost < 0 )
+    {
+        return;
+    }
+    // offsets are grown already, the weight is that of the offset before
+    const guide_group* own = g->groups + g->group[(size_t)ghost * (size_t)links];
+    const double largest = own->largest * ( own->size > 1 ? sqrt( (double)g->def->spread ) : 1.0 );
+    f->centre_scale[lane] =
+        own->size > 1 && own->largest > 0.0 ? (float)( (double)g->def->centre_gain / largest ) : 0.0f;
+    cook_offsets( f, g, lane, ghost );
+    if ( f->length != NULL )
+    {
+        cook_lengths( f, g, lane, ghost );
+    }
+}
+
+static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double* share )
+{
+    const wisp_strand_topology* t = g->ghosts->topology;
+    const size_t lanes = (size_t)t->group_count * WISP_LANES, rows = (size_t)t->row_count, links = (size_t)g->links;
+    f->lane_node = guide_take( &f->memory, lanes * links, sizeof( int32_t ) );
+    f->lane_share = guide_take( &f->memory, lanes * links, sizeof( float ) );
+    f->centre_scale = guide_take( &f->memory, lanes, sizeof( float ) );
+    f->offset = guide_take( &f->memory, rows * links * ROW, sizeof( float ) );
+    f->length = g->def->repair_length ? guide_take( &f->memory, rows * WISP_LANES, sizeof( float ) ) : NULL;
+    f->target = guide_take( &f->memory, (size_t)t->strand_count, sizeof( int32_t ) );
+    f->table = guide_take( &f->memory, ( (size_t)g->node_count + 1 ) * (size_t)f->stride, sizeof( float ) );
+    for ( int lane = 0; lane < t->group_count * WISP_LANES && f->memory.failed == false; ++lane )
+    {
+        cook_ghost( f, g, share, lane );
+    }
+    for ( int ghost = 0; ghost < t->strand_count && f->memory.failed == false; ++ghost )
+    {
+        f->target[ghost] = g->target[(size_t)ghost * links];
+    }
+    return f->memory.failed == false;
+}
+
+// ---- all of it ----
+
+static void report_on( guide_follower* f, const guide_groups* g, guide_memory* scratch )
+{
+    const int targets = g->targets->topology->strand_count;
+    uint8_t* has_ghosts = guide_take( scratch, (size_t)targets, 1 );
+    f->report.ghost_count = g->ghosts->topology->strand_count;
+    f->report.target_count = targets;
+    for ( int n = 0; n < g->group_count && has_ghosts != NULL; ++n )
+    {
+        const guide_group* group = g->groups + n;
+        has_ghosts[group->target] = has_ghosts[group->target] || group->size > 0;
+        f->report.largest_group = group->size > f->report.largest_group ? group->size : f->report.largest_group;
+        for ( int i = 1; i < group->node_count && group->size > 1; ++i )
+        {
+            f->report.collapsed_nodes += g->nodes[group->first_node + i].is_spread ? 0 : 1;
+        }
+    }
+    for ( int a = 0; a < targets && has_ghosts != NULL; ++a )
+    {
+        f->report.empty_targets += has_ghosts[a] ? 0 : 1;
+    }
+}
+
+static wisp_status check_counts( wisp_world* world, const guide_groups* g )
+{
+    for ( int n = 0; n < g->ghosts->topology->strand_count * g->links && g->def->resample == false; ++n )
+    {
+        const int ghost = n / g->links, target = g->target[n];
+        if ( target >= 0 && guide_vertices( g->ghosts, ghost ) != guide_vertices( g->targets, target ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "ghosts: ghost %d has %d vertices and its target %d has %d: only `resample` "
+                                    "pairs unequal numbers",
+                                    ghost, guide_vertices( g->ghosts, ghost ), target,
+                                    guide_vertices( g->targets, target ) );
+        }
+    }
+    return WISP_OK;
+}
+
+static int targets_with_vertices( const guide_shape* targets )
+{
+    int count = 0;
+    for ( int a = 0; a < targets->topology->strand_count; ++a )
+    {
+        count += guide_vertices( targets, a ) > 0 ? 1 : 0;
+    }
+    return count;
+}
+
+// Quads and rows are found by 32-bit numbers of floats.
+static bool is_addressable( const guide_groups* g )
+{
+    const int64_t most = INT32_MAX / 64;
+    int64_t nodes = g->targets->topology->row_count;
+    for ( int n = 0; n < g->ghosts->topology->strand_count * g->links && g->def->resample; ++n )
+    {
+        nodes += guide_vertices( g->ghosts, n / g->links );
+    }
+    return nodes < most && g->targets->topology->vertex_count < most;
+}
+
+static wisp_status cook( wisp_world* world, guide_follower* f, const guide_groups* start, guide_memory* scratch )
+{
+    guide_groups groups = *start;
+    const size_t links = (size_t)groups.ghosts->topology->strand_count * (size_t)groups.links;
+    int32_t* target = guide_take( scratch, links, sizeof( int32_t ) );
+    double* share = guide_take( scratch, links, sizeof( double ) );
+    const wisp_status no_memory = WISP_NO_MEMORY;
+    if ( scratch->failed ||
+         guide_assign( groups.ghosts, groups.targets, groups.links, target, share, scratch ) == false )
+    {
+        return no_memory;
+    }
+    groups.target = target;
+    wisp_status status = check_counts( world, &groups );
+    if ( status == WISP_OK && is_addressable( &groups ) == false )
+    {
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %d ghosts need more than 2^31 numbers",
+                                  groups.ghosts->topology->strand_count );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( guide_find_groups( &groups, scratch ) == false || cook_guides( f, &groups, scratch ) == false ||
+         cook_ghosts( f, &groups, share ) == false )
+    {
+        return no_memory;
+    }
+    report_on( f, &groups, scratch );
+    return scratch->failed ? no_memory : WISP_OK;
+}
+
+void guide_follower_release( guide_follower* follower )
+{
+    if ( follower != NULL )
+    {
+        const wisp_allocator* allocator = follower->memory.allocator;
+        guide_give_back( &follower->memory );
+        allocator->release( allocator->user, follower, sizeof( *follower ) );
+    }
+}
+
+wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def, guide_follower** out )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    guide_memory scratch = { .allocator = allocator };
+    guide_shape ghost_shape, target_shape;
+    guide_follower* f = allocator->allocate( allocator->user, sizeof( *f ), 64 );
+    wisp_status status = WISP_NO_MEMORY;
+    if ( f != NULL && guide_read_shape( world, ghosts, &scratch, &ghost_shape ) &&
+         guide_read_shape( world, def->targets, &scratch, &target_shape ) )
+    {
+        const int with_vertices = targets_with_vertices( &target_shape );
+        const int links = def->target_count < with_vertices ? def->target_count : with_vertices;
+        const bool turns = def->frame != WISP_GHOST_FRAME_OFF;
+        *f = ( guide_follower ){
+            .memory = { .allocator = allocator },
+            .ghosts = ghosts,
+            .targets = def->targets,
+            .link_count = links,
+            .stride = links > 1 ? 16
+                      : turns   ? 12
+                                : 8,
+            .resampled = def->resample,
+            .turns = turns,
+            .carries_frames = def->frame == WISP_GHOST_FRAME_PARALLEL,
+        };
+        const guide_groups groups = { .ghosts = &ghost_shape, .targets = &target_shape, .def = def, .links = links };
+        status = cook( world, f, &groups, &scratch );
+    }
+    else if ( f != NULL )
+    {
+        *f = ( guide_follower ){ .memory = { .allocator = allocator } };
+    }
+    guide_give_back( &scratch );
+    if ( status != WISP_OK )
+    {
+        guide_follower_release( f );
+        f = NULL;
+    }
+    *out = f;
+    return status == WISP_NO_MEMORY ? wisp_world_fail( world, status, "no memory to cook ghosts" ) : status;
+}

@@ -1,0 +1,378 @@
+// Curves through the vertices of strands: how many samples, which lanes they follow, and when they are drawn.
+#include "guide_internal.h"
+
+static const uint32_t CURVES_DEF_MADE = 0x43555256;
+
+enum
+{
+    CURVE_GRAIN = 4, // groups a block
+    MOST_SAMPLES = 64,
+    MOST_VERTICES = 1 << 28,
+};
+
+wisp_curves_def wisp_default_curves_def( void )
+{
+    return ( wisp_curves_def ){
+        .kind = WISP_CURVE_CATMULL_ROM,
+        .samples = 8,
+        .made_by_default = CURVES_DEF_MADE,
+    };
+}
+
+// ---- passes ----
+
+void guide_run_source( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const guide_state* state = user;
+    uint64_t* changes = wisp_frame_column( frame, span->entity, state->drawn, 0 );
+    *changes += 1;
+}
+
+// Nothing is drawn while the source stays where it is.
+bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    const guide_state* state = user;
+    const guide_drawing* d = guide_find_drawing( state, entity );
+    if ( d == NULL || d->source.index == 0 )
+    {
+        return false;
+    }
+    const uint64_t* drawn = wisp_frame_column( frame, entity, state->curves, 0 );
+    const uint64_t* changes = wisp_frame_column( frame, d->source, state->drawn, 0 );
+    return *drawn != *changes;
+}
+
+typedef struct curve_loop
+{
+    wisp_strand_curve_job job;
+    const wisp_kernels* kernels;
+} curve_loop;
+
+static void draw_groups( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const curve_loop* loop = context;
+    loop->kernels->strand_curve( &loop->job, begin, end );
+}
+
+void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const guide_state* state = user;
+    const guide_drawing* d = guide_find_drawing( state, span->entity );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    curve_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
+        .job = {
+            .group_row = t->group_row,
+            .lane_row = d->lane_row,
+            .lane_vertices = d->lane_vertices,
+            .from = wisp_frame_column( frame, d->source, WISP_STRAND_POSITION, 0 ),
+            .to = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+            .weight = d->weight,
+            .samples = d->samples,
+            .shares_ends = d->shares_ends,
+        },
+    };
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), t->group_count, CURVE_GRAIN, draw_groups, &loop );
+    uint64_t* drawn = wisp_frame_column( frame, span->entity, state->curves, 0 );
+    *drawn = *(uint64_t*)wisp_frame_column( frame, d->source, state->drawn, 0 );
+}
+
+// ---- at rest ----
+
+static int segments_of( int vertices, wisp_curve_kind kind )
+{
+    if ( vertices < 2 )
+    {
+        return 0;
+    }
+    return kind == WISP_CURVE_BEZIER ? ( vertices + 1 ) / 3 : vertices - 1;
+}
+
+// How a sample blends four points: eq. 6 with coefficient 3, or the Catmull-Rom spline of the two in the middle.
+static void blend_weights( wisp_curve_kind kind, double t, double weight[4] )
+{
+    const double s = 1.0 - t;
+    if ( kind == WISP_CURVE_BEZIER )
+    {
+        weight[0] = s * s * s;
+        weight[1] = 3.0 * s * s * t;
+        weight[2] = 3.0 * s * t * t;
+        weight[3] = t * t * t;
+        return;
+    }
+    weight[0] = -0.5 * t * s * s;
+    weight[1] = 1.0 + t * t * ( 1.5 * t - 2.5 );
+    weight[2] = t * ( 0.5 + t * ( 2.0 - 1.5 * t ) );
+    weight[3] = -0.5 * t * t * s;
+}
+
+static guide_point between( guide_point a, guide_point b, double share )
+{
+    return guide_mul_add( a, share, guide_sub( b, a ) );
+}
+
+// The four points that a segment blends, as the kernel has them.
+static void segment_points( const wisp_vec3* v, int count, wisp_curve_kind kind, int segment, guide_point p[4] )
+{
+    const int first = kind == WISP_CURVE_BEZIER ? 3 * segment : segment - 1, left = count - 1 - first;
+    for ( int n = 0; n < 4; ++n )
+    {
+        const int i = first + n;
+        p[n] = guide_widen( v[i < 0 ? 0 : i < count ? i : count - 1] );
+    }
+    if ( kind == WISP_CURVE_CATMULL_ROM )
+    {
+        p[0] = segment == 0 ? between( p[2], p[1], 2.0 ) : p[0];
+        p[3] = left < 3 ? between( p[1], p[2], 2.0 ) : p[3];
+        return;
+    }
+    if ( left < 3 )
+    {
+        const guide_point middle = left == 2 ? p[1] : p[0], end = p[3];
+        p[1] = left == 2 ? between( p[0], middle, 2.0 / 3.0 ) : between( p[0], end, 1.0 / 3.0 );
+        p[2] = left == 2 ? between( middle, end, 1.0 / 3.0 ) : between( p[0], end, 2.0 / 3.0 );
+    }
+}
+
+static void draw_strand( const wisp_vec3* v, int count, const wisp_curves_def* def, wisp_vec3* out )
+{
+    const int segments = segments_of( count, def->kind );
+    if ( segments > 0 )
+    {
+        *out++ = v[0];
+    }
+    for ( int n = 0; n < segments * def->samples; ++n )
+    {
+        guide_point p[4], sum = { 0.0, 0.0, 0.0 };
+        double weight[4];
+        segment_points( v, count, def->kind, n / def->samples, p );
+        blend_weights( def->kind, (double)( n % def->samples + 1 ) / def->samples, weight );
+        for ( int k = 0; k < 4; ++k )
+        {
+            sum = guide_mul_add( sum, weight[k], p[k] );
+        }
+        *out++ = ( wisp_vec3 ){ (float)sum.x, (float)sum.y, (float)sum.z };
+    }
+}
+
+// ---- cooking ----
+
+// Where each lane of the curves finds its strand. Lanes are sorted by length on both sides, so nearly always lane by lane.
+static bool find_lanes( guide_drawing* d, const wisp_strand_topology* curves, const wisp_strand_topology* source )
+{
+    const size_t lanes = (size_t)curves->group_count * WISP_LANES;
+    guide_memory scratch = { .allocator = d->memory.allocator };
+    int32_t* lane_of = guide_take( &scratch, (size_t)source->strand_count, sizeof( int32_t ) );
+    d->lane_row = guide_take( &d->memory, lanes, sizeof( int32_t ) );
+    d->lane_vertices = guide_take( &d->memory, lanes, sizeof( int32_t ) );
+    const bool complete = scratch.failed == false && d->memory.failed == false;
+    for ( int lane = 0; lane < source->group_count * WISP_LANES && complete; ++lane )
+    {
+        if ( source->lane_strand[lane] >= 0 )
+        {
+            lane_of[source->lane_strand[lane]] = lane;
+        }
+    }
+    for ( size_t lane = 0; lane < lanes && complete; ++lane )
+    {
+        if ( curves->lane_strand[lane] >= 0 )
+        {
+            const int from = lane_of[curves->lane_strand[lane]];
+            d->lane_row[lane] = source->group_row[from / WISP_LANES] * 3 * WISP_LANES + from % WISP_LANES;
+            d->lane_vertices[lane] = source->lane_count[from];
+        }
+    }
+    guide_give_back( &scratch );
+    return complete;
+}
+
+static bool cook_weights( guide_drawing* d, wisp_curve_kind kind )
+{
+    d->weight = guide_take( &d->memory, (size_t)d->samples * 4, sizeof( float ) );
+    for ( int n = 0; n < d->samples && d->weight != NULL; ++n )
+    {
+        double weight[4];
+        blend_weights( kind, (double)( n + 1 ) / d->samples, weight );
+        for ( int k = 0; k < 4; ++k )
+        {
+            d->weight[4 * n + k] = (float)weight[k];
+        }
+    }
+    return d->weight != NULL;
+}
+
+void guide_drawing_release( guide_drawing* drawing )
+{
+    if ( drawing != NULL )
+    {
+        const wisp_allocator* allocator = drawing->memory.allocator;
+        guide_give_back( &drawing->memory );
+        allocator->release( allocator->user, drawing, sizeof( *drawing ) );
+    }
+}
+
+static guide_drawing* cook_drawing( wisp_world* world, const wisp_curves_def* def, wisp_entity curves )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    guide_drawing* d = allocator->allocate( allocator->user, sizeof( *d ), 64 );
+    if ( d == NULL )
+    {
+        return NULL;
+    }
+    *d = ( guide_drawing ){
+        .memory = { .allocator = allocator },
+        .curves = curves,
+        .source = def->source,
+        .samples = def->samples,
+        .shares_ends = def->kind == WISP_CURVE_BEZIER,
+    };
+    if ( cook_weights( d, def->kind ) == false ||
+         find_lanes( d, wisp_world_strands( world, curves ), wisp_world_strands( world, def->source ) ) == false )
+    {
+        guide_drawing_release( d );
+        return NULL;
+    }
+    return d;
+}
+
+// ---- adding ----
+
+static wisp_status check( wisp_world* world, const guide_state* s, const wisp_curves_def* def )
+{
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module guide_hair is not registered in this world" );
+    }
+    if ( def->kind < 0 || def->kind >= WISP_CURVE_KIND_COUNT )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: kind is %d, which names no choice", (int)def->kind );
+    }
+    if ( def->samples < 1 || def->samples > MOST_SAMPLES )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: samples is %d, it must be 1 to %d", def->samples,
+                                MOST_SAMPLES );
+    }
+    if ( wisp_is_alive( world, def->source ) == false )
+    {
+        return wisp_world_fail( world, def->source.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
+                                "curves: the source, entity %u, does not exist (any more)", def->source.index );
+    }
+    if ( wisp_world_strands( world, def->source ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "curves: the source, entity %u, has no strands",
+                                def->source.index );
+    }
+    // they would be drawn together with their source, not behind it
+    if ( wisp_world_has( world, def->source, s->curves ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "curves: the source, entity %u, is curves itself",
+                                def->source.index );
+    }
+    return WISP_OK;
+}
+
+static wisp_status count_vertices( wisp_world* world, const wisp_strand_topology* t, const wisp_curves_def* def,
+                                   int32_t* offsets )
+{
+    int64_t count = 0;
+    for ( int s = 0; s < t->strand_count; ++s )
+    {
+        const int64_t segments = segments_of( t->offsets[s + 1] - t->offsets[s], def->kind );
+        count += segments > 0 ? segments * def->samples + 1 : 0;
+        if ( count > MOST_VERTICES )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "curves: strand %d is where they exceed %d samples", s,
+                                    MOST_VERTICES );
+        }
+        offsets[s + 1] = (int32_t)count;
+    }
+    // lanes find their strand by a 32-bit number of floats
+    return (int64_t)t->row_count * 3 * WISP_LANES <= INT32_MAX
+               ? WISP_OK
+               : wisp_world_fail( world, WISP_BAD_INPUT, "curves: the source has %d rows, too many", t->row_count );
+}
+
+// The entity with the curves of the rest shape.
+static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, guide_memory* scratch,
+                               wisp_entity* out )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, def->source );
+    guide_shape shape;
+    int32_t* offsets = guide_take( scratch, (size_t)t->strand_count + 1, sizeof( int32_t ) );
+    if ( offsets == NULL || guide_read_shape( world, def->source, scratch, &shape ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for curves of %d strands", t->strand_count );
+    }
+    wisp_status status = count_vertices( world, t, def, offsets );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_vec3* points = guide_take( scratch, (size_t)offsets[t->strand_count], sizeof( wisp_vec3 ) );
+    if ( points == NULL )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d samples", offsets[t->strand_count] );
+    }
+    for ( int s = 0; s < t->strand_count; ++s )
+    {
+        draw_strand( guide_strand( &shape, s ), guide_vertices( &shape, s ), def, points + offsets[s] );
+    }
+    wisp_strands_def strands = wisp_default_strands_def();
+    strands.points = points;
+    strands.offsets = offsets;
+    strands.strand_count = t->strand_count;
+    strands.dimension = t->dimension;
+    return wisp_add_strands( world, &strands, out );
+}
+
+// The source's passes live for the curves' sake, and count its changes.
+static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_entity source )
+{
+    const bool had = wisp_world_has( world, source, s->drawn );
+    wisp_status status = wisp_world_attach( world, source, s->drawn );
+    status = status == WISP_OK ? wisp_want( world, source, s->drawn ) : status;
+    if ( status == WISP_OK && had == false )
+    {
+        uint64_t* changes = wisp_world_column( world, source, s->drawn, 0 );
+        *changes = 1; // curves start at 0: not drawn yet
+    }
+    return status;
+}
+
+wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp_entity* out )
+{
+    WISP_ASSERT( def->made_by_default == CURVES_DEF_MADE );
+    guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    *out = ( wisp_entity ){ 0, 0 };
+    wisp_status status = check( world, s, def );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( guide_reserve( world, (void***)&s->drawings, &s->drawing_capacity, s->drawing_count ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities of curves", s->drawing_count + 1 );
+    }
+    guide_memory scratch = { .allocator = wisp_world_allocator( world ) };
+    wisp_entity curves = { 0, 0 };
+    status = add_entity( world, def, &scratch, &curves );
+    guide_give_back( &scratch );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    guide_drawing* drawing = cook_drawing( world, def, curves );
+    status = drawing != NULL ? wisp_world_attach( world, curves, s->curves )
+                             : wisp_world_fail( world, WISP_NO_MEMORY, "no memory to cook curves" );
+    status = status == WISP_OK ? watch_source( world, s, def->source ) : status;
+    if ( status != WISP_OK )
+    {
+        guide_drawing_release( drawing );
+        wisp_remove( world, curves );
+        return status;
+    }
+    s->drawings[s->drawing_count++] = drawing;
+    *out = curves;
+    return WISP_OK;
+}

@@ -1,0 +1,240 @@
+// Ghosts as the host sees them: defaults, ranges, who may follow whom.
+#include "guide_internal.h"
+
+static const uint32_t GHOSTS_DEF_MADE = 0x47484f53;
+
+wisp_ghosts_def wisp_default_ghosts_def( void )
+{
+    return ( wisp_ghosts_def ){
+        .target_count = 1,
+        .elastic = WISP_GHOST_ELASTIC_CHANGE,
+        .tip_gain = 0.5f,
+        .centre_gain = 0.5f,
+        .capped = true,
+        .keep_offset = true,
+        .spread = 1.0f,
+        .frame = WISP_GHOST_FRAME_PARALLEL,
+        .made_by_default = GHOSTS_DEF_MADE,
+    };
+}
+
+// ---- checks ----
+
+static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "target_count", (float)d->target_count, 1.0f, (float)WISP_MOST_LINKS },
+        { "elastic", (float)d->elastic, 0.0f, (float)( WISP_GHOST_ELASTIC_COUNT - 1 ) },
+        { "tip_gain", d->tip_gain, 0.0f, 1e3f },
+        { "centre_gain", d->centre_gain, 0.0f, 1e3f },
+        { "time", d->time, 0.0f, 1e3f },
+        { "spread", d->spread, 1e-6f, 1e6f },
+        { "frame", (float)d->frame, 0.0f, (float)( WISP_GHOST_FRAME_COUNT - 1 ) },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_strands( wisp_world* world, wisp_entity entity, const char* what )
+{
+    if ( wisp_is_alive( world, entity ) == false )
+    {
+        return wisp_world_fail( world, entity.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
+                                "ghosts: the entity %u of %s does not exist (any more)", entity.index, what );
+    }
+    if ( wisp_world_strands( world, entity ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: the entity %u of %s has no strands", entity.index,
+                                what );
+    }
+    return WISP_OK;
+}
+
+// A table is filled before the ghosts are placed, so ghosts of ghosts would follow a step late: they are refused.
+static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_entity ghosts, wisp_entity targets )
+{
+    if ( guide_same( ghosts, targets ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u cannot follow itself", ghosts.index );
+    }
+    if ( wisp_world_strands( world, targets )->vertex_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: no strand of the targets, entity %u, has a vertex",
+                                targets.index );
+    }
+    if ( wisp_world_has( world, ghosts, WISP_STRAND_VELOCITY ) || wisp_world_has( world, ghosts, s->curves ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u moves by itself", ghosts.index );
+    }
+    if ( wisp_world_has( world, targets, s->settings ) || wisp_world_has( world, targets, s->curves ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: the targets, entity %u, follow others themselves",
+                                targets.index );
+    }
+    if ( wisp_world_has( world, ghosts, s->before ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u is followed by others itself",
+                                ghosts.index );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity ghosts, const wisp_ghosts_def* def )
+{
+    if ( s == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module guide_hair is not registered in this world" );
+    }
+    wisp_status status = check_def( world, def );
+    status = status == WISP_OK ? check_strands( world, ghosts, "the ghosts" ) : status;
+    status = status == WISP_OK ? check_strands( world, def->targets, "the targets" ) : status;
+    return status == WISP_OK ? check_roles( world, s, ghosts, def->targets ) : status;
+}
+
+// ---- following ----
+
+static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_entity ghosts,
+                               const wisp_ghosts_def* def )
+{
+    const struct
+    {
+        wisp_entity entity;
+        wisp_component component;
+        bool on;
+    } parts[] = {
+        { ghosts, s->settings, true },
+        { ghosts, s->table, true },
+        { ghosts, s->repair, def->repair_length },
+        { def->targets, s->before, true },
+        { def->targets, s->table, true },
+    };
+    bool had[WISP_COUNT( parts )];
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        had[i] = wisp_world_has( world, parts[i].entity, parts[i].component );
+    }
+    for ( int i = 0; i < WISP_COUNT( parts ); ++i )
+    {
+        const wisp_status status =
+            parts[i].on ? wisp_world_attach( world, parts[i].entity, parts[i].component ) : WISP_OK;
+        for ( int k = 0; status != WISP_OK && k < i; ++k )
+        {
+            if ( parts[k].on && had[k] == false )
+            {
+                wisp_world_detach( world, parts[k].entity, parts[k].component );
+            }
+        }
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+    }
+    if ( def->repair_length == false )
+    {
+        wisp_world_detach( world, ghosts, s->repair );
+    }
+    // the rows are there, so this asks for no memory
+    return wisp_want( world, def->targets, s->table );
+}
+
+static int32_t elastic_of( wisp_ghost_elastic elastic )
+{
+    static const wisp_elastic KERNEL[WISP_GHOST_ELASTIC_COUNT] = {
+        [WISP_GHOST_ELASTIC_CHANGE] = WISP_ELASTIC_CHANGE,
+        [WISP_GHOST_ELASTIC_PRINTED_COS] = WISP_ELASTIC_COSINE,
+        [WISP_GHOST_ELASTIC_PRINTED_RAW] = WISP_ELASTIC_PRODUCT,
+        [WISP_GHOST_ELASTIC_OFF] = WISP_ELASTIC_NONE,
+    };
+    return (int32_t)KERNEL[elastic];
+}
+
+// In the place of what the ghosts followed before.
+static void install( wisp_world* world, guide_state* s, guide_follower* follower )
+{
+    for ( int i = 0; i < s->follower_count; ++i )
+    {
+        guide_follower* old = s->followers[i];
+        if ( guide_same( old->ghosts, follower->ghosts ) )
+        {
+            const wisp_entity targets = old->targets;
+            s->followers[i] = follower;
+            guide_follower_release( old );
+            guide_let_go( world, s, targets );
+            return;
+        }
+    }
+    s->followers[s->follower_count++] = follower;
+}
+
+wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def )
+{
+    WISP_ASSERT( def->made_by_default == GHOSTS_DEF_MADE );
+    guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    wisp_status status = check( world, s, ghosts, def );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( guide_reserve( world, (void***)&s->followers, &s->follower_capacity, s->follower_count ) == false )
+    {
+        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities of ghosts", s->follower_count + 1 );
+    }
+    guide_follower* follower;
+    status = guide_cook( world, ghosts, def, &follower );
+    status = status == WISP_OK ? attach_all( world, s, ghosts, def ) : status;
+    if ( status != WISP_OK )
+    {
+        guide_follower_release( follower );
+        return status;
+    }
+    install( world, s, follower );
+    guide_settings* settings = wisp_world_column( world, ghosts, s->settings, 0 );
+    *settings = ( guide_settings ){
+        .time = def->time,
+        .tip_gain = def->tip_gain,
+        .elastic = elastic_of( def->elastic ),
+        .capped = def->capped ? 1 : 0,
+    };
+    return WISP_OK;
+}
+
+// ---- reports ----
+
+static wisp_status find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
+{
+    const guide_state* s = wisp_world_module_state( world, "guide_hair" );
+    *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
+    return *out != NULL ? WISP_OK
+                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has never followed targets",
+                                           ghosts.index );
+}
+
+wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp_ghosts_report* out )
+{
+    const guide_follower* follower;
+    const wisp_status status = find_ghosts( world, ghosts, &follower );
+    *out = status == WISP_OK ? follower->report : ( wisp_ghosts_report ){ 0 };
+    return status;
+}
+
+wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets )
+{
+    const guide_follower* follower;
+    const wisp_status status = find_ghosts( world, ghosts, &follower );
+    for ( int g = 0; status == WISP_OK && g < follower->report.ghost_count; ++g )
+    {
+        targets[g] = follower->target[g];
+    }
+    return status;
+}

@@ -1,0 +1,254 @@
+/// What the files of this module share: its components, and what is cooked when ghosts or curves are made.
+#pragma once
+
+#include "guide_hair.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+// ---- memory of one cooked thing ----
+
+enum
+{
+    GUIDE_MOST_BLOCKS = 24,
+};
+
+/// Blocks that live and die together.
+typedef struct guide_memory
+{
+    const wisp_allocator* allocator;
+    void* blocks[GUIDE_MOST_BLOCKS];
+    size_t bytes[GUIDE_MOST_BLOCKS];
+    int count;
+    bool failed; // a block was refused
+} guide_memory;
+
+/// A zeroed block, 64-byte aligned, of at least one element. @return null without memory, which `failed` keeps
+void* guide_take( guide_memory* memory, size_t count, size_t element );
+void guide_give_back( guide_memory* memory );
+
+// ---- points in double, for what is worked out once ----
+
+typedef struct guide_point
+{
+    double x, y, z;
+} guide_point;
+
+static inline guide_point guide_widen( wisp_vec3 p )
+{
+    return ( guide_point ){ (double)p.x, (double)p.y, (double)p.z };
+}
+
+static inline guide_point guide_sub( guide_point a, guide_point b )
+{
+    return ( guide_point ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+/// a + s b
+static inline guide_point guide_mul_add( guide_point a, double s, guide_point b )
+{
+    return ( guide_point ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline double guide_dot( guide_point a, guide_point b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// The rest shape of an entity in the user's order.
+typedef struct guide_shape
+{
+    const wisp_strand_topology* topology;
+    wisp_vec3* points; // [vertex_count]
+} guide_shape;
+
+/// @return false without memory
+bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* memory, guide_shape* shape );
+
+static inline int guide_vertices( const guide_shape* shape, int strand )
+{
+    return shape->topology->offsets[strand + 1] - shape->topology->offsets[strand];
+}
+
+static inline const wisp_vec3* guide_strand( const guide_shape* shape, int strand )
+{
+    return shape->points + shape->topology->offsets[strand];
+}
+
+// ---- assignment (guide_assign.c) ----
+
+/// Eq. 1: for every ghost the targets with the least strand distances, nearest first, and their shares. Ghosts without
+/// vertices have -1. @param links at most the targets that have vertices @return false without memory
+bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target, double* share,
+                   guide_memory* scratch );
+
+// ---- resampling (guide_resample.c) ----
+
+/// A point of a strand as a sum of its vertices, whose numbers may repeat.
+typedef struct guide_stencil
+{
+    int vertex[4];
+    double weight[4];
+} guide_stencil;
+
+/// Normalised arc length of every vertex, 0 at the root and 1 at the tip; by number where a strand has no length.
+void guide_arc( const wisp_vec3* points, int count, double* arc );
+/// The Catmull-Rom point at a normalised arc length.
+guide_stencil guide_spline_stencil( const wisp_vec3* points, int count, double arc );
+guide_point guide_gather( const guide_stencil* stencil, const wisp_vec3* points );
+
+// ---- ghosts ----
+
+/// Lane = guide: a target as the ghosts of one group see it. Without resampling these are the targets' own lanes.
+typedef struct guide_lanes
+{
+    int group_count, row_count;
+    const int32_t* group_row;  // [group_count + 1]
+    const int32_t* lane_count; // [group][16] nodes
+    int32_t* lane_node;        // [group][16] float of the table where the root's quads begin
+    float* cap;                // [row][16] m, rest length of the target's segment there
+    // resampled only
+    int32_t* source;      // [row][4][16] float of the targets' rows where a vertex is
+    float* weight;        // [row][4][16]
+    int32_t* source_lane; // [group][16] float of the targets' roots; -1 in an empty lane
+    float* rest;          // [row][3][16] m
+    float* position;      // [row][3][16], and so on: of this step
+    float *velocity, *before;
+    float* root; // [group][4][16]
+} guide_lanes;
+
+/// Ghosts and what they follow. All but the table is made once and never changed.
+typedef struct guide_follower
+{
+    guide_memory memory;
+    wisp_entity ghosts;
+    wisp_entity targets; // null once they are removed
+    int link_count, stride;
+    bool resampled, turns, carries_frames;
+    guide_lanes guides;
+    float* table;        // [nodes + 1][stride], the last node belongs to empty lanes and stays 0
+    int32_t* lane_node;  // [group][link][16] of the ghosts
+    float* lane_share;   // [group][link][16]
+    float* centre_scale; // [group][16]
+    float* offset;       // [row][link][3][16]
+    float* length;       // [row][16] m, of the segment that ends in the row; null: lengths are not repaired
+    int32_t* target;     // [strand] the first target of every ghost
+    wisp_ghosts_report report;
+} guide_follower;
+
+/// Cook ghosts. @param out receives a follower of its own memory, null on failure
+wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def, guide_follower** out );
+void guide_follower_release( guide_follower* follower );
+
+/// A group of ghosts, or a target that others than its group blend in.
+typedef struct guide_group
+{
+    int target, node_count;
+    int first_node; // of the table
+    int size;       // ghosts
+    int next;       // group of the same target, -1
+    double largest; // m, max |y - c| at rest
+} guide_group;
+
+/// One node of a group at rest.
+typedef struct guide_node
+{
+    guide_point first, sum; // of the ghosts: the first, and differences to it
+    guide_point centre;     // their mean
+    guide_point anchor;     // what offsets are measured from
+    guide_point rest;       // the target there
+    double arc;             // normalised, sum over the ghosts
+    double cap;             // m, of the target's segment there
+    bool is_spread;         // two ghosts differ
+    guide_stencil stencil;  // resampled only
+} guide_node;
+
+/// Groups as they are worked out (guide_groups.c).
+typedef struct guide_groups
+{
+    const guide_shape *ghosts, *targets;
+    const wisp_ghosts_def* def;
+    int links;
+    const int32_t* target; // [ghost][links]
+    guide_group* groups;
+    int group_count, node_count;
+    guide_node* nodes;
+    int32_t* of_target; // [target] first group
+    int32_t* group;     // [ghost][links]
+} guide_groups;
+
+/// @return false without memory
+bool guide_find_groups( guide_groups* groups, guide_memory* scratch );
+
+// ---- curves ----
+
+typedef struct guide_drawing
+{
+    guide_memory memory;
+    wisp_entity curves;
+    wisp_entity source; // null once it is removed
+    int samples;
+    bool shares_ends;
+    float* weight;          // [samples][4]
+    int32_t* lane_row;      // [group][16]
+    int32_t* lane_vertices; // [group][16]
+} guide_drawing;
+
+// ---- the module in one world ----
+
+/// How ghosts follow, as the passes read it.
+typedef struct guide_settings
+{
+    float time; // s, 0: the step
+    float tip_gain;
+    int32_t elastic; // wisp_elastic
+    int32_t capped;
+} guide_settings;
+
+#define GUIDE_SETTINGS_COLUMNS( X ) X( guide_settings, settings, 1 )
+#define GUIDE_REPAIR_COLUMNS( X ) X( uint32_t, repairs, 1 )
+#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 )   /* of targets: how often it was filled */
+#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 )   /* m/s, [3][16] a row: the velocity a step before */
+#define GUIDE_DRAWN_COLUMNS( X ) X( uint64_t, changes, 1 ) /* of sources: how often their place was written */
+#define GUIDE_CURVES_COLUMNS( X ) X( uint64_t, drawn, 1 )  /* the source's changes when it was drawn */
+
+/// One line a component: X( member, "name", table, column list )
+#define GUIDE_COMPONENTS( X )                                                                                        \
+    X( settings, "guide_hair.settings", WISP_TABLE_ENTITY, GUIDE_SETTINGS_COLUMNS )                                  \
+    X( repair, "guide_hair.repair", WISP_TABLE_ENTITY, GUIDE_REPAIR_COLUMNS )                                        \
+    X( table, "guide_hair.table", WISP_TABLE_ENTITY, GUIDE_TABLE_COLUMNS )                                           \
+    X( before, "guide_hair.before", WISP_TABLE_STRAND_ROW, GUIDE_BEFORE_COLUMNS )                                    \
+    X( drawn, "guide_hair.drawn", WISP_TABLE_ENTITY, GUIDE_DRAWN_COLUMNS )                                           \
+    X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )
+
+typedef struct guide_state
+{
+#define GUIDE_MEMBER( member, name, table, columns ) wisp_component member;
+    GUIDE_COMPONENTS( GUIDE_MEMBER )
+#undef GUIDE_MEMBER
+    guide_follower** followers;
+    int follower_count, follower_capacity;
+    guide_drawing** drawings;
+    int drawing_count, drawing_capacity;
+} guide_state;
+
+static inline bool guide_same( wisp_entity a, wisp_entity b )
+{
+    return a.index == b.index && a.generation == b.generation;
+}
+
+guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts );
+guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
+/// Room for one more pointer behind `count`. @return false without memory
+bool guide_reserve( wisp_world* world, void*** array, int* capacity, int count );
+/// Targets that nobody follows any more are let go; so are sources that nobody draws.
+void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
+void guide_drawing_release( guide_drawing* drawing );
+
+/// guide_passes.c
+wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_carry;
+bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
+
+/// guide_curves.c
+wisp_pass_fn guide_run_source, guide_run_curves;
+bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user );

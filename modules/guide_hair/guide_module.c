@@ -1,0 +1,254 @@
+// What is declared, and who must hear that an entity goes.
+#include "guide_internal.h"
+
+#include <string.h>
+
+#define GUIDE_LIST( member, name, table, columns )                                                                   \
+    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
+GUIDE_COMPONENTS( GUIDE_LIST )
+#undef GUIDE_LIST
+
+// ---- lists ----
+
+guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts )
+{
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        if ( guide_same( state->followers[i]->ghosts, ghosts ) )
+        {
+            return state->followers[i];
+        }
+    }
+    return NULL;
+}
+
+guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves )
+{
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        if ( guide_same( state->drawings[i]->curves, curves ) )
+        {
+            return state->drawings[i];
+        }
+    }
+    return NULL;
+}
+
+bool guide_reserve( wisp_world* world, void*** array, int* capacity, int count )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    if ( count < *capacity )
+    {
+        return true;
+    }
+    const int more = *capacity > 0 ? 2 * *capacity : 8;
+    void** grown = allocator->allocate( allocator->user, (size_t)more * sizeof( void* ), 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    if ( *array != NULL )
+    {
+        memcpy( grown, *array, (size_t)count * sizeof( void* ) );
+        allocator->release( allocator->user, *array, (size_t)*capacity * sizeof( void* ) );
+    }
+    *array = grown;
+    *capacity = more;
+    return true;
+}
+
+void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity )
+{
+    bool followed = false, drawn = false;
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        followed = followed || guide_same( state->followers[i]->targets, entity );
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        drawn = drawn || guide_same( state->drawings[i]->source, entity );
+    }
+    if ( followed == false && wisp_world_has( world, entity, state->before ) )
+    {
+        wisp_unwant( world, entity, state->table );
+        wisp_world_detach( world, entity, state->table );
+        wisp_world_detach( world, entity, state->before );
+    }
+    if ( drawn == false && wisp_world_has( world, entity, state->drawn ) )
+    {
+        wisp_unwant( world, entity, state->drawn );
+        wisp_world_detach( world, entity, state->drawn );
+    }
+}
+
+// Ghosts and curves that go take what was cooked for them along; what they followed is let go.
+static void forget( guide_state* state, wisp_world* world, wisp_entity entity )
+{
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        if ( guide_same( state->followers[i]->ghosts, entity ) )
+        {
+            const wisp_entity targets = state->followers[i]->targets;
+            guide_follower_release( state->followers[i] );
+            state->followers[i--] = state->followers[--state->follower_count];
+            guide_let_go( world, state, targets );
+        }
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        if ( guide_same( state->drawings[i]->curves, entity ) )
+        {
+            const wisp_entity source = state->drawings[i]->source;
+            guide_drawing_release( state->drawings[i] );
+            state->drawings[i--] = state->drawings[--state->drawing_count];
+            guide_let_go( world, state, source );
+        }
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    guide_state* state = memory;
+    const wisp_entity nothing = { 0, 0 };
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        guide_follower* f = state->followers[i];
+        f->targets = guide_same( f->targets, entity ) ? nothing : f->targets;
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        guide_drawing* d = state->drawings[i];
+        d->source = guide_same( d->source, entity ) ? nothing : d->source;
+    }
+    forget( state, world, entity );
+}
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    guide_state* state = memory;
+    for ( int i = 0; i < state->follower_count; ++i )
+    {
+        guide_follower_release( state->followers[i] );
+    }
+    for ( int i = 0; i < state->drawing_count; ++i )
+    {
+        guide_drawing_release( state->drawings[i] );
+    }
+    if ( state->followers != NULL )
+    {
+        allocator->release( allocator->user, state->followers, (size_t)state->follower_capacity * sizeof( void* ) );
+    }
+    if ( state->drawings != NULL )
+    {
+        allocator->release( allocator->user, state->drawings, (size_t)state->drawing_capacity * sizeof( void* ) );
+    }
+}
+
+// ---- what is declared ----
+
+static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "guide_hair.targets",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->before },
+            .reads = { s->before, WISP_STRAND_REST, WISP_STRAND_POSITION },
+            .writes = { s->before, s->table },
+            .run = guide_run_targets,
+        },
+        {
+            // Ghosts have the table's component, and that alone, so that the plan puts them behind their targets. They
+            // do not read where they are, but a pass that only wrote it would go before the targets, which do.
+            .name = "guide_hair.ghosts",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { s->settings, s->table, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = guide_run_ghosts,
+            .is_due = guide_ghosts_are_due,
+        },
+        {
+            .name = "guide_hair.lengths",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings, s->repair },
+            .reads = { s->settings, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_POSITION },
+            .run = guide_run_lengths,
+        },
+        {
+            // what it reads is what the passes of a later stage write
+            .name = "guide_hair.carry",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { s->settings, WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_CARRIED },
+            .run = guide_run_carry,
+        },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+static wisp_status declare_curves( wisp_registry* r, guide_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "guide_hair.source",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->drawn },
+            .reads = { s->drawn, WISP_STRAND_POSITION },
+            .writes = { s->drawn },
+            .run = guide_run_source,
+            .on_change = WISP_STRAND_POSITION,
+        },
+        {
+            .name = "guide_hair.curves",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->curves },
+            .reads = { s->curves },
+            .writes = { s->curves, WISP_STRAND_POSITION },
+            .run = guide_run_curves,
+            .is_due = guide_curves_are_due,
+        },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    guide_state* s = wisp_declare_state( r, sizeof( guide_state ) );
+    if ( s == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+#define GUIDE_DECLARE( member, name, table, columns )                                                                \
+    s->member = wisp_declare_component(                                                                              \
+        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
+    GUIDE_COMPONENTS( GUIDE_DECLARE )
+#undef GUIDE_DECLARE
+    wisp_status status = declare_ghosts( r, s );
+    return status == WISP_OK ? declare_curves( r, s ) : status;
+}
+
+const wisp_module wisp_guide_hair_module = { .name = "guide_hair", .declare = declare };

@@ -1,0 +1,440 @@
+// A definition: what is right about it, and the components that it gives an entity.
+#include "strands_internal.h"
+
+#include <string.h>
+
+static const uint32_t DYNAMICS_DEF_MADE = 0x5354444e;
+
+wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
+{
+    return ( wisp_strand_dynamics_def ){
+        .stretch = WISP_STRAND_STRETCH_DIRECT,
+        .stretch_passes = 8,
+        .stretch_tolerance = 1e-2f,
+        .follow_share = 0.9f,
+        .bend = WISP_STRAND_BEND_ROD,
+        .bend_rigidity = 8e-9f,
+        .twist_rigidity = 6e-9f,
+        .rest = WISP_STRAND_REST_BALANCED,
+        .clamped = true,
+        .solver = WISP_SOLVER_XPBD,
+        .stretch_stiffness = 1.0f,
+        .bend_stiffness = 0.2f,
+        .line_density = 6.5e-6f,
+        .gravity = { 0.0f, -9.81f, 0.0f },
+        .air_density = 1.204f,
+        .diameter = 8e-5f,
+        .teleport = 5.0f,
+        .made_by_default = DYNAMICS_DEF_MADE,
+    };
+}
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
+        { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
+        { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
+        { "follow_share", d->follow_share, 0.0f, 1.0f },
+        { "bend", (float)d->bend, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
+        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
+        { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
+        { "bend_damping", d->bend_damping, 0.0f, 1e3f },
+        { "rest", (float)d->rest, 0.0f, (float)( WISP_STRAND_REST_COUNT - 1 ) },
+        { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
+        { "stretch_compliance", d->stretch_compliance, 0.0f, 1e12f },
+        { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
+        { "line_density", d->line_density, 1e-12f, 1e12f },
+        { "vertex_mass", d->vertex_mass, 0.0f, 1e12f },
+        { "damping", d->damping, 0.0f, 1e9f },
+        { "air_density", d->air_density, 0.0f, 1e6f },
+        { "drag", d->drag, 0.0f, 1e6f },
+        { "diameter", d->diameter, 1e-12f, 1e6f },
+        { "teleport", d->teleport, 1e-6f, 1e12f },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )
+{
+    if ( !( strands_norm( v ) <= most ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s (%g, %g, %g) is not finite or above %g", name,
+                                (double)v.x, (double)v.y, (double)v.z, (double)most );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t, const wisp_strand_dynamics_def* d )
+{
+    for ( int v = 0; d->vertex_masses != NULL && v < t->vertex_count; ++v )
+    {
+        if ( !( d->vertex_masses[v] >= 1e-15f && d->vertex_masses[v] <= 1e12f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "strands: vertex %d weighs %g kg, a mass must be 1e-15 to 1e12", v,
+                                    (double)d->vertex_masses[v] );
+        }
+    }
+    if ( d->vertex_mass != 0.0f && d->vertex_mass < 1e-15f )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: vertex_mass is %g kg, it must be 0 or 1e-15 to 1e12",
+                                (double)d->vertex_mass );
+    }
+    if ( d->pin_count < 0 || ( d->pin_count > 0 && d->pins == NULL ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %d pins without a list of them", d->pin_count );
+    }
+    for ( int k = 0; k < d->pin_count; ++k )
+    {
+        if ( d->pins[k] < 0 || d->pins[k] >= t->vertex_count )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "strands: pin %d is vertex %d, the strands have %d vertices", k, d->pins[k],
+                                    t->vertex_count );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status find_strands( wisp_world* world, wisp_entity strands, strands_state** state )
+{
+    *state = wisp_world_module_state( world, "strands" );
+    if ( *state == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the module strands is not registered in this world" );
+    }
+    if ( wisp_is_alive( world, strands ) == false )
+    {
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+                                strands.index, strands.generation );
+    }
+    if ( wisp_world_strands( world, strands ) == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u has no strands", strands.index );
+    }
+    return WISP_OK;
+}
+
+wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state )
+{
+    const wisp_status status = find_strands( world, strands, state );
+    if ( status == WISP_OK && wisp_world_has( world, strands, ( *state )->settings ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "the strands of entity %u have no dynamics", strands.index );
+    }
+    return status;
+}
+
+// ---- components ----
+
+typedef struct wanted_component
+{
+    wisp_component component;
+    bool wanted;
+} wanted_component;
+
+enum
+{
+    COMPONENT_COUNT = 22,
+};
+
+// A place to hold is asked for where one may come to be: by a pin, and by a strand that has no length to move in.
+static bool holds_vertices( const wisp_strand_topology* t, const float* rest, const wisp_strand_dynamics_def* d )
+{
+    bool holds = d->pin_count > 0;
+    for ( int i = 0; i < t->group_count * WISP_LANES && holds == false; ++i )
+    {
+        const int row = t->group_row[i / WISP_LANES], lane = i % WISP_LANES;
+        float whole = 0.0f;
+        for ( int v = 1; v < t->lane_count[i]; ++v )
+        {
+            whole +=
+                strands_norm( strands_sub( strands_get( rest, row + v, lane ), strands_get( rest, row, lane ) ) );
+        }
+        holds = t->lane_count[i] > 1 && whole == 0.0f;
+    }
+    return holds;
+}
+
+static void list_components( const strands_state* s, const wisp_strand_dynamics_def* d, bool anchored, bool holds,
+                             wanted_component all[COMPONENT_COUNT] )
+{
+    const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bend == WISP_STRAND_BEND_ROD;
+    const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bend == WISP_STRAND_BEND_LINKS;
+    const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT;
+    const wanted_component list[COMPONENT_COUNT] = {
+        { WISP_STRAND_VELOCITY, true },
+        { WISP_STRAND_WEIGHT, true },
+        { WISP_STRAND_LENGTH, true },
+        { WISP_STRAND_ROOT, true },
+        { s->settings, true },
+        { s->good, true },
+        { s->fault, true },
+        { s->head, anchored == false },
+        { s->damping, d->damping > 0.0f },
+        { s->air, d->drag > 0.0f },
+        { s->pins, holds },
+        { s->direct, direct },
+        { s->tension, direct || rod },
+        { s->links, links },
+        { s->stretch_link, links },
+        { s->follow, d->stretch == WISP_STRAND_STRETCH_FOLLOW },
+        { s->bend_links, bend_links },
+        { s->bend_link, bend_links },
+        { s->rod, rod },
+        { s->clamp, rod },
+        { s->straight, rod && straight },
+        { s->curve, rod && straight == false },
+    };
+    memcpy( all, list, sizeof( list ) );
+}
+
+// All that is missing comes before anything goes, so that without memory the strands are what they were.
+static wisp_status dress( wisp_world* world, wisp_entity strands, const strands_state* s,
+                          const wisp_strand_dynamics_def* d )
+{
+    wanted_component all[COMPONENT_COUNT + 1];
+    bool came[COMPONENT_COUNT + 1] = { false };
+    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    list_components( s, d, wisp_world_has( world, strands, s->anchor ),
+                     holds_vertices( wisp_world_strands( world, strands ), rest, d ), all );
+    all[COMPONENT_COUNT] = ( wanted_component ){ s->balance, all[COMPONENT_COUNT - 1].wanted };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i <= COMPONENT_COUNT && status == WISP_OK; ++i )
+    {
+        if ( all[i].wanted && wisp_world_has( world, strands, all[i].component ) == false )
+        {
+            status = wisp_world_attach( world, strands, all[i].component );
+            came[i] = status == WISP_OK;
+        }
+    }
+    for ( int i = 0; i <= COMPONENT_COUNT; ++i )
+    {
+        if ( status == WISP_OK ? all[i].wanted == false : came[i] )
+        {
+            (void)wisp_world_detach( world, strands, all[i].component ); // gives memory back, asks for none
+        }
+    }
+    return status;
+}
+
+// ---- values ----
+
+static void fill_settings( wisp_world* world, wisp_entity strands, const strands_state* s,
+                           const wisp_strand_dynamics_def* d )
+{
+    const strands_rows rows = strands_rows_of( world, strands );
+    const float longest = strands_longest( &rows );
+    strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
+    *settings = ( strands_settings ){
+        .gravity = d->gravity,
+        .bend_rigidity = d->bend_rigidity,
+        .twist_rigidity = d->twist_rigidity,
+        .bend_damping = d->bend_damping,
+        .teleport = longest > 0.0f ? d->teleport * longest : INFINITY, // points only follow
+        .rest = (int32_t)d->rest,
+        .clamped = d->clamped ? 1 : 0,
+    };
+}
+
+static void fill_answers( wisp_world* world, wisp_entity strands, const strands_state* s,
+                          const wisp_strand_dynamics_def* d )
+{
+    float* damping = wisp_world_column( world, strands, s->damping, 0 );
+    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
+    strands_direct* direct = wisp_world_column( world, strands, s->direct, 0 );
+    strands_link* links = wisp_world_column( world, strands, s->links, 0 );
+    strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
+    float* share = wisp_world_column( world, strands, s->follow, 0 );
+    const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
+    if ( damping != NULL )
+    {
+        *damping = d->damping;
+    }
+    if ( air != NULL )
+    {
+        *air = ( strands_air ){ d->wind, 0.5f * d->air_density * d->drag * d->diameter };
+    }
+    if ( direct != NULL )
+    {
+        *direct = ( strands_direct ){ d->stretch_passes, d->stretch_tolerance, d->bend == WISP_STRAND_BEND_ROD };
+    }
+    if ( links != NULL )
+    {
+        *links = ( strands_link ){ xpbd, d->stretch_stiffness, d->stretch_compliance };
+    }
+    if ( bend_links != NULL )
+    {
+        *bend_links = ( strands_link ){ xpbd, d->bend_stiffness, d->bend_compliance };
+    }
+    if ( share != NULL )
+    {
+        *share = d->follow_share;
+    }
+}
+
+// At rest in the shape they were added with, at a head that is where it was added.
+static void start( wisp_world* world, wisp_entity strands, const strands_state* s )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const size_t bytes = (size_t)t->row_count * 3 * WISP_LANES * sizeof( float );
+    const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
+    float* root = wisp_world_column( world, strands, WISP_STRAND_ROOT, 0 );
+    float* rotation = wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 );
+    strands_head* head = wisp_world_column( world, strands, s->head, 0 );
+    const wisp_rigid origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    memcpy( wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 ), rest, bytes );
+    memcpy( wisp_world_column( world, strands, s->good, 0 ), rest, bytes );
+    *head = ( strands_head ){ origin, origin, origin, 0 };
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES;
+        strands_put( root, group, lane, strands_get( rest, t->group_row[group], lane ) );
+        strands_put_quat( rotation, group, lane, origin.rotation );
+    }
+}
+
+// A rod that is new has no twist.
+static void lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* position = wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 );
+    const float* clamp = wisp_world_column( world, strands, s->clamp, 0 );
+    const float* root = wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 );
+    float* frame = wisp_world_column( world, strands, s->curve, 0 );
+    for ( int g = 0; g < t->group_count; ++g )
+    {
+        strands_lay_group( t, position, clamp, root, frame, g );
+    }
+}
+
+// The rest curvature is found at the start of the next step.
+static void forget_rest( wisp_world* world, wisp_entity strands, const strands_state* s )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    float* balanced = wisp_world_column( world, strands, s->balance, 0 );
+    for ( int g = 0; balanced != NULL && g < t->group_count; ++g )
+    {
+        balanced[g] = 0.0f;
+    }
+}
+
+// What follows from the definition alone, whether the strands move already or not.
+static void cook( wisp_world* world, wisp_entity strands, const strands_state* s, const wisp_strand_dynamics_def* d )
+{
+    const int pins = strands_cook_masses( world, strands, d );
+    fill_settings( world, strands, s, d );
+    fill_answers( world, strands, s, d );
+    int32_t* held = wisp_world_column( world, strands, s->pins, 0 );
+    if ( held != NULL )
+    {
+        *held = pins;
+    }
+    strands_cook_links( world, strands, s );
+    strands_cook_rods( world, strands, s );
+    forget_rest( world, strands, s );
+}
+
+// ---- the public face ----
+
+wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* def )
+{
+    WISP_ASSERT( def->made_by_default == DYNAMICS_DEF_MADE );
+    strands_state* s;
+    wisp_status status = find_strands( world, strands, &s );
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_vector( world, "gravity", def->gravity, 1e6f ) : status;
+    status = status == WISP_OK ? check_vector( world, "wind", def->wind, 1e5f ) : status;
+    status = status == WISP_OK ? check_lists( world, wisp_world_strands( world, strands ), def ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const bool is_new = wisp_world_has( world, strands, s->settings ) == false;
+    const bool direct = def->stretch == WISP_STRAND_STRETCH_DIRECT;
+    const bool had_frames = wisp_world_has( world, strands, s->curve );
+    status = dress( world, strands, s, def );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    cook( world, strands, s, def );
+    if ( is_new )
+    {
+        start( world, strands, s );
+    }
+    if ( had_frames == false && wisp_world_has( world, strands, s->curve ) )
+    {
+        lay_frames( world, strands, s );
+    }
+    float* tension = wisp_world_column( world, strands, s->tension, 0 );
+    if ( direct == false && tension != NULL )
+    {
+        // nobody finds tensions now, and a rod must not pull with old ones
+        const size_t rows = (size_t)wisp_world_strands( world, strands )->row_count;
+        memset( tension, 0, rows * WISP_LANES * sizeof( float ) );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strands, wisp_vec3 wind )
+{
+    strands_state* s;
+    wisp_status status = strands_find( world, strands, &s );
+    status = status == WISP_OK ? check_vector( world, "wind", wind, 1e5f ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    strands_air* air = wisp_world_column( world, strands, s->air, 0 );
+    if ( air == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u has no air: give it drag first",
+                                strands.index );
+    }
+    air->wind = wind;
+    return WISP_OK;
+}
+
+wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions )
+{
+    strands_state* s;
+    wisp_status status = strands_find( world, strands, &s );
+    if ( status == WISP_OK && wisp_world_has( world, strands, s->direct ) == false )
+    {
+        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not stretch by the direct solve",
+                                  strands.index );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const float* tension = wisp_world_column( world, strands, s->tension, 0 );
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        for ( int v = 0; v < t->lane_count[i]; ++v )
+        {
+            const float value = tension[strands_scalar( t->group_row[i / WISP_LANES] + v, i % WISP_LANES )];
+            tensions[t->offsets[t->lane_strand[i]] + v] = v + 1 < t->lane_count[i] ? value : 0.0f;
+        }
+    }
+    return WISP_OK;
+}

@@ -1,0 +1,404 @@
+// How strands act on each other: velocity and density on a grid (Petrovic, Henne and Anderson 2005), once a step. Corners of
+// cells gather from the vertices around them in the order of the grid, so that no worker count changes a sum; what a vertex
+// then takes from the eight corners of its cell are the same weights, which keeps the momentum that friction exchanges.
+#include "strands_internal.h"
+
+#include "wisp/space.h"
+
+#include <string.h>
+
+static const uint32_t GRID_DEF_MADE = 0x53544744;
+
+enum
+{
+    GRAIN = 256, // cells or corners a block
+};
+
+typedef struct grid_workspace
+{
+    wisp_grid grid;
+    wisp_buffer quads;   // [item][4] x, y, z, 0
+    wisp_buffer entries; // [item] place in a column of scalars
+    wisp_buffer corners; // grid_corner
+} grid_workspace;
+
+// Sums at a corner of cells.
+typedef struct grid_corner
+{
+    double mass, momentum[3]; // kg, kg m/s
+} grid_corner;
+
+size_t strands_grid_workspace_size( void )
+{
+    return sizeof( grid_workspace );
+}
+
+void strands_grid_workspace_release( void* memory, const wisp_allocator* allocator )
+{
+    grid_workspace* w = memory;
+    wisp_grid_release( &w->grid, allocator );
+    wisp_buffer_release( &w->quads, allocator );
+    wisp_buffer_release( &w->entries, allocator );
+    wisp_buffer_release( &w->corners, allocator );
+}
+
+// ---- items: vertices that move ----
+
+static int gather_items( const wisp_strand_topology* t, const float* position, const float* weight, float* quads,
+                         int32_t* entries )
+{
+    int count = 0;
+    for ( int row = 0; row < t->row_count; ++row )
+    {
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            const size_t at = strands_scalar( row, lane );
+            if ( weight[at] > 0.0f )
+            {
+                const wisp_vec3 p = strands_get( position, row, lane );
+                const float quad[4] = { p.x, p.y, p.z, 0.0f };
+                memcpy( quads + (size_t)count * 4, quad, sizeof( quad ) );
+                entries[count++] = (int32_t)at;
+            }
+        }
+    }
+    return count;
+}
+
+static bool reserve_items( grid_workspace* w, const wisp_allocator* allocator, int row_count )
+{
+    const size_t most = (size_t)row_count * WISP_LANES;
+    return wisp_buffer_reserve( &w->quads, allocator, most * 4 * sizeof( float ) ) &&
+           wisp_buffer_reserve( &w->entries, allocator, most * sizeof( int32_t ) );
+}
+
+// ---- loops ----
+
+typedef struct grid_loop
+{
+    const wisp_grid* grid;
+    const int32_t* entries;
+    const float* weight;
+    float* velocity; // null: at rest
+    grid_corner* corners;
+    int nodes[3];
+    double inverse_volume;       // 1/m^3
+    float friction;              // share, in this step
+    float push;                  // m/s where the density is twice that at rest
+    double inverse_rest_density; // m^3/kg
+} grid_loop;
+
+static int cell_number( const wisp_grid* g, const int cell[3] )
+{
+    const int* axis = g->axis;
+    return ( cell[axis[2]] * g->dims[axis[1]] + cell[axis[1]] ) * g->dims[axis[0]] + cell[axis[0]];
+}
+
+// Place of an item within its cell, each in [0, 1].
+static void place_in( const wisp_grid* g, int slot, const int cell[3], double out[3] )
+{
+    const float p[3] = { g->x[slot], g->y[slot], g->z[slot] };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double u = ( (double)p[k] - (double)g->origin[k] ) / (double)g->cell - (double)cell[k];
+        out[k] = fmin( fmax( u, 0.0 ), 1.0 );
+    }
+}
+
+// Trilinear weight of a cell's corner; bit k of the corner is its side along axis k.
+static double share_of( const double place[3], int corner )
+{
+    double share = 1.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        share *= ( corner >> k & 1 ) != 0 ? place[k] : 1.0 - place[k];
+    }
+    return share;
+}
+
+static size_t velocity_at( int32_t entry )
+{
+    return strands_vector( entry / WISP_LANES, entry % WISP_LANES );
+}
+
+static void gather_cell( const grid_loop* loop, const int cell[3], int corner, grid_corner* sum )
+{
+    const wisp_grid* g = loop->grid;
+    const int number = cell_number( g, cell );
+    for ( int slot = g->cell_begin[number]; slot < g->cell_begin[number + 1]; ++slot )
+    {
+        double place[3];
+        place_in( g, slot, cell, place );
+        const int32_t entry = loop->entries[g->item[slot]];
+        const double mass = share_of( place, corner ) / (double)loop->weight[entry];
+        sum->mass += mass;
+        for ( int k = 0; k < 3 && loop->velocity != NULL; ++k )
+        {
+            sum->momentum[k] += mass * (double)loop->velocity[velocity_at( entry ) + (size_t)k * WISP_LANES];
+        }
+    }
+}
+
+static void gather_corners( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    grid_loop* loop = context;
+    for ( int n = begin; n < end; ++n )
+    {
+        const int at[3] = { n % loop->nodes[0], n / loop->nodes[0] % loop->nodes[1],
+                            n / loop->nodes[0] / loop->nodes[1] };
+        grid_corner sum = { 0 };
+        for ( int corner = 0; corner < 8; ++corner )
+        {
+            const int cell[3] = { at[0] - ( corner & 1 ), at[1] - ( corner >> 1 & 1 ), at[2] - ( corner >> 2 & 1 ) };
+            bool inside = true;
+            for ( int k = 0; k < 3; ++k )
+            {
+                inside = inside && cell[k] >= 0 && cell[k] < loop->grid->dims[k];
+            }
+            if ( inside )
+            {
+                gather_cell( loop, cell, corner, &sum );
+            }
+        }
+        loop->corners[n] = sum;
+    }
+}
+
+// What the corners of a cell say at a place: velocity, density, and how it grows.
+typedef struct grid_sample
+{
+    double velocity[3], density, gradient[3];
+} grid_sample;
+
+static const grid_corner* corner_of( const grid_loop* loop, const int cell[3], int corner )
+{
+    const int x = cell[0] + ( corner & 1 ), y = cell[1] + ( corner >> 1 & 1 ), z = cell[2] + ( corner >> 2 & 1 );
+    return loop->corners + ( z * loop->nodes[1] + y ) * loop->nodes[0] + x;
+}
+
+static grid_sample sample( const grid_loop* loop, const int cell[3], const double place[3] )
+{
+    grid_sample out = { .density = 0.0 };
+    for ( int corner = 0; corner < 8; ++corner )
+    {
+        const grid_corner* c = corner_of( loop, cell, corner );
+        const double share = share_of( place, corner ), density = c->mass * loop->inverse_volume;
+        out.density += share * density;
+        for ( int k = 0; k < 3; ++k )
+        {
+            out.velocity[k] += c->mass > 0.0 ? share * c->momentum[k] / c->mass : 0.0;
+            double slope = ( corner >> k & 1 ) != 0 ? 1.0 : -1.0;
+            for ( int other = 1; other < 3; ++other )
+            {
+                const int a = ( k + other ) % 3;
+                slope *= ( corner >> a & 1 ) != 0 ? place[a] : 1.0 - place[a];
+            }
+            out.gradient[k] += slope * density;
+        }
+    }
+    return out;
+}
+
+static void mix_vertex( const grid_loop* loop, int32_t entry, const grid_sample* s )
+{
+    float* v = loop->velocity + velocity_at( entry );
+    const double steep =
+        sqrt( s->gradient[0] * s->gradient[0] + s->gradient[1] * s->gradient[1] + s->gradient[2] * s->gradient[2] );
+    const double excess = fmax( s->density * loop->inverse_rest_density - 1.0, 0.0 );
+    const double push = steep > 0.0 ? (double)loop->push * excess / steep : 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const double own = (double)v[k * WISP_LANES];
+        v[k * WISP_LANES] =
+            (float)( own + (double)loop->friction * ( s->velocity[k] - own ) - push * s->gradient[k] );
+    }
+}
+
+static void cell_of( const wisp_grid* g, int number, int cell[3] )
+{
+    const int* axis = g->axis;
+    cell[axis[0]] = number % g->dims[axis[0]];
+    cell[axis[1]] = number / g->dims[axis[0]] % g->dims[axis[1]];
+    cell[axis[2]] = number / g->dims[axis[0]] / g->dims[axis[1]];
+}
+
+static void mix_cells( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const grid_loop* loop = context;
+    const wisp_grid* g = loop->grid;
+    for ( int number = begin; number < end; ++number )
+    {
+        int cell[3];
+        cell_of( g, number, cell );
+        for ( int slot = g->cell_begin[number]; slot < g->cell_begin[number + 1]; ++slot )
+        {
+            double place[3];
+            place_in( g, slot, cell, place );
+            const grid_sample s = sample( loop, cell, place );
+            mix_vertex( loop, loop->entries[g->item[slot]], &s );
+        }
+    }
+}
+
+// Mean over the mass of the density that it feels.
+static double mean_density( const grid_loop* loop )
+{
+    const wisp_grid* g = loop->grid;
+    double mass = 0.0, sum = 0.0;
+    for ( int number = 0; number < g->dims[0] * g->dims[1] * g->dims[2]; ++number )
+    {
+        int cell[3];
+        cell_of( g, number, cell );
+        for ( int slot = g->cell_begin[number]; slot < g->cell_begin[number + 1]; ++slot )
+        {
+            double place[3];
+            place_in( g, slot, cell, place );
+            const double own = 1.0 / (double)loop->weight[loop->entries[g->item[slot]]];
+            mass += own;
+            sum += own * sample( loop, cell, place ).density;
+        }
+    }
+    return mass > 0.0 ? sum / mass : 0.0;
+}
+
+// ---- the pass ----
+
+// Sort vertices into cells and gather at the corners. @return false without memory, or without a vertex that moves
+static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, const float* position, float cell,
+                  grid_loop* loop )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
+    wisp_status status = reserve_items( w, allocator, t->row_count ) ? WISP_OK : WISP_NO_MEMORY;
+    const int count =
+        status == WISP_OK ? gather_items( t, position, loop->weight, w->quads.data, w->entries.data ) : 0;
+    if ( status == WISP_OK && count > 0 )
+    {
+        status = wisp_grid_build( &w->grid, parallel, w->quads.data, count, cell );
+    }
+    int nodes = 1;
+    for ( int k = 0; k < 3; ++k )
+    {
+        loop->nodes[k] = w->grid.dims[k] + 1;
+        nodes *= loop->nodes[k];
+    }
+    if ( status == WISP_OK && count > 0 )
+    {
+        const bool room = wisp_buffer_reserve( &w->corners, allocator, (size_t)nodes * sizeof( grid_corner ) );
+        status = room ? WISP_OK : WISP_NO_MEMORY;
+    }
+    if ( status != WISP_OK )
+    {
+        wisp_frame_fail( frame, status, "no memory for a grid of %d strands", t->strand_count );
+        return false;
+    }
+    if ( count == 0 )
+    {
+        return false;
+    }
+    wisp_frame_count( frame, WISP_COUNT_COARSE_GRIDS, w->grid.coarse ? 1 : 0 );
+    loop->grid = &w->grid;
+    loop->entries = w->entries.data;
+    loop->corners = w->corners.data;
+    loop->inverse_volume = 1.0 / ( (double)w->grid.cell * (double)w->grid.cell * (double)w->grid.cell );
+    wisp_parallel_for( parallel, nodes, GRAIN, gather_corners, loop );
+    return true;
+}
+
+void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    strands_grid* settings = wisp_frame_column( frame, span->entity, state->grid, 0 );
+    grid_workspace* w = wisp_frame_workspace( frame, state->workspace, span->worker );
+    const float seconds = wisp_frame_seconds( frame ) * (float)wisp_frame_substeps( frame );
+    grid_loop loop = {
+        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
+        .friction = 1.0f - powf( 1.0f - settings->friction, 60.0f * seconds ),
+        .push = settings->repulsion * seconds,
+    };
+    // the density at rest is found in the first step, and kept
+    if ( settings->repulsion > 0.0f && settings->rest_density == 0.0f &&
+         fill( frame, span, w, wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ), settings->cell,
+               &loop ) )
+    {
+        settings->rest_density = (float)mean_density( &loop );
+    }
+    loop.inverse_rest_density = settings->rest_density > 0.0f ? 1.0 / (double)settings->rest_density : 0.0;
+    loop.velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
+    if ( fill( frame, span, w, wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ), settings->cell,
+               &loop ) )
+    {
+        const int cells = w->grid.dims[0] * w->grid.dims[1] * w->grid.dims[2];
+        wisp_parallel_for( wisp_frame_parallel( frame, span ), cells, GRAIN, mix_cells, &loop );
+    }
+}
+
+// ---- the public face ----
+
+wisp_strand_grid_def wisp_default_strand_grid_def( void )
+{
+    return ( wisp_strand_grid_def ){ .enabled = true, .friction = 0.1f, .made_by_default = GRID_DEF_MADE };
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, high;
+    } ranges[] = {
+        { "cell", d->cell, 1e6f },
+        { "friction", d->friction, 1.0f },
+        { "repulsion", d->repulsion, 1e6f },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "strand grid: %s is %g, it must be 0 to %g",
+                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].high );
+        }
+    }
+    return WISP_OK;
+}
+
+// Twice the mean segment. Strands whose segments all have no length get a millimetre.
+static float cell_for( const strands_rows* rows )
+{
+    const wisp_strand_topology* t = rows->topology;
+    double sum = 0.0;
+    int count = 0;
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES; ++i )
+    {
+        sum += (double)rows->length[i];
+        count += rows->length[i] > 0.0f ? 1 : 0;
+    }
+    return count > 0 ? (float)( 2.0 * sum / count ) : 1e-3f;
+}
+
+wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* def )
+{
+    WISP_ASSERT( def->made_by_default == GRID_DEF_MADE );
+    strands_state* state;
+    wisp_status status = strands_find( world, strands, &state );
+    status = status == WISP_OK ? check_def( world, def ) : status;
+    if ( status == WISP_OK )
+    {
+        status = def->enabled ? wisp_world_attach( world, strands, state->grid )
+                              : wisp_world_detach( world, strands, state->grid );
+    }
+    strands_grid* grid = wisp_world_column( world, strands, state != NULL ? state->grid : 0, 0 );
+    if ( status == WISP_OK && grid != NULL )
+    {
+        const strands_rows rows = strands_rows_of( world, strands );
+        *grid = ( strands_grid ){
+            .cell = def->cell > 0.0f ? def->cell : cell_for( &rows ),
+            .friction = def->friction,
+            .repulsion = def->repulsion,
+        };
+    }
+    return status;
+}

@@ -1,0 +1,364 @@
+// What the module declares: components, and the passes that their presence asks for.
+#include "strands_internal.h"
+
+#define STRANDS_LIST( member, name, table, columns )                                                                 \
+    static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
+STRANDS_COMPONENTS( STRANDS_LIST )
+#undef STRANDS_LIST
+
+static wisp_status declare_all( wisp_registry* r, strands_state* s, const wisp_pass* passes, int count )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+// Before the substeps: where the head goes, and what depends on the length of a substep.
+static wisp_status declare_input( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.head",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->settings, s->head },
+            .reads = { s->settings, s->head },
+            .writes = { s->head },
+            .run = strands_move_head,
+        },
+        {
+            .name = "strands.factor",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings, s->rod, s->clamp },
+            .reads = { s->settings, s->clamp, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH },
+            .writes = { s->rod, s->clamp },
+            .run = strands_factor,
+            .is_due = strands_factor_is_due,
+        },
+        {
+            .name = "strands.rest",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings, s->curve, s->balance },
+            .reads = { s->settings, s->rod, s->clamp, s->curve, s->balance, WISP_STRAND_REST, WISP_STRAND_WEIGHT,
+                       WISP_STRAND_LENGTH },
+            .writes = { s->curve, s->balance },
+            .run = strands_balance_rest,
+            .is_due = strands_balance_is_due,
+        },
+        {
+            .name = "strands.grid",
+            .stage = WISP_STAGE_INPUT,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->grid },
+            .reads = { s->grid, WISP_STRAND_REST, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .writes = { s->grid, WISP_STRAND_VELOCITY },
+            .run = strands_mix,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+// Nothing from here to the velocities runs over entities or is asked whether it is due: a group of strands runs all of its
+// substeps before the next one.
+static wisp_status declare_roots( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.jump",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->head },
+            .reads = { s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .run = strands_jump,
+        },
+        {
+            .name = "strands.jump_frames",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->head, s->curve },
+            .reads = { s->head, s->curve },
+            .writes = { s->curve },
+            .run = strands_jump_frames,
+        },
+        {
+            .name = "strands.roots",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->head },
+            .reads = { s->head, WISP_STRAND_REST },
+            .writes = { WISP_STRAND_ROOT },
+            .run = strands_root,
+        },
+        {
+            .name = "strands.anchors",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings, s->surface, s->anchor },
+            .reads = { s->settings, s->surface, s->anchor, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_ROOT, s->anchor, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .run = strands_anchor,
+        },
+        {
+            .name = "strands.anchor_frames",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->anchor, s->curve },
+            .reads = { s->anchor, s->curve },
+            .writes = { s->curve },
+            .run = strands_anchor_frames,
+        },
+        {
+            .name = "strands.pins",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->pins },
+            .reads = { s->pins, WISP_STRAND_REST, WISP_STRAND_WEIGHT, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .run = strands_hold_pins,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+static wisp_status declare_forces( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.damping",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->damping, s->head },
+            .reads = { s->damping, s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_damp,
+        },
+        {
+            .name = "strands.damping_anchored",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->damping, s->anchor },
+            .reads = { s->damping, WISP_STRAND_ROOT, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_damp_anchored,
+        },
+        {
+            .name = "strands.air",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->air },
+            .reads = { s->air, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_blow,
+        },
+        {
+            .name = "strands.predict",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { s->settings, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
+            .run = strands_predict,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+// A rod with a rest curvature has frames that a straight one does without: two passes, of which an entity has one.
+static wisp_status declare_rods( wisp_registry* r, strands_state* s )
+{
+    wisp_pass rod = {
+        .name = "strands.rod",
+        .stage = WISP_STAGE_PREDICT,
+        .domain = WISP_DOMAIN_STRAND_GROUP,
+        .needs = { s->settings, s->rod, s->tension, s->straight },
+        .reads = { s->settings, s->rod, s->clamp, s->tension, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT,
+                   WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
+        .writes = { WISP_STRAND_POSITION },
+        .run = strands_bend,
+    };
+    wisp_status status = declare_all( r, s, &rod, 1 );
+    rod.name = "strands.rod_curved";
+    rod.needs[3] = s->curve;
+    rod.reads[8] = s->curve;
+    rod.writes[1] = s->curve;
+    rod.writes[2] = s->tension;
+    rod.run = strands_bend_curved;
+    return status == WISP_OK ? declare_all( r, s, &rod, 1 ) : status;
+}
+
+static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.bend_links",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->bend_links, s->bend_link },
+            .reads = { s->bend_links, s->bend_link, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
+            .writes = { s->bend_link, WISP_STRAND_POSITION },
+            .run = strands_bend_link,
+        },
+        {
+            .name = "strands.links",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->links, s->stretch_link },
+            .reads = { s->links, s->stretch_link, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
+            .writes = { s->stretch_link, WISP_STRAND_POSITION },
+            .run = strands_link_rows,
+        },
+        {
+            .name = "strands.follow",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->follow },
+            .reads = { s->follow, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
+                       WISP_STRAND_POSITION },
+            .writes = { WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
+            .run = strands_follow,
+        },
+        {
+            .name = "strands.stretch",
+            .stage = WISP_STAGE_PROJECT,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->direct, s->tension },
+            .reads = { s->direct, s->tension, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
+                       WISP_STRAND_POSITION },
+            .writes = { s->tension, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
+            .run = strands_stretch,
+        },
+        {
+            .name = "strands.velocity",
+            .stage = WISP_STAGE_VELOCITY,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { WISP_STRAND_WEIGHT, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_VELOCITY },
+            .run = strands_read_velocity,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+static wisp_status declare_guard( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.guard",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->good, s->fault },
+            .reads = { s->good, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->good, s->fault, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .run = strands_guard,
+        },
+        {
+            .name = "strands.mend_tension",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->tension, s->fault },
+            .reads = { s->fault, s->tension },
+            .writes = { s->tension },
+            .run = strands_mend_tension,
+            .is_due = strands_is_faulty,
+        },
+        {
+            .name = "strands.mend_frames",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->curve, s->clamp, s->fault },
+            .reads = { s->fault, s->curve, s->clamp, WISP_STRAND_ROOT, WISP_STRAND_POSITION },
+            .writes = { s->curve },
+            .run = strands_mend_frames,
+            .is_due = strands_is_faulty,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+static wisp_status declare_figures( wisp_registry* r, strands_state* s )
+{
+    const wisp_pass passes[] = {
+        {
+            .name = "strands.quality",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->settings },
+            .reads = { s->settings, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT,
+                       WISP_STRAND_LENGTH },
+            .writes = { WISP_QUALITY },
+            .run = strands_take_quality,
+        },
+        {
+            .name = "strands.strain",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { WISP_STRAND_POSITION, WISP_STRAND_LENGTH },
+            .writes = { WISP_POINT_STRAIN },
+            .run = strands_hand_out_strain,
+        },
+        {
+            .name = "strands.speed",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { s->settings },
+            .reads = { WISP_STRAND_VELOCITY },
+            .writes = { WISP_POINT_SPEED },
+            .run = strands_hand_out_speed,
+        },
+    };
+    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+}
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    strands_state* s = memory;
+    if ( s->rooted != NULL )
+    {
+        allocator->release( allocator->user, s->rooted, (size_t)s->rooted_capacity * sizeof( wisp_entity ) );
+    }
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    strands_state* s = wisp_declare_state( r, sizeof( strands_state ) );
+    if ( s == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = strands_entity_removed } );
+#define STRANDS_DECLARE( member, name, table, columns )                                                              \
+    s->member = wisp_declare_component(                                                                              \
+        r, &( wisp_component_def ){ name, table, member##_columns, WISP_COUNT( member##_columns ) } );
+    STRANDS_COMPONENTS( STRANDS_DECLARE )
+#undef STRANDS_DECLARE
+    s->workspace = wisp_declare_workspace( r, strands_grid_workspace_size(), strands_grid_workspace_release );
+    if ( s->workspace < 0 )
+    {
+        return WISP_NO_MEMORY;
+    }
+    typedef wisp_status declare_fn( wisp_registry * registry, strands_state * state );
+    // the order of equals: in PROJECT lengths have the last word
+    static declare_fn* const ALL[] = { declare_input,   declare_roots, declare_forces, declare_rods,
+                                       declare_lengths, declare_guard, declare_figures };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( ALL ) && status == WISP_OK; ++i )
+    {
+        status = ALL[i]( r, s );
+    }
+    return status;
+}
+
+const wisp_module wisp_strands_module = { .name = "strands", .declare = declare };

@@ -1,0 +1,288 @@
+// A substep: each pass hands columns to a kernel.
+#include "strands_internal.h"
+
+#include <string.h>
+
+static float* column_of( wisp_frame* frame, const wisp_span* span, wisp_component component, int column )
+{
+    return wisp_frame_column( frame, span->entity, component, column );
+}
+
+static const int32_t* rows_of( wisp_frame* frame, const wisp_span* span )
+{
+    return wisp_frame_strands( frame, span->entity )->group_row;
+}
+
+// Scratch of a kernel: groups stand in the order of falling length, so the first is the longest.
+static float* scratch_of( wisp_frame* frame, const wisp_span* span )
+{
+    const int32_t* group_row = rows_of( frame, span );
+    const size_t bytes = (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH * sizeof( float );
+    float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
+    if ( scratch == NULL )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for %zu bytes of scratch for strands of %d vertices",
+                         bytes, group_row[1] - group_row[0] );
+    }
+    return scratch;
+}
+
+// ---- forces ----
+
+// v' = -rate (v - u) by one implicit step, as for particles.
+static float keep_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    const float* rate = column_of( frame, span, state->damping, 0 );
+    return 1.0f / ( 1.0f + *rate * wisp_frame_seconds( frame ) );
+}
+
+static wisp_strand_damp_job damp_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    return ( wisp_strand_damp_job ){
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .keep = keep_of( frame, span, state ),
+    };
+}
+
+// Angular velocity of the turn from a to b in dt.
+static wisp_vec3 angular_velocity( wisp_quat a, wisp_quat b, float dt )
+{
+    wisp_quat turn = strands_quat_multiply( b, strands_quat_back( a ) );
+    const float sign = turn.w < 0.0f ? -1.0f : 1.0f;
+    const wisp_vec3 axis = { sign * turn.x, sign * turn.y, sign * turn.z };
+    const float half_sine = strands_norm( axis );
+    const float scale = half_sine > 0.0f ? 2.0f * atan2f( half_sine, sign * turn.w ) / ( half_sine * dt ) : 0.0f;
+    return ( wisp_vec3 ){ scale * axis.x, scale * axis.y, scale * axis.z };
+}
+
+void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    const float dt = wisp_frame_seconds( frame );
+    const wisp_rigid a = strands_head_pose( frame, head, span->substep );
+    const wisp_rigid b = strands_head_pose( frame, head, span->substep + 1 );
+    wisp_strand_damp_job job = damp_job( frame, span, state );
+    job.centre = a.translation;
+    const wisp_vec3 way = strands_sub( b.translation, a.translation );
+    job.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
+    job.angular = angular_velocity( a.rotation, b.rotation, dt );
+    wisp_frame_kernels( frame )->strand_damp( &job, span->begin, span->end );
+}
+
+// Roots on a surface have no rigid motion in common: each group of strands goes with the mean of its own.
+void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const float* root = column_of( frame, span, WISP_STRAND_ROOT, 0 );
+    wisp_strand_damp_job job = damp_job( frame, span, state );
+    for ( int g = span->begin; g < span->end; ++g )
+    {
+        wisp_vec3 sum = { 0.0f, 0.0f, 0.0f };
+        int count = 0;
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            if ( t->lane_count[g * WISP_LANES + lane] > 0 )
+            {
+                sum = strands_add( sum, strands_sub( strands_get( root, g, lane ),
+                                                     strands_get( job.position, t->group_row[g], lane ) ) );
+                count += 1;
+            }
+        }
+        const float scale = 1.0f / ( (float)count * wisp_frame_seconds( frame ) );
+        job.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
+        wisp_frame_kernels( frame )->strand_damp( &job, g, g + 1 );
+    }
+}
+
+void strands_blow( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
+    const wisp_strand_air_job job = {
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
+        .wind = air->wind,
+        .drag = air->drag,
+        .dt = wisp_frame_seconds( frame ),
+    };
+    wisp_frame_kernels( frame )->strand_air( &job, span->begin, span->end );
+}
+
+// ---- prediction ----
+
+static wisp_strand_motion_job motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    return ( wisp_strand_motion_job ){
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .root = column_of( frame, span, WISP_STRAND_ROOT, 0 ),
+        .acceleration = settings->gravity,
+        .dt = wisp_frame_seconds( frame ),
+    };
+}
+
+void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_motion_job job = motion_job( frame, span, user );
+    wisp_frame_kernels( frame )->strand_predict( &job, span->begin, span->end );
+}
+
+void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_motion_job job = motion_job( frame, span, user );
+    wisp_frame_kernels( frame )->strand_velocity( &job, span->begin, span->end );
+}
+
+static wisp_strand_rod_job rod_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    return ( wisp_strand_rod_job ){
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .inverse_length = column_of( frame, span, state->rod, 0 ),
+        .stiffness = column_of( frame, span, state->rod, 1 ),
+        .factor = column_of( frame, span, state->rod, 2 ),
+        .tension = column_of( frame, span, state->tension, 0 ),
+        .most_tension = column_of( frame, span, state->rod, 3 ),
+        .root = column_of( frame, span, WISP_STRAND_ROOT, 1 ),
+        .clamp = column_of( frame, span, state->clamp, 0 ),
+        .damping = settings->bend_damping,
+        .acceleration = settings->gravity,
+        .dt = wisp_frame_seconds( frame ),
+        .scratch = scratch_of( frame, span ),
+    };
+}
+
+void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_rod_job job = rod_job( frame, span, user );
+    if ( job.scratch != NULL )
+    {
+        wisp_frame_kernels( frame )->strand_rod( &job, span->begin, span->end );
+    }
+}
+
+// A curled rod is pulled with the tension that it has in balance: the tension of the substep before would feed on itself where
+// bending and stretching mix (README).
+static void begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    const int32_t* group_row = rows_of( frame, span );
+    const size_t begin = strands_scalar( group_row[span->begin], 0 ), end = strands_scalar( group_row[span->end], 0 );
+    memcpy( column_of( frame, span, state->tension, 0 ) + begin, column_of( frame, span, state->curve, 4 ) + begin,
+            ( end - begin ) * sizeof( float ) );
+}
+
+void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    begin_with_rest_tension( frame, span, state );
+    wisp_strand_rod_job job = rod_job( frame, span, user );
+    job.frame = column_of( frame, span, state->curve, 0 );
+    job.rest = column_of( frame, span, state->curve, 1 );
+    job.rest_twist = column_of( frame, span, state->curve, 2 );
+    job.twist_stiffness = column_of( frame, span, state->curve, 3 );
+    if ( job.scratch != NULL )
+    {
+        wisp_frame_kernels( frame )->strand_rod( &job, span->begin, span->end );
+    }
+}
+
+// ---- lengths ----
+
+// Links keep their multipliers from one iteration to the next; with a single one they begin at 0 and are not kept.
+static void project_links( wisp_frame* frame, const wisp_span* span, const strands_link* link, wisp_component rows,
+                           int stride )
+{
+    const int32_t* group_row = rows_of( frame, span );
+    const float dt = wisp_frame_seconds( frame );
+    const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
+    float* lambda = keeps ? column_of( frame, span, rows, 1 ) : NULL;
+    if ( keeps && span->iteration == 0 )
+    {
+        const size_t begin = strands_scalar( group_row[span->begin], 0 );
+        const size_t end = strands_scalar( group_row[span->end], 0 );
+        memset( lambda + begin, 0, ( end - begin ) * sizeof( float ) );
+    }
+    const wisp_strand_link_job job = {
+        .group_row = group_row,
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .rest = column_of( frame, span, rows, 0 ),
+        .lambda = lambda,
+        .stride = stride,
+        .stiffness = link->stiffness,
+        .compliance = link->compliance,
+        .inverse_dt2 = link->xpbd != 0 ? 1.0f / ( dt * dt ) : 0.0f,
+    };
+    wisp_frame_kernels( frame )->strand_link( &job, span->begin, span->end );
+}
+
+void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    project_links( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+}
+
+void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    project_links( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link, 2 );
+}
+
+void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const float* share = column_of( frame, span, state->follow, 0 );
+    const wisp_strand_follow_job job = {
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
+        .share = *share,
+    };
+    wisp_frame_kernels( frame )->strand_follow( &job, span->begin, span->end );
+}
+
+// The rod has pulled with a tension already, so what is found here adds to it.
+void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
+    const wisp_strand_stretch_job job = {
+        .group_row = rows_of( frame, span ),
+        .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
+        .tension = column_of( frame, span, state->tension, 0 ),
+        .keeps_tension = direct->has_rod != 0 || span->iteration > 0,
+        .passes = direct->passes,
+        .tolerance = direct->tolerance,
+        .dt = wisp_frame_seconds( frame ),
+        .scratch = scratch_of( frame, span ),
+    };
+    if ( job.scratch == NULL )
+    {
+        return;
+    }
+    const int laid = wisp_frame_kernels( frame )->strand_stretch( &job, span->begin, span->end );
+    if ( laid > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_LAID, (uint64_t)laid );
+    }
+}

@@ -1,0 +1,175 @@
+// Roots that a head carries as a rigid body, and vertices that are held behind them.
+#include "strands_internal.h"
+
+#include <string.h>
+
+// ---- the head ----
+
+// A head that goes farther than strands can follow takes them along.
+void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    head->from = head->to;
+    head->to = head->target;
+    const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
+    head->jumped = way > settings->teleport ? 1 : 0;
+}
+
+wisp_rigid strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
+{
+    // a head that stands still is bitwise where it was, in every substep
+    const bool stands = head->jumped != 0 || memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0;
+    return wisp_rigid_between( stands ? head->to : head->from, head->to,
+                               stands ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
+}
+
+static void turn_vertex( float* position, float* velocity, int row, int lane, wisp_vec3 from, wisp_vec3 to,
+                         wisp_quat turn )
+{
+    const wisp_vec3 arm = strands_sub( strands_get( position, row, lane ), from );
+    strands_put( position, row, lane, strands_add( to, wisp_quat_turn( turn, arm ) ) );
+    strands_put( velocity, row, lane, wisp_quat_turn( turn, strands_get( velocity, row, lane ) ) );
+}
+
+void strands_turn( wisp_frame* frame, wisp_entity entity, int group, int lane, wisp_vec3 from, wisp_vec3 to,
+                   wisp_quat turn )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    float* position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 );
+    for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
+    {
+        turn_vertex( position, velocity, t->group_row[group] + v, lane, from, to, turn );
+    }
+}
+
+void strands_turn_frames( wisp_frame* frame, wisp_entity entity, wisp_component curve, int group, int lane,
+                          wisp_quat turn )
+{
+    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
+    float* frames = wisp_frame_column( frame, entity, curve, 0 );
+    for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
+    {
+        const int row = t->group_row[group] + v;
+        strands_put_quat( frames, row, lane, strands_quat_multiply( turn, strands_get_quat( frames, row, lane ) ) );
+    }
+}
+
+static wisp_quat turn_of( const strands_head* head )
+{
+    return strands_quat_multiply( head->to.rotation, strands_quat_back( head->from.rotation ) );
+}
+
+void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && head->jumped != 0 && span->substep == 0;
+          ++i )
+    {
+        strands_turn( frame, span->entity, i / WISP_LANES, i % WISP_LANES, head->from.translation,
+                      head->to.translation, turn_of( head ) );
+    }
+}
+
+void strands_jump_frames( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && head->jumped != 0 && span->substep == 0;
+          ++i )
+    {
+        strands_turn_frames( frame, span->entity, state->curve, i / WISP_LANES, i % WISP_LANES, turn_of( head ) );
+    }
+}
+
+void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
+    float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
+    const wisp_rigid pose = strands_head_pose( frame, head, span->substep + 1 );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES;
+        strands_put( position, group, lane,
+                     wisp_rigid_to_world( pose, strands_get( rest, t->group_row[group], lane ) ) );
+        strands_put_quat( rotation, group, lane, pose.rotation );
+    }
+}
+
+// Vertices that are held behind the root stand to it as they did at rest. A kernel that predicts finds them at the end of
+// their way, with the velocity that took them there.
+void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
+    const float* weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 );
+    const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
+    const float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
+    float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
+    float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
+    const float inverse_dt = 1.0f / wisp_frame_seconds( frame );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
+        for ( int row = first + 1; row < first + t->lane_count[i]; ++row )
+        {
+            if ( weight[strands_scalar( row, lane )] > 0.0f )
+            {
+                continue;
+            }
+            const wisp_vec3 arm = strands_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
+            const wisp_vec3 to = strands_add( strands_get( root, group, lane ),
+                                              wisp_quat_turn( strands_get_quat( rotation, group, lane ), arm ) );
+            const wisp_vec3 way = strands_sub( to, strands_get( position, row, lane ) );
+            strands_put( velocity, row, lane,
+                         ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
+            strands_put( position, row, lane, to );
+        }
+    }
+}
+
+static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
+{
+    const wisp_vec3 p = pose.translation;
+    const wisp_quat q = pose.rotation;
+    if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strands: the head at (%g, %g, %g) is not within 1e6 m of the origin", (double)p.x,
+                                (double)p.y, (double)p.z );
+    }
+    const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    if ( !( squared >= 1e-12f && squared <= 1e12f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: the quaternion (%g, %g, %g, %g) is no rotation",
+                                (double)q.x, (double)q.y, (double)q.z, (double)q.w );
+    }
+    return WISP_OK;
+}
+
+wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_rigid pose )
+{
+    strands_state* state;
+    wisp_status status = strands_find( world, strands, &state );
+    status = status == WISP_OK ? check_pose( world, pose ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    strands_head* head = wisp_world_column( world, strands, state->head, 0 );
+    if ( head == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u is rooted in a surface, not in a head",
+                                strands.index );
+    }
+    head->target = wisp_rigid_make( pose.rotation, pose.translation );
+    return WISP_OK;
+}

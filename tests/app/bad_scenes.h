@@ -1,0 +1,11 @@
+// A file of tests/bad/scene and the sentence that refuses it. The tables are several, the folder is one.
+#pragma once
+
+typedef struct bad_scene
+{
+    const char* file;
+    const char* sentence; // what follows the file's name
+} bad_scene;
+
+extern const bad_scene BAD_SCENES_MOTION[];
+extern const int BAD_SCENES_MOTION_COUNT;

@@ -1,0 +1,194 @@
+/// What the tests of strands share: worlds with chosen workers and substeps, strands that hang, stick out or curl, plans as text.
+#pragma once
+
+#include "engine/surface_fixture.h"
+
+#include "collision.h"
+#include "strands.h"
+
+#include <stdio.h>
+
+typedef struct strand_world
+{
+    test_host host;
+    test_log log;
+    wisp_world_def def;
+    wisp_world* world;
+} strand_world;
+
+/// Close with close_strands().
+static inline void open_strands( strand_world* s, int substeps, int iterations, int workers )
+{
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
+                                                  &wisp_strand_look_module, &wisp_strands_module };
+    *s = ( strand_world ){ 0 };
+    s->def = wisp_default_world_def();
+    s->def.modules = MODULES;
+    s->def.module_count = WISP_COUNT( MODULES );
+    s->def.allocator = test_host_allocator( &s->host );
+    s->def.log = test_log_listen;
+    s->def.log_user = &s->log;
+    s->def.workers = workers;
+    s->def.substeps = substeps;
+    s->def.iterations = iterations;
+    assert_int_equal( wisp_world_create( &s->def, &s->world, NULL ), WISP_OK );
+}
+
+static inline void close_strands( strand_world* s )
+{
+    wisp_world_destroy( s->world );
+    assert_host_has_all_back( &s->host );
+}
+
+/// Where vertex i of a strand of `count` vertices stands; `length` is the strand's, in m.
+typedef wisp_vec3 strand_curve( int strand, int i, int count, float length );
+
+/// Out along x.
+static inline wisp_vec3 straight_out( int strand, int i, int count, float length )
+{
+    return ( wisp_vec3 ){ length * (float)i / (float)( count > 1 ? count - 1 : 1 ), 0.0f, 0.01f * (float)strand };
+}
+
+/// Down along -y.
+static inline wisp_vec3 straight_down( int strand, int i, int count, float length )
+{
+    return ( wisp_vec3 ){ 0.01f * (float)strand, -length * (float)i / (float)( count > 1 ? count - 1 : 1 ), 0.0f };
+}
+
+/// A helix of two turns that grows down, its radius a tenth of the length.
+static inline wisp_vec3 curl_down( int strand, int i, int count, float length )
+{
+    const float t = (float)i / (float)( count > 1 ? count - 1 : 1 ), angle = 12.566f * t + (float)strand;
+    const float radius = 0.1f * length;
+    return ( wisp_vec3 ){ 0.01f * (float)strand + radius * ( cosf( angle ) - cosf( (float)strand ) ),
+                          -0.6f * length * t, radius * ( sinf( angle ) - sinf( (float)strand ) ) };
+}
+
+/// Strands of the given vertex counts. @param counts [strand_count]
+static inline wisp_entity add_strands( wisp_world* world, const int* counts, int strand_count, strand_curve* curve,
+                                       float length )
+{
+    int32_t* offsets = calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
+    assert_non_null( offsets );
+    for ( int s = 0; s < strand_count; ++s )
+    {
+        offsets[s + 1] = offsets[s] + counts[s];
+    }
+    wisp_vec3* points = calloc( (size_t)offsets[strand_count] + 1, sizeof( wisp_vec3 ) );
+    assert_non_null( points );
+    for ( int s = 0; s < strand_count; ++s )
+    {
+        for ( int i = 0; i < counts[s]; ++i )
+        {
+            points[offsets[s] + i] = curve( s, i, counts[s], length );
+        }
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points;
+    def.offsets = offsets;
+    def.strand_count = strand_count;
+    wisp_entity e;
+    if ( wisp_add_strands( world, &def, &e ) != WISP_OK )
+    {
+        fail_msg( "no strands: %s", wisp_world_message( world ) );
+    }
+    free( points );
+    free( offsets );
+    return e;
+}
+
+/// As add_strands, all of one vertex count, with dynamics; points are wanted.
+static inline wisp_entity add_moving( wisp_world* world, int strand_count, int vertex_count, strand_curve* curve,
+                                      float length, const wisp_strand_dynamics_def* def )
+{
+    int counts[256];
+    assert_true( strand_count <= WISP_COUNT( counts ) );
+    for ( int s = 0; s < strand_count; ++s )
+    {
+        counts[s] = vertex_count;
+    }
+    const wisp_entity e = add_strands( world, counts, strand_count, curve, length );
+    if ( wisp_set_strand_dynamics( world, e, def ) != WISP_OK )
+    {
+        fail_msg( "no dynamics: %s", wisp_world_message( world ) );
+    }
+    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    return e;
+}
+
+static inline void strand_steps( wisp_world* world, int steps, float seconds )
+{
+    for ( int i = 0; i < steps; ++i )
+    {
+        if ( wisp_world_step( world, seconds ) != WISP_OK )
+        {
+            fail_msg( "no step: %s", wisp_world_message( world ) );
+        }
+    }
+}
+
+static inline const wisp_vec3* strand_points( wisp_world* world, wisp_entity e )
+{
+    return view_of( world, e, WISP_STRAND_POINTS ).data;
+}
+
+static inline double vec_distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
+/// The farthest that a vertex is from where its curve puts it, m.
+static inline double drift_from( wisp_world* world, wisp_entity e, int strand_count, int vertex_count,
+                                 strand_curve* curve, float length )
+{
+    const wisp_vec3* points = strand_points( world, e );
+    double farthest = 0.0;
+    for ( int s = 0; s < strand_count; ++s )
+    {
+        for ( int i = 0; i < vertex_count; ++i )
+        {
+            farthest =
+                fmax( farthest, vec_distance( points[s * vertex_count + i], curve( s, i, vertex_count, length ) ) );
+        }
+    }
+    return farthest;
+}
+
+typedef struct plan_text
+{
+    char text[32768];
+    size_t length;
+} plan_text;
+
+static inline void plan_text_add( void* user, const char* line )
+{
+    plan_text* t = user;
+    const int n = snprintf( t->text + t->length, sizeof( t->text ) - t->length, "%s\n", line );
+    t->length += n > 0 ? (size_t)n : 0;
+    assert_true( t->length < sizeof( t->text ) );
+}
+
+/// Is there a line that names the pass and holds the word?
+static inline bool plan_says( wisp_world* world, const char* pass, const char* word )
+{
+    static plan_text t;
+    t.length = 0;
+    assert_int_equal( wisp_world_plan( world, plan_text_add, &t ), WISP_OK );
+    char name[80];
+    snprintf( name, sizeof( name ), " %s ", pass );
+    for ( char* line = strtok( t.text, "\n" ); line != NULL; line = strtok( NULL, "\n" ) )
+    {
+        if ( strstr( line, name ) != NULL && strstr( line, word ) != NULL )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static inline wisp_rigid head_at( float angle, wisp_vec3 axis, wisp_vec3 place )
+{
+    const float s = sinf( 0.5f * angle );
+    return wisp_rigid_make( ( wisp_quat ){ s * axis.x, s * axis.y, s * axis.z, cosf( 0.5f * angle ) }, place );
+}

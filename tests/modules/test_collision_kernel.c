@@ -1,0 +1,297 @@
+// Sixteen strands against a body at once: the kernel against a scalar in double on wisp_shape_closest(), and every table
+// against the first, bit for bit.
+#include "kernels_fixture.h"
+
+#include "wisp/shapes.h"
+
+enum
+{
+    ROWS = 40,
+    LANES = ROWS * WISP_LANES,
+};
+
+typedef struct contact_rows
+{
+    _Alignas( 64 ) float position[ROWS * 48];
+    float previous[ROWS * 48];
+    float weight[LANES], depth[LANES], pushed[LANES], left[LANES];
+} contact_rows;
+
+static const int32_t GROUP_ROW[] = { 0, 17, 17, ROWS };
+
+static const wisp_shape SHAPES[] = {
+    { .kind = WISP_SHAPE_PLANE },
+    { .kind = WISP_SHAPE_SPHERE, .radius = 0.8f },
+    { .kind = WISP_SHAPE_CAPSULE, .radius = 0.4f, .half_length = 0.6f },
+    { .kind = WISP_SHAPE_BOX, .half_extent = { 0.7f, 0.5f, 0.6f } },
+};
+
+// Around the origin, most of them near the surfaces of bodies of about a metre; a fifth is pinned, a third remembers.
+static void make_rows( contact_rows* r )
+{
+    memset( r, 0, sizeof( *r ) );
+    for ( int i = 0; i < LANES; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const size_t at = (size_t)( i / WISP_LANES * 48 + k * WISP_LANES + i % WISP_LANES );
+            r->position[at] = test_random_float( i, k, -1.0f, 1.0f );
+            r->previous[at] = r->position[at] + test_random_float( i, 3 + k, -0.1f, 0.1f );
+        }
+        r->weight[i] = i % 5 == 0 ? 0.0f : 1.0f;
+        r->depth[i] = i % 3 == 0 ? test_random_float( i, 6, 0.0f, 0.2f ) : INFINITY;
+        r->pushed[i] = i % 2 == 0 ? 0.25f : 0.0f;
+        r->left[i] = i % 7 == 0 ? 0.03f : 0.0f;
+    }
+}
+
+static wisp_strand_contact_job job_on( contact_rows* r, const wisp_shape* shape, bool moves )
+{
+    const wisp_rigid before =
+        wisp_rigid_make( ( wisp_quat ){ 0.3f, -0.2f, 0.5f, 0.9f }, ( wisp_vec3 ){ 0.1f, 0, 0.2f } );
+    const wisp_rigid after =
+        wisp_rigid_make( ( wisp_quat ){ 0.35f, -0.2f, 0.45f, 0.9f }, ( wisp_vec3 ){ 0.15f, 0.05f, 0.2f } );
+    return ( wisp_strand_contact_job ){
+        .group_row = GROUP_ROW,
+        .position = r->position,
+        .previous = r->previous,
+        .weight = r->weight,
+        .depth = r->depth,
+        .pushed = r->pushed,
+        .left = r->left,
+        .shape = *shape,
+        .before = moves ? before : after,
+        .after = after,
+        .thickness = 0.1f,
+        .static_friction = 0.6f,
+        .kinetic_friction = 0.4f,
+        .recovery = 0.02f,
+    };
+}
+
+// ---- the law again, one vertex, in double ----
+
+typedef struct contact_vertex
+{
+    double p[3], previous[3], pushed, left;
+    bool touches, near_edge; // near a place where the answer jumps
+} contact_vertex;
+
+static double dot( const double a[3], const double b[3] )
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void spread( wisp_vec3 v, double out[3] )
+{
+    out[0] = (double)v.x;
+    out[1] = (double)v.y;
+    out[2] = (double)v.z;
+}
+
+static wisp_vec3 lane_of( const float* rows, int i )
+{
+    const float* x = rows + i / WISP_LANES * 48 + i % WISP_LANES;
+    return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
+}
+
+static void rub( const wisp_strand_contact_job* job, contact_vertex* v, const double n[3], const double motion[3],
+                 double push )
+{
+    double u[3], across = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        u[k] = v->p[k] - v->previous[k] - motion[k];
+    }
+    const double up = dot( u, n );
+    for ( int k = 0; k < 3; ++k )
+    {
+        u[k] -= up * n[k];
+        across += u[k] * u[k];
+    }
+    const double length = sqrt( across ), cone = (double)job->static_friction * push;
+    v->near_edge = v->near_edge || fabs( length - cone ) < 1e-5;
+    const double share = length <= cone ? 1.0 : (double)job->kinetic_friction * push / length;
+    for ( int k = 0; k < 3; ++k )
+    {
+        v->p[k] -= share * u[k];
+    }
+}
+
+static contact_vertex expected_at( const wisp_strand_contact_job* job, int i )
+{
+    contact_vertex v = { .pushed = (double)job->pushed[i], .left = (double)job->left[i] };
+    const wisp_vec3 p = lane_of( job->position, i ), previous = lane_of( job->previous, i );
+    spread( p, v.p );
+    spread( previous, v.previous );
+    wisp_surface_point s, first;
+    assert_true( wisp_shape_closest( &job->shape, wisp_rigid_to_body( job->after, p ), &s ) );
+    assert_true( wisp_shape_closest( &job->shape, wisp_rigid_to_body( job->before, previous ), &first ) );
+    const double h = (double)job->thickness, now = (double)s.distance, start = (double)first.distance;
+    const double began = fmax( 0.0, h - start ), depth = (double)job->depth[i];
+    v.touches = job->weight[i] > 0.0f && now < h;
+    v.near_edge = fabs( now - h ) < 1e-5 || fabs( began - depth - h ) < 1e-5;
+    if ( v.touches == false )
+    {
+        return v;
+    }
+    const double may = began > depth + h ? began : fmin( began, depth );
+    const double outward = fmax( 0.0, now - start - ( began - may ) );
+    const double free = fmax( 0.0, may - outward );
+    const double healed = fmin( free, fmax( 0.0, (double)job->recovery - outward ) );
+    const double out = fmax( 0.0, h - ( free - healed ) - now ), push = fmax( 0.0, out - healed );
+    double n[3], a[3], b[3], motion[3];
+    spread( wisp_quat_turn( job->after.rotation, s.normal ), n );
+    spread( wisp_rigid_to_world( job->after, s.point ), a );
+    spread( wisp_rigid_to_world( job->before, s.point ), b );
+    for ( int k = 0; k < 3; ++k )
+    {
+        v.p[k] += out * n[k];
+        v.previous[k] += ( healed + ( may > 0.1 * h ? outward : 0.0 ) ) * n[k];
+        motion[k] = a[k] - b[k];
+    }
+    v.near_edge = v.near_edge || fabs( may - 0.1 * h ) < 1e-5;
+    rub( job, &v, n, motion, push );
+    v.pushed += push;
+    v.left = fmax( v.left, free - healed );
+    return v;
+}
+
+static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v )
+{
+    const wisp_vec3 p = lane_of( r->position, i ), previous = lane_of( r->previous, i );
+    const float found[8] = { p.x, p.y, p.z, previous.x, previous.y, previous.z, r->pushed[i], r->left[i] };
+    const double expected[8] = { v->p[0],        v->p[1],        v->p[2],   v->previous[0],
+                                 v->previous[1], v->previous[2], v->pushed, v->left };
+    for ( int k = 0; k < 8; ++k )
+    {
+        // places of about 1 m are rounded to 6e-8 some ten times; a normal near a centre makes more of it
+        assert_near( (double)found[k], expected[k], 2e-6, "lane", i );
+    }
+}
+
+static void lanes_answer_as_a_scalar_does( void** state )
+{
+    (void)state;
+    static contact_rows made, rows;
+    make_rows( &made );
+    for ( int k = 0; k < 2 * WISP_COUNT( SHAPES ); ++k )
+    {
+        rows = made;
+        const wisp_strand_contact_job before = job_on( &made, SHAPES + k / 2, k % 2 == 1 );
+        const wisp_strand_contact_job job = job_on( &rows, SHAPES + k / 2, k % 2 == 1 );
+        widest_table()->strand_contact( &job, 0, 3 );
+        int touched = 0, skipped = 0;
+        for ( int i = 0; i < LANES; ++i )
+        {
+            const contact_vertex v = expected_at( &before, i );
+            touched += v.touches && v.near_edge == false ? 1 : 0;
+            skipped += v.near_edge ? 1 : 0;
+            if ( v.near_edge == false )
+            {
+                assert_vertex( &rows, i, &v );
+            }
+        }
+        assert_true( touched > LANES / 20 && skipped < LANES / 50 );
+    }
+}
+
+static void every_table_gives_the_same_bits_on_a_body( void** state )
+{
+    (void)state;
+    static contact_rows first, rows;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
+    {
+        for ( int t = 0; t < count; ++t )
+        {
+            make_rows( &rows );
+            // the middle of a body, where no direction is the nearest
+            const wisp_strand_contact_job job = job_on( &rows, SHAPES + k, true );
+            rows.position[1] = job.after.translation.x;
+            rows.position[1 + WISP_LANES] = job.after.translation.y;
+            rows.position[1 + 2 * WISP_LANES] = job.after.translation.z;
+            tables[t]->strand_contact( &job, 0, 3 );
+            first = t == 0 ? rows : first;
+            assert_memory_equal( &rows, &first, sizeof( rows ) );
+        }
+    }
+}
+
+static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
+{
+    (void)state;
+    static contact_rows made, rows;
+    make_rows( &made );
+    made.position[2] = NAN;
+    made.previous[2 + WISP_LANES] = INFINITY;
+    for ( int i = 0; i < LANES; ++i )
+    {
+        made.weight[i] = i % 3 == 0 || i == 2 ? 1.0f : 0.0f;
+    }
+    rows = made;
+    wisp_strand_contact_job job = job_on( &rows, SHAPES + 1, true );
+    job.thickness = 0.0f;
+    widest_table()->strand_contact( &job, 0, 3 );
+    for ( int i = 0; i < LANES; ++i )
+    {
+        const wisp_vec3 p = lane_of( made.position, i ), now = lane_of( rows.position, i );
+        wisp_surface_point s;
+        const bool known = wisp_shape_closest( SHAPES + 1, wisp_rigid_to_body( job.after, p ), &s );
+        if ( made.weight[i] == 0.0f || known == false || s.distance > 1e-6f )
+        {
+            assert_memory_equal( &p, &now, sizeof( p ) );
+        }
+    }
+}
+
+static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state )
+{
+    (void)state;
+    static contact_rows made, rows;
+    make_rows( &made );
+    made.position[3] = NAN;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int t = 0; t < 2 * count; ++t )
+    {
+        rows = made;
+        const wisp_strand_contact_job job = job_on( &rows, SHAPES + 1, true );
+        wisp_strand_reach reach, empty;
+        tables[t / 2]->strand_contact_begin( &job, 2, t % 2 == 0, &reach );
+        tables[t / 2]->strand_contact_begin( &job, 1, t % 2 == 0, &empty );
+        assert_true( empty.low.x > empty.high.x );
+        wisp_vec3 low = { INFINITY, INFINITY, INFINITY };
+        double path = 0.0;
+        for ( int i = 0; i < LANES; ++i )
+        {
+            const wisp_vec3 p = lane_of( made.position, i ), q = lane_of( made.previous, i );
+            const bool inside = i >= GROUP_ROW[2] * WISP_LANES, held = made.pushed[i] > 0.0f || made.left[i] > 0.0f;
+            if ( inside && made.weight[i] > 0.0f )
+            {
+                low = ( wisp_vec3 ){ fminf( low.x, fminf( p.x, q.x ) ), fminf( low.y, fminf( p.y, q.y ) ),
+                                     fminf( low.z, fminf( p.z, q.z ) ) };
+                const float d[3] = { p.x - q.x, p.y - q.y, p.z - q.z };
+                path = fmax( path, sqrt( (double)( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] ) ) );
+            }
+            const float depth = held ? made.left[i] : INFINITY;
+            assert_true( rows.depth[i] == ( inside ? depth : made.depth[i] ) );
+            assert_true( rows.left[i] == ( inside ? 0.0f : made.left[i] ) );
+            assert_true( rows.pushed[i] == ( inside && t % 2 == 0 ? 0.0f : made.pushed[i] ) );
+        }
+        assert_true( reach.low.x == low.x && reach.low.y == low.y && reach.low.z == low.z );
+        assert_near( (double)reach.path, path, 1e-7, "path", t );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( lanes_answer_as_a_scalar_does ),
+        cmocka_unit_test( every_table_gives_the_same_bits_on_a_body ),
+        cmocka_unit_test( a_group_tells_how_far_it_reaches_and_what_it_remembers ),
+        cmocka_unit_test( what_is_pinned_away_or_no_number_is_left_alone ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

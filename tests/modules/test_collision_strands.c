@@ -1,0 +1,548 @@
+// Strands and bodies: what rests, what is rubbed, heads that move, what starts inside, and the same bits everywhere.
+#include "collision_fixture.h"
+
+#include "strands.h"
+
+static const float DT = 1.0f / 60.0f;
+static const float SEGMENT = 0.01f;
+static const double DEGREE = 3.14159265358979323846 / 180.0;
+
+typedef struct hair_world
+{
+    int substeps, iterations, workers;
+    const char* isa;
+} hair_world;
+
+static hosted* new_hair_world( hair_world w )
+{
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module };
+    hosted* h = calloc( 1, sizeof( hosted ) );
+    assert_non_null( h );
+    h->def = hosted_def( h );
+    h->def.modules = MODULES;
+    h->def.module_count = WISP_COUNT( MODULES );
+    h->def.substeps = w.substeps;
+    h->def.iterations = w.iterations;
+    h->def.workers = w.workers;
+    h->def.isa = w.isa;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    return h;
+}
+
+static int open_hair( void** state )
+{
+    *state = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
+    return 0;
+}
+
+#define HAIR_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hair, close_hosted )
+
+// Soft hair that does not hold the shape it starts in.
+static wisp_strand_dynamics_def damped_hair( void )
+{
+    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    def.rest = WISP_STRAND_REST_STRAIGHT;
+    def.bend_rigidity = 5e-10f;
+    def.damping = 5.0f;
+    return def;
+}
+
+// Straight strands that move and collide, from `roots` along `directions`, a centimetre a segment.
+static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wisp_vec3* directions, int count,
+                             int vertices, const wisp_strand_dynamics_def* dynamics )
+{
+    test_strands s = test_strands_of( count, vertices );
+    for ( int i = 0; i < count * vertices; ++i )
+    {
+        const wisp_vec3 r = roots[i / vertices], d = directions[i / vertices];
+        const float t = SEGMENT * (float)( i % vertices );
+        s.points[i] = ( wisp_vec3 ){ r.x + t * d.x, r.y + t * d.y, r.z + t * d.z };
+    }
+    wisp_strands_def def = test_strands_def( &s );
+    wisp_entity e;
+    assert_int_equal( wisp_add_strands( world, &def, &e ), WISP_OK );
+    test_strands_free( &s );
+    wisp_collision_def collision = wisp_default_collision_def();
+    if ( wisp_set_strand_dynamics( world, e, dynamics ) != WISP_OK ||
+         wisp_set_collision( world, e, &collision ) != WISP_OK )
+    {
+        fail_msg( "no hair: %s", wisp_world_message( world ) );
+    }
+    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_want_collision_figures( world, e, true ), WISP_OK );
+    return e;
+}
+
+// Twenty strands side by side, level, that fall over what is at the origin.
+static wisp_entity add_fringe( wisp_world* world )
+{
+    wisp_vec3 roots[20], directions[20];
+    for ( int i = 0; i < 20; ++i )
+    {
+        roots[i] = ( wisp_vec3 ){ -0.13f, 0.14f, 0.01f * (float)( i - 10 ) + 0.003f };
+        directions[i] = ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f };
+    }
+    const wisp_strand_dynamics_def dynamics = damped_hair();
+    return add_hair( world, roots, directions, 20, 31, &dynamics );
+}
+
+// Hair all over the upper half of a head of 0.1 m.
+static wisp_entity add_head_of_hair( wisp_world* world, int count )
+{
+    wisp_vec3* roots = calloc( (size_t)count, sizeof( wisp_vec3 ) );
+    wisp_vec3* directions = calloc( (size_t)count, sizeof( wisp_vec3 ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        const double y = 0.1 + 0.85 * ( i + 0.5 ) / count, turn = 2.399963 * i, r = sqrt( 1.0 - y * y );
+        directions[i] = ( wisp_vec3 ){ (float)( r * cos( turn ) ), (float)y, (float)( r * sin( turn ) ) };
+        roots[i] = ( wisp_vec3 ){ 0.1f * directions[i].x, 0.1f * directions[i].y, 0.1f * directions[i].z };
+    }
+    const wisp_strand_dynamics_def dynamics = damped_hair();
+    wisp_entity e = add_hair( world, roots, directions, count, 21, &dynamics );
+    free( roots );
+    free( directions );
+    return e;
+}
+
+static wisp_collider_def body_of( wisp_collider_kind kind )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = kind;
+    def.radius = 0.1f;
+    def.half_length = 0.1f;
+    def.half_extent = ( wisp_vec3 ){ 0.08f, 0.1f, 0.2f };
+    def.pose.rotation =
+        kind == WISP_COLLIDER_CAPSULE ? ( wisp_quat ){ sqrtf( 0.5f ), 0.0f, 0.0f, sqrtf( 0.5f ) } : def.pose.rotation;
+    return def;
+}
+
+static wisp_entity add_mesh_ball( wisp_world* world, float radius, bool* has_embree )
+{
+    test_mesh mesh = test_ball( 4 );
+    move_mesh( &mesh, radius, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_MESH;
+    def.points = mesh.points;
+    def.triangles = mesh.triangles;
+    def.point_count = mesh.vertex_count;
+    def.triangle_count = mesh.triangle_count;
+    wisp_entity e;
+    wisp_status status = wisp_add_collider( world, &def, &e );
+    test_mesh_free( &mesh );
+    assert_true( status == WISP_OK || status == WISP_CONFLICT );
+    *has_embree = status == WISP_OK;
+    return e;
+}
+
+static const wisp_vec3* points_of( wisp_world* world, wisp_entity e, int* count )
+{
+    const wisp_view view = view_of( world, e, WISP_STRAND_POINTS );
+    *count = view.count;
+    return view.data;
+}
+
+static double mean_height( wisp_world* world, wisp_entity e )
+{
+    int count;
+    const wisp_vec3* points = points_of( world, e, &count );
+    double sum = 0.0;
+    for ( int i = 0; i < count; ++i )
+    {
+        sum += (double)points[i].y;
+    }
+    return sum / count;
+}
+
+static double fastest( wisp_world* world, wisp_entity e )
+{
+    const wisp_strand_topology* t = wisp_world_strands( world, e );
+    const float* v = wisp_world_column( world, e, WISP_STRAND_VELOCITY, 0 );
+    double most = 0.0;
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES; ++i )
+    {
+        const float* x = v + i / WISP_LANES * 48 + i % WISP_LANES;
+        most = fmax( most, sqrt( (double)( x[0] * x[0] + x[16] * x[16] + x[32] * x[32] ) ) );
+    }
+    return most;
+}
+
+// ---- rest ----
+
+static void strands_that_fall_on_a_body_rest_outside( void** state )
+{
+    (void)state;
+    for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
+        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        body.pose.translation.y = kind == WISP_COLLIDER_PLANE ? -0.05f : 0.0f;
+        add_collider( h->world, &body );
+        wisp_entity e = add_fringe( h->world );
+        run_for( h->world, DT, 180 );
+        const wisp_collision_figures f = collision_of( h->world, e );
+        print_message( "kind %d: %d contacts, %.3f of a segment deep, %.2g m/s\n", kind, f.contacts,
+                       (double)( f.penetration / SEGMENT ), fastest( h->world, e ) );
+        assert_true( f.contacts >= 40 );
+        // lengths are restored behind contact; at rest that takes back next to nothing
+        assert_true( f.penetration < 0.02f * SEGMENT );
+        // vertices near the sharp edge of a box creep by a few hundredths of the thickness a substep
+        assert_true( fastest( h->world, e ) < ( kind == WISP_COLLIDER_BOX ? 0.1 : 0.005 ) );
+        free_colliding( h );
+    }
+}
+
+static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
+{
+    (void)state;
+    double height[2];
+    bool has_embree = true;
+    for ( int k = 0; k < 2 && has_embree; ++k )
+    {
+        hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
+        const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+        if ( k == 0 )
+        {
+            add_collider( h->world, &ball );
+        }
+        else
+        {
+            add_mesh_ball( h->world, 0.1f, &has_embree );
+        }
+        wisp_entity e = add_fringe( h->world );
+        run_for( h->world, DT, has_embree ? 120 : 1 );
+        height[k] = mean_height( h->world, e );
+        assert_true( has_embree == false || collision_of( h->world, e ).penetration < 0.05f * SEGMENT );
+        assert_true( has_embree == false || collision_of( h->world, e ).contacts >= 40 );
+        free_colliding( h );
+    }
+    if ( has_embree == false )
+    {
+        skip();
+    }
+    // faces lie up to 0.1 (1 - cos( 90 / 32 degrees )), 1.2e-4 m, inside the ball, and strands roll off along their edges
+    assert_near( height[1], height[0], 2e-3 );
+}
+
+// ---- friction ----
+
+// Chains across a slope, held at their roots. @return how far their tips are carried downhill in two seconds, m
+static double downhill( double angle, float mu )
+{
+    hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    plane.static_friction = plane.kinetic_friction = mu;
+    add_collider( h->world, &plane );
+    const wisp_vec3 root = { 0.0f, 0.25f * SEGMENT, 0.0f }, direction = { 1.0f, 0.0f, 0.0f };
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.bend = WISP_STRAND_BEND_NONE;
+    dynamics.gravity = ( wisp_vec3 ){ 0.0f, (float)( -9.8 * cos( angle ) ), (float)( 9.8 * sin( angle ) ) };
+    wisp_entity e = add_hair( h->world, &root, &direction, 1, 21, &dynamics );
+    run_for( h->world, DT, 120 );
+    int count;
+    const double z = (double)points_of( h->world, e, &count )[20].z;
+    free_colliding( h );
+    return z;
+}
+
+static void friction_holds_a_strand_below_its_angle_alone( void** state )
+{
+    (void)state;
+    // mu 0.5 holds up to 26.6 degrees; static friction cancels each substep's slip but for rounding
+    assert_near( downhill( 25.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
+    assert_near( downhill( 5.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
+    assert_true( downhill( 29.0 * DEGREE, 0.5f ) > 0.05 );
+    assert_true( downhill( 5.0 * DEGREE, 0.0f ) > 0.05 );
+}
+
+// ---- bodies that move ----
+
+static wisp_rigid shaken( int n )
+{
+    const double t = (double)n / 60.0;
+    return ( wisp_rigid ){ about_z( 0.5 * sin( 9.0 * t ) ),
+                           { (float)( 0.15 * sin( 7.0 * t ) ), (float)( 0.05 * sin( 11.0 * t ) ), 0.0f } };
+}
+
+static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch, bool as_mesh )
+{
+    hosted* h = new_hair_world( w );
+    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    bool has_embree = true;
+    wisp_entity head = as_mesh ? add_mesh_ball( h->world, 0.1f, &has_embree ) : add_collider( h->world, &ball );
+    wisp_entity e = add_head_of_hair( h->world, 100 );
+    wisp_strand_dynamics_def dynamics = damped_hair();
+    dynamics.stretch = stretch;
+    assert_int_equal( wisp_set_strand_dynamics( h->world, e, &dynamics ), WISP_OK );
+    float deepest = 0.0f;
+    for ( int n = 1; n <= 120 && has_embree; ++n )
+    {
+        assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
+        assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
+        run_for( h->world, DT, 1 );
+        deepest = fmaxf( deepest, collision_of( h->world, e ).penetration );
+    }
+    assert_true( has_embree == false || collision_of( h->world, e ).contacts > 100 );
+    free_colliding( h );
+    return deepest / SEGMENT;
+}
+
+static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
+{
+    (void)state;
+    float direct = deepest_on_a_shaken_head( ( hair_world ){ 10, 1, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
+    float twice = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
+    float links = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_LINKS, false );
+    float mesh = deepest_on_a_shaken_head( ( hair_world ){ 10, 1, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, true );
+    print_message( "10 substeps: %.3f of a segment deep, 2 iterations %.3f, links %.3f, mesh %.3f\n", (double)direct,
+                   (double)twice, (double)links, (double)mesh );
+    // the thickness is a quarter of a segment, so that hair never gets into the head itself
+    assert_true( direct < 0.2f && twice < 0.2f && links < 0.2f && mesh < 0.2f );
+}
+
+static void a_body_that_strikes_hair_in_one_step_carries_it_along( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    ball.radius = 0.05f;
+    ball.pose.translation = ( wisp_vec3 ){ 0.1f, 0.0f, 0.5f };
+    wisp_entity body = add_collider( h->world, &ball );
+    wisp_entity e = add_fringe( h->world );
+    for ( int n = 1; n <= 3; ++n )
+    {
+        // from one side of the strands to the other at 30 m/s, half its width a substep, turning by 1 rad
+        ball.pose.rotation = about_z( 1.0 * n );
+        ball.pose.translation = ( wisp_vec3 ){ 0.1f, 0.12f, n == 1 ? 0.0f : -0.5f * (float)( n - 1 ) };
+        assert_int_equal( wisp_move_collider( h->world, body, ball.pose ), WISP_OK );
+        run_for( h->world, DT, 1 );
+    }
+    int count;
+    const wisp_vec3* points = points_of( h->world, e, &count );
+    float least = 0.0f;
+    for ( int i = 0; i < count; ++i )
+    {
+        least = fminf( least, points[i].z );
+    }
+    assert_true( least < -0.3f ); // roots end at -0.1
+    assert_int_equal( collision_of( h->world, e ).vertex, -1 );
+    run_for( h->world, DT, 120 );
+    assert_int_equal( collision_of( h->world, e ).vertex, -1 );
+    assert_true( fastest( h->world, e ) < 0.5 );
+}
+
+// Without weight, so that all speed comes from being moved out. @return false without Embree
+static bool leaves_calmly( wisp_collider_kind kind )
+{
+    hosted* h = new_hair_world( ( hair_world ){ 4, 1, 1, NULL } );
+    bool there = true;
+    wisp_collider_def body = body_of( kind );
+    body.half_extent.y = 0.04f; // or strands would be run through a box whose nearest faces are at its two ends
+    body.pose.translation = ( wisp_vec3 ){ 0.05f, 0.13f, 0.0f };
+    wisp_entity ball = { 0, 0 };
+    if ( kind == WISP_COLLIDER_MESH )
+    {
+        ball = add_mesh_ball( h->world, 0.1f, &there );
+        assert_true( there == false || wisp_move_collider( h->world, ball, body.pose ) == WISP_OK );
+        run_for( h->world, DT, 1 );
+    }
+    else
+    {
+        add_collider( h->world, &body );
+    }
+    wisp_entity e = add_fringe( h->world );
+    wisp_strand_dynamics_def dynamics = damped_hair();
+    dynamics.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    assert_int_equal( wisp_set_strand_dynamics( h->world, e, &dynamics ), WISP_OK );
+    double most = 0.0;
+    for ( int n = 0; n < 240 && there; ++n )
+    {
+        run_for( h->world, DT, 1 );
+        most = fmax( most, fastest( h->world, e ) );
+    }
+    const float left = there ? collision_of( h->world, e ).penetration : 0.0f;
+    print_message( "kind %d: at most %.2f m/s, %.3f of a segment left\n", (int)kind, most,
+                   (double)( left / SEGMENT ) );
+    // ten segments a second are 0.1 m/s, and strands that have to go round the body pull their tips along faster; pushed
+    // out at once they would do 0.1 m in a substep, 24 m/s
+    assert_true( most < 2.0 );
+    assert_true( left < 0.2f * SEGMENT );
+    free_colliding( h );
+    return there;
+}
+
+static void what_starts_inside_leaves_without_being_thrown( void** state )
+{
+    (void)state;
+    for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        leaves_calmly( (wisp_collider_kind)kind );
+    }
+}
+
+static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state )
+{
+    (void)state;
+    if ( leaves_calmly( WISP_COLLIDER_MESH ) == false )
+    {
+        skip();
+    }
+}
+
+// ---- the same bits ----
+
+static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_figures* figures )
+{
+    hosted* h = new_hair_world( w );
+    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_collider_def box = body_of( WISP_COLLIDER_BOX ), floor = body_of( WISP_COLLIDER_PLANE );
+    bool has_embree;
+    wisp_entity head = add_collider( h->world, &ball );
+    box.pose.translation = ( wisp_vec3 ){ 0.25f, -0.05f, 0.0f };
+    floor.pose.translation.y = -0.08f;
+    add_collider( h->world, &box );
+    add_collider( h->world, &floor );
+    wisp_entity mesh = add_mesh_ball( h->world, 0.08f, &has_embree );
+    wisp_entity e = add_head_of_hair( h->world, 150 );
+    for ( int n = 1; n <= 30; ++n )
+    {
+        wisp_rigid beside = shaken( 2 * n );
+        beside.translation.z += 0.2f;
+        assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
+        assert_true( has_embree == false || wisp_move_collider( h->world, mesh, beside ) == WISP_OK );
+        assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
+        run_for( h->world, DT, 1 );
+    }
+    *figures = collision_of( h->world, e );
+    assert_true( figures->contacts > 100 && figures->vertex >= 0 );
+    uint64_t hash = wisp_world_hash( h->world );
+    free_colliding( h );
+    return hash;
+}
+
+static void workers_and_instruction_sets_give_the_same_bits( void** state )
+{
+    (void)state;
+    const hair_world worlds[] = {
+        { 4, 2, 1, NULL }, { 4, 2, 2, NULL }, { 4, 2, 3, NULL }, { 4, 2, 5, NULL }, { 4, 2, 2, "baseline" }
+    };
+    wisp_collision_figures first, now;
+    const uint64_t expected = hash_of_a_busy_scene( worlds[0], &first );
+    for ( int k = 1; k < WISP_COUNT( worlds ); ++k )
+    {
+        assert_int_equal( hash_of_a_busy_scene( worlds[k], &now ), expected );
+        assert_memory_equal( &now, &first, sizeof( now ) );
+    }
+}
+
+static void a_warm_step_allocates_nothing( void** state )
+{
+    hosted* h = *state;
+    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_entity head = add_collider( h->world, &ball );
+    wisp_entity e = add_head_of_hair( h->world, 40 );
+    int64_t asked = 0;
+    for ( int n = 1; n <= 20; ++n )
+    {
+        asked = n == 5 ? atomic_load( &h->host.asked ) : asked;
+        assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
+        assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
+        run_for( h->world, DT, 1 );
+    }
+    assert_int_equal( atomic_load( &h->host.asked ), asked );
+}
+
+// ---- the plan, and refusals ----
+
+typedef struct plan_lines
+{
+    bool in_item_loop, before_stretch, seen_stretch;
+} plan_lines;
+
+static void read_plan_line( void* user, const char* line )
+{
+    plan_lines* found = user;
+    const bool mine = strstr( line, " collision.strands " ) != NULL;
+    found->in_item_loop = found->in_item_loop || ( mine && strstr( line, "item loop" ) != NULL );
+    found->before_stretch = found->before_stretch || ( mine && found->seen_stretch == false );
+    found->seen_stretch = found->seen_stretch || strstr( line, " strands.stretch " ) != NULL;
+}
+
+static void contact_comes_before_lengths_in_the_item_loop( void** state )
+{
+    hosted* h = *state;
+    wisp_entity e = add_fringe( h->world );
+    int bare = wisp_world_plan_passes( h->world );
+    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_entity body = add_collider( h->world, &ball );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
+    plan_lines found = { 0 };
+    assert_int_equal( wisp_world_plan( h->world, read_plan_line, &found ), WISP_OK );
+    assert_true( found.in_item_loop && found.before_stretch && found.seen_stretch );
+    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
+    assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare );
+}
+
+static void layers_and_pins_are_kept( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    ball.layers = 4;
+    ball.pose.translation = ( wisp_vec3 ){ -0.13f, 0.14f, 0.0f }; // over the roots
+    add_collider( h->world, &ball );
+    wisp_entity e = add_fringe( h->world );
+    run_for( h->world, DT, 10 );
+    int count;
+    const wisp_vec3 root = points_of( h->world, e, &count )[0];
+    assert_near( (double)root.x, -0.13, 1e-6 );
+    assert_near( (double)root.y, 0.14, 1e-6 );
+    assert_true( collision_of( h->world, e ).contacts > 0 );
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.mask = 3;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+    run_for( h->world, DT, 10 );
+    assert_int_equal( collision_of( h->world, e ).contacts, 0 );
+    assert_int_equal( collision_of( h->world, e ).vertex, -1 );
+}
+
+static void strands_that_cannot_collide_are_refused_with_a_sentence( void** state )
+{
+    hosted* h = *state;
+    wisp_entity still = test_add_strands( h->world, 3, 5 );
+    wisp_collision_def collision = wisp_default_collision_def();
+    assert_int_equal( wisp_set_collision( h->world, still, &collision ), WISP_CONFLICT );
+    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_non_null( strstr( wisp_world_message( h->world ), "dynamics" ) );
+    wisp_collision_figures figures;
+    assert_int_equal( wisp_read_collision_figures( h->world, still, &figures ), WISP_CONFLICT );
+    wisp_entity e = add_fringe( h->world );
+    uint64_t before = wisp_world_hash( h->world );
+    collision.thickness = -1.0f;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );
+    collision = wisp_default_collision_def();
+    collision.recovery_speed = NAN;
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_world_hash( h->world ), before );
+    assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+    assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_STALE_ID );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( strands_that_fall_on_a_body_rest_outside ),
+        cmocka_unit_test( strands_lie_on_a_mesh_as_on_the_closed_form ),
+        cmocka_unit_test( friction_holds_a_strand_below_its_angle_alone ),
+        cmocka_unit_test( hair_on_a_head_that_shakes_stays_out_of_it ),
+        HAIR_TEST( a_body_that_strikes_hair_in_one_step_carries_it_along ),
+        cmocka_unit_test( what_starts_inside_leaves_without_being_thrown ),
+        cmocka_unit_test( what_starts_inside_a_mesh_leaves_without_being_thrown ),
+        cmocka_unit_test( workers_and_instruction_sets_give_the_same_bits ),
+        HAIR_TEST( a_warm_step_allocates_nothing ),
+        HAIR_TEST( contact_comes_before_lengths_in_the_item_loop ),
+        HAIR_TEST( layers_and_pins_are_kept ),
+        HAIR_TEST( strands_that_cannot_collide_are_refused_with_a_sentence ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,518 @@
+// The engine's ghosts: against the oracle for every switch, and what the method promises. GUI-nn names the row of the
+// method's contract, X1..X5 its extras. The scene is a metre wide, so a millionth of a metre is a relative 1e-6; a float
+// there is within 6e-8 of a number.
+#include "guide_hair_fixture.h"
+
+static const double tolerance = 1e-6; // m
+
+// ---- against the oracle ----
+
+typedef struct variant
+{
+    const char* name;
+    wisp_ghost_elastic elastic;
+    wisp_ghost_frame frame;
+    float tip, centre, time, spread;
+    bool capped, keep_offset, repair, turning;
+    int ghosts_a_target, links, ghost_nodes;
+    double allowed; // times the tolerance; 0 is once
+} variant;
+
+#define USUAL                                                                                                        \
+    .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true, .ghosts_a_target = 6,          \
+    .links = 1, .ghost_nodes = NODES
+
+static const variant variants[] = {
+    { "default", USUAL, .frame = WISP_GHOST_FRAME_PARALLEL },
+    { "off", USUAL },
+    { "printed cos", USUAL, .elastic = WISP_GHOST_ELASTIC_PRINTED_COS },
+    { "printed raw", USUAL, .elastic = WISP_GHOST_ELASTIC_PRINTED_RAW },
+    { "no elastic", USUAL, .elastic = WISP_GHOST_ELASTIC_OFF },
+    { "root frame, turning", USUAL, .frame = WISP_GHOST_FRAME_ROOT, .turning = true },
+    { "parallel frame, turning", USUAL, .frame = WISP_GHOST_FRAME_PARALLEL, .turning = true },
+    { "one ghost a target", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true,
+      .ghosts_a_target = 1, .links = 1, .ghost_nodes = NODES },
+    { "one ghost without its offset", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true,
+      .ghosts_a_target = 1, .links = 1, .ghost_nodes = NODES },
+    { "printed time", USUAL, .time = 1.0f, .elastic = WISP_GHOST_ELASTIC_PRINTED_COS },
+    { "printed time, not capped", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .keep_offset = true, .time = 1.0f,
+      .ghosts_a_target = 4, .links = 1, .ghost_nodes = NODES },
+    { "large gains", .tip = 8.0f, .centre = 5.0f, .spread = 1.0f, .capped = true, .keep_offset = true,
+      .ghosts_a_target = 5, .links = 1, .ghost_nodes = NODES },
+    { "spread 2.5", .tip = 0.5f, .spread = 2.5f, .capped = true, .keep_offset = true, .ghosts_a_target = 4,
+      .links = 1, .ghost_nodes = NODES },
+    { "spread 0.25 with frames", .tip = 0.5f, .spread = 0.25f, .capped = true, .keep_offset = true,
+      .frame = WISP_GHOST_FRAME_PARALLEL, .ghosts_a_target = 4, .links = 1, .ghost_nodes = NODES },
+    // the direction of a segment that is shortened to a few mm carries the rounding of its ends on, nine times
+    { "lengths repaired", USUAL, .time = 0.3f, .repair = true, .allowed = 3.0 },
+    { "two targets a ghost", .tip = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true, .ghosts_a_target = 6,
+      .links = 2, .ghost_nodes = NODES },
+    { "four targets a ghost, turning", .tip = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true,
+      .frame = WISP_GHOST_FRAME_PARALLEL, .turning = true, .ghosts_a_target = 6, .links = 4, .ghost_nodes = NODES },
+    { "twice the nodes", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true,
+      .ghosts_a_target = 6, .links = 1, .ghost_nodes = 2 * NODES },
+    { "fewer nodes, frames, turning", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true,
+      .keep_offset = true, .frame = WISP_GHOST_FRAME_PARALLEL, .turning = true, .ghosts_a_target = 6, .links = 1,
+      .ghost_nodes = 7 },
+    { "fewer nodes of three targets", .tip = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true,
+      .frame = WISP_GHOST_FRAME_PARALLEL, .ghosts_a_target = 5, .links = 3, .ghost_nodes = 7 },
+};
+
+static wisp_ghosts_def def_of_variant( const variant* c )
+{
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.target_count = c->links;
+    def.resample = c->ghost_nodes != NODES;
+    def.elastic = c->elastic;
+    def.frame = c->frame;
+    def.tip_gain = c->tip;
+    def.centre_gain = c->centre;
+    def.time = c->time;
+    def.capped = c->capped;
+    def.keep_offset = c->keep_offset;
+    def.spread = c->spread;
+    def.repair_length = c->repair;
+    return def;
+}
+
+static guide_oracle oracle_of( const flock* f, const variant* c )
+{
+    static const guide_oracle_elastic elastic[] = { GUIDE_ORACLE_ELASTIC_CHANGE, GUIDE_ORACLE_ELASTIC_PRINTED_COS,
+                                                    GUIDE_ORACLE_ELASTIC_PRINTED_RAW, GUIDE_ORACLE_ELASTIC_CHANGE };
+    static const guide_oracle_frame frame[] = { GUIDE_ORACLE_FRAME_OFF, GUIDE_ORACLE_FRAME_GIVEN,
+                                                GUIDE_ORACLE_FRAME_PARALLEL };
+    guide_oracle_options o = guide_oracle_default_options();
+    o.pairing = c->ghost_nodes == NODES ? GUIDE_ORACLE_PAIRING_NODE : GUIDE_ORACLE_PAIRING_SPLINE;
+    o.link_count = c->links;
+    o.keep_offset = c->keep_offset;
+    o.tau = c->time > 0.0f ? (double)c->time : (double)FRAME;
+    o.elastic_gain = c->elastic == WISP_GHOST_ELASTIC_OFF ? 0.0 : 1.0;
+    o.elastic = elastic[c->elastic];
+    o.frame = frame[c->frame];
+    o.tip_gain = (double)c->tip;
+    o.centre_gain = (double)c->centre;
+    o.use_spread = c->spread != 1.0f;
+    o.spread = (double)c->spread;
+    o.cap_offset = c->capped;
+    o.repair_lengths = c->repair;
+    const guide_oracle_def def = { f->s.target_count, NODES, f->s.ghost_count, c->ghost_nodes, f->s.target,
+                                   f->ghost,          NULL };
+    guide_oracle hair;
+    wisp_error error = { 0 };
+    if ( guide_oracle_create( &def, &o, &hair, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return hair;
+}
+
+// Roots turned by the same angles on both sides: one rotation a target, or a node with the root's frame everywhere.
+static void turn( flock* f, const variant* c, int frame, guide_oracle_rotation* rotations )
+{
+    const double3 axis = double3_make( 0.6, 0.0, 0.8 );
+    const double angle = 0.02 * frame;
+    const int each = c->frame == WISP_GHOST_FRAME_ROOT ? c->ghost_nodes : 1;
+    for ( int n = 0; n < f->s.target_count * each; ++n )
+    {
+        rotations[n] = guide_oracle_turn_about( axis, angle + 0.1 * ( n / each ) );
+    }
+    guide_turn_roots( f->world, f->targets, axis, angle, 0.1 );
+}
+
+static double run_variant( const variant* c )
+{
+    flock f = guide_flock( NULL, 6, c->ghosts_a_target, c->ghost_nodes );
+    guide_follow( &f, def_of_variant( c ) );
+    guide_oracle hair = oracle_of( &f, c );
+    guide_oracle_rotation rotations[MOST_TARGETS * 2 * NODES];
+    double largest = 0.0;
+    for ( int frame = 0; frame < 45; ++frame )
+    {
+        if ( c->turning )
+        {
+            turn( &f, c, frame, rotations );
+        }
+        guide_swing( &f );
+        const guide_oracle_motion motion = { f.x, f.v, c->turning ? rotations : NULL };
+        assert_int_equal( guide_oracle_step( &hair, &motion, NULL ), WISP_OK );
+        for ( int n = 0; n < f.s.ghost_count * c->ghost_nodes; ++n )
+        {
+            const double3 y = guide_ghost( &f, n / c->ghost_nodes, n % c->ghost_nodes );
+            largest = fmax( largest, double3_distance( y, hair.y[n] ) );
+        }
+    }
+    guide_oracle_destroy( &hair );
+    wisp_world_destroy( f.world );
+    return largest;
+}
+
+// GUI-02, GUI-07..11, X1, X3, X5
+static void every_switch_follows_the_oracle( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < WISP_COUNT( variants ); ++n )
+    {
+        const double error = run_variant( variants + n );
+        const double allowed = tolerance * ( variants[n].allowed > 0.0 ? variants[n].allowed : 1.0 );
+        if ( !( error <= allowed ) )
+        {
+            fail_msg( "%s: %.3g m from the oracle, allowed %.3g", variants[n].name, error, allowed );
+        }
+    }
+}
+
+// ---- GUI-03: correspondence ----
+
+static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( void** state )
+{
+    (void)state;
+    double3 targets[24 * 3], ghosts[60 * 5];
+    int32_t found[60];
+    for ( int n = 0; n < WISP_COUNT( targets ); ++n )
+    {
+        targets[n] = guide_round( random_vector( 1000 + n, 0 ) );
+    }
+    for ( int n = 0; n < 3; ++n )
+    {
+        targets[20 * 3 + n] = targets[7 * 3 + n]; // 20 is 7 once more: 7 wins
+    }
+    for ( int n = 0; n < WISP_COUNT( ghosts ); ++n )
+    {
+        const double3 near = targets[n / 5 % 24 * 3 + n % 3];
+        ghosts[n] = guide_round( double3_add( near, double3_scale( 0.5, random_vector( 5000 + n, 0 ) ) ) );
+    }
+    wisp_world* world = guide_world( NULL );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.resample = true;
+    def.targets = guide_add( world, targets, 24, 3 );
+    const wisp_entity entity = guide_add( world, ghosts, 60, 5 );
+    guide_ok( world, wisp_set_ghosts( world, entity, &def ) );
+    guide_ok( world, wisp_read_ghost_targets( world, entity, found ) );
+    int ties = 0;
+    for ( int g = 0; g < 60; ++g )
+    {
+        int best = 0;
+        for ( int a = 1; a < 24; ++a )
+        {
+            best = brute_distance( ghosts + g * 5, 5, targets + a * 3, 3 ) <
+                           brute_distance( ghosts + g * 5, 5, targets + best * 3, 3 )
+                       ? a
+                       : best;
+        }
+        assert_int_equal( found[g], best );
+        ties += best == 7 ? 1 : 0;
+    }
+    assert_true( ties > 0 );
+    wisp_world_destroy( world );
+}
+
+static void permuting_the_ghosts_permutes_the_result( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 4, 5, NODES );
+    double3 turned[MOST_GHOSTS * NODES];
+    for ( int n = 0; n < 20 * NODES; ++n )
+    {
+        turned[n] = f.ghost[( 19 - n / NODES ) * NODES + n % NODES];
+    }
+    const wisp_entity other = guide_add( f.world, turned, 20, NODES );
+    guide_ok( f.world, wisp_want( f.world, other, WISP_STRAND_POINTS ) );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    guide_follow( &f, def );
+    def.targets = f.targets;
+    guide_ok( f.world, wisp_set_ghosts( f.world, other, &def ) );
+    for ( int frame = 0; frame < 5; ++frame )
+    {
+        guide_swing( &f );
+        const wisp_vec3 *a = guide_points( f.world, f.ghosts ), *b = guide_points( f.world, other );
+        for ( int n = 0; n < 20 * NODES; ++n )
+        {
+            // means are summed from another ghost on: in double, so a float differs by its rounding at most
+            const wisp_vec3 p = a[n], q = b[( 19 - n / NODES ) * NODES + n % NODES];
+            assert_float_equal( p.x, q.x, 2e-7f );
+            assert_float_equal( p.y, q.y, 2e-7f );
+            assert_float_equal( p.z, q.z, 2e-7f );
+        }
+    }
+    wisp_world_destroy( f.world );
+}
+
+// ---- GUI-04, 05: the centre follows, the block keeps its shape ----
+
+static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 5, NODES );
+    wisp_ghosts_def def = guide_without_weights();
+    def.frame = WISP_GHOST_FRAME_OFF;
+    guide_follow( &f, def );
+    double3 offset[15 * NODES];
+    for ( int frame = 0; frame < 60; ++frame )
+    {
+        guide_swing( &f );
+        for ( int n = 0; n < 3 * NODES; ++n )
+        {
+            double3 mean = zero;
+            for ( int l = 0; l < 5; ++l )
+            {
+                const int g = n / NODES * 5 + l, at = g * NODES + n % NODES;
+                const double3 y = guide_ghost( &f, g, n % NODES ), o = double3_sub( y, f.x[n] );
+                mean = double3_add( mean, double3_scale( 0.2, y ) );
+                offset[at] = frame == 0 ? o : offset[at];
+                assert_at( o, offset[at], 3e-7 ); // two roundings at a metre
+            }
+            assert_at( mean, f.x[n], 2e-7 );
+        }
+    }
+    wisp_world_destroy( f.world );
+}
+
+// ---- GUI-09, 13: at rest ----
+
+static void at_rest_the_weights_change_no_bit( void** state )
+{
+    (void)state;
+    flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
+    guide_follow( &with, wisp_default_ghosts_def() );
+    guide_follow( &without, guide_without_weights() );
+    double3 still[MOST_TARGETS * NODES];
+    for ( int n = 0; n < 3 * NODES; ++n )
+    {
+        still[n] = zero;
+    }
+    for ( int frame = 0; frame < 10; ++frame )
+    {
+        swing( &with.s, 8 );
+        guide_place( &with, with.s.x, still );
+        guide_place( &without, with.s.x, still );
+        guide_step( with.world );
+        guide_step( without.world );
+        assert_memory_equal( guide_points( with.world, with.ghosts ), guide_points( without.world, without.ghosts ),
+                             12 * NODES * sizeof( wisp_vec3 ) );
+    }
+    wisp_world_destroy( with.world );
+    wisp_world_destroy( without.world );
+}
+
+// ---- GUI-08, 10, 11, 14, 15: the weights ----
+
+// Sway of a ghost's node over tau |v|, of a target that moves with v and moved with v0.
+static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, int ghost, int node )
+{
+    double3 speed[MOST_TARGETS * NODES];
+    double3 place[2];
+    for ( int weighted = 0; weighted < 2; ++weighted )
+    {
+        wisp_ghosts_def plain = guide_without_weights();
+        plain.frame = def.frame;
+        guide_follow( f, weighted == 1 ? def : plain );
+        for ( int n = 0; n < f->s.target_count * NODES; ++n )
+        {
+            speed[n] = v0;
+        }
+        guide_place( f, f->s.target, speed );
+        guide_step( f->world );
+        for ( int n = 0; n < f->s.target_count * NODES; ++n )
+        {
+            speed[n] = v;
+        }
+        guide_place( f, f->s.target, speed );
+        guide_step( f->world );
+        place[weighted] = guide_ghost( f, ghost, node );
+    }
+    return double3_dot( double3_sub( place[1], place[0] ), v ) / ( double3_dot( v, v ) * (double)FRAME );
+}
+
+// the sway is 1e-2 m there, of which a float at a metre keeps 1e-7: a weight is within 2e-5
+static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 1, 4, NODES );
+    const double3 right = double3_make( 0.6, 0.0, 0.0 ), left = double3_make( -0.6, 0.0, 0.0 );
+    wisp_ghosts_def def = guide_without_weights();
+    def.elastic = WISP_GHOST_ELASTIC_CHANGE;
+    assert_close( weight_of( &f, def, right, right, 1, 4 ), 0.0, 2e-5 );
+    assert_close( weight_of( &f, def, left, right, 1, 4 ), 1.0, 2e-5 );
+    def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+    assert_close( weight_of( &f, def, right, right, 1, 4 ), 1.0, 2e-5 );
+    assert_close( weight_of( &f, def, left, right, 1, 4 ), 0.0, 2e-5 );
+    for ( int n = 0; n < 20; ++n )
+    {
+        const double3 v0 = double3_scale( 0.5, random_vector( n, 1 ) );
+        const double3 v = double3_make( 0.5, 0.3 * n / 20.0, -0.2 );
+        def.elastic = WISP_GHOST_ELASTIC_CHANGE;
+        const double change = weight_of( &f, def, v0, v, 2, 5 );
+        def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+        const double cosine = weight_of( &f, def, v0, v, 2, 5 );
+        assert_true( change >= -2e-5 && change <= 1.0 + 2e-5 );
+        assert_close( change + cosine, 1.0, 6e-5 );
+    }
+    wisp_world_destroy( f.world );
+}
+
+static void the_tip_weight_is_linear_and_the_root_stays( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 1, 4, NODES );
+    const double3 v = double3_make( 0.6, 0.0, 0.0 );
+    wisp_ghosts_def def = guide_without_weights();
+    def.tip_gain = 0.8f;
+    for ( int i = 0; i < NODES; ++i )
+    {
+        assert_close( weight_of( &f, def, v, v, 1, i ), 0.8 * i / ( NODES - 1 ), 2e-5 );
+    }
+    def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+    def.centre_gain = 0.9f;
+    assert_true( weight_of( &f, def, v, v, 1, 0 ) == 0.0 );
+    wisp_world_destroy( f.world );
+}
+
+static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more(
+    void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 1, 5, NODES );
+    const double3 left = double3_make( -0.6, 0.0, 0.0 ), v = double3_make( 0.6, 0.0, 0.0 );
+    wisp_ghosts_def elastic = guide_without_weights(), centre = guide_without_weights();
+    elastic.elastic = WISP_GHOST_ELASTIC_CHANGE;
+    centre.centre_gain = 0.7f;
+    double most = 0.0;
+    for ( int i = 1; i < NODES; ++i )
+    {
+        double weight[5], distance[5];
+        double3 nodes[5];
+        for ( int g = 0; g < 5; ++g )
+        {
+            nodes[g] = f.ghost[g * NODES + i];
+        }
+        const double3 c = guide_oracle_mean( nodes, 5 );
+        for ( int g = 0; g < 5; ++g )
+        {
+            assert_close( weight_of( &f, elastic, left, v, g, i ), 1.0, 2e-5 );
+            weight[g] = weight_of( &f, centre, v, v, g, i );
+            distance[g] = double3_distance( nodes[g], c );
+            most = fmax( most, weight[g] );
+        }
+        for ( int g = 1; g < 5; ++g )
+        {
+            // proportional to the distance
+            assert_close( weight[g] * distance[0], weight[0] * distance[g], 1e-6 );
+        }
+    }
+    assert_true( most <= 0.7 + 2e-5 );
+    assert_true( most >= 0.65 ); // the farthest node of all may be a root
+    wisp_world_destroy( f.world );
+}
+
+// ---- GUI-07: spread ----
+
+static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void** state )
+{
+    (void)state;
+    const float ratios[] = { 0.25f, 1.0f, 2.5f };
+    for ( int r = 0; r < 3; ++r )
+    {
+        flock f = guide_flock( NULL, 2, 4, NODES );
+        wisp_ghosts_def def = guide_without_weights();
+        def.spread = ratios[r];
+        def.frame = WISP_GHOST_FRAME_OFF;
+        guide_follow( &f, def );
+        guide_swing( &f );
+        for ( int n = 0; n < 2 * NODES; ++n )
+        {
+            double3 rest[4], now[4];
+            for ( int l = 0; l < 4; ++l )
+            {
+                rest[l] = f.ghost[( n / NODES * 4 + l ) * NODES + n % NODES];
+                now[l] = guide_ghost( &f, n / NODES * 4 + l, n % NODES );
+            }
+            const double wanted = ( n % NODES == 0 ? 1.0 : (double)ratios[r] ) * guide_oracle_spread( rest, 4 );
+            // V is twice as wrong as the offsets, which are 1e-2 m long and 1e-7 m exact
+            assert_close( guide_oracle_spread( now, 4 ) / wanted, 1.0, 1e-4 );
+            assert_at( guide_oracle_mean( now, 4 ), f.x[n], 2e-7 );
+        }
+        wisp_world_destroy( f.world );
+    }
+}
+
+// ---- strands of several lengths ----
+
+// One world with strands of three lengths against three worlds of one length each: the same bits.
+static void strands_of_several_lengths_do_not_meet( void** state )
+{
+    (void)state;
+    enum
+    {
+        KINDS = 3,
+        EACH = 11
+    };
+    const int lengths[KINDS] = { 4, 10, 7 };
+    double3 targets[KINDS * 3 * NODES], ghosts[KINDS * EACH * NODES], all_targets[KINDS * 3 * NODES];
+    double3 all_ghosts[KINDS * EACH * NODES];
+    int target_counts[KINDS * 3], ghost_counts[KINDS * EACH], target_total = 0, ghost_total = 0;
+    wisp_vec3 alone[KINDS * EACH * NODES];
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    for ( int k = 0; k < KINDS; ++k )
+    {
+        const int first_ghost = ghost_total;
+        for ( int s = 0; s < 3; ++s )
+        {
+            target_counts[k * 3 + s] = lengths[k];
+            for ( int i = 0; i < lengths[k]; ++i )
+            {
+                targets[s * lengths[k] + i] =
+                    guide_round( double3_make( 2.0 * k + 0.2 * s, -0.02 * i, 0.01 * i * s ) );
+                all_targets[target_total++] = targets[s * lengths[k] + i];
+            }
+        }
+        for ( int s = 0; s < EACH; ++s )
+        {
+            ghost_counts[k * EACH + s] = lengths[k];
+            for ( int i = 0; i < lengths[k]; ++i )
+            {
+                const double3 at = targets[s % 3 * lengths[k] + i];
+                ghosts[s * lengths[k] + i] =
+                    guide_round( double3_add( at, double3_scale( 0.01, random_vector( s + 20 * k, i ) ) ) );
+                all_ghosts[ghost_total++] = ghosts[s * lengths[k] + i];
+            }
+        }
+        wisp_world* world = guide_world( NULL );
+        def.targets = guide_add( world, targets, 3, lengths[k] );
+        const wisp_entity e = guide_add( world, ghosts, EACH, lengths[k] );
+        guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
+        guide_write( world, def.targets, WISP_STRAND_VELOCITY, targets ); // any velocity
+        guide_ok( world, wisp_want( world, e, WISP_STRAND_POINTS ) );
+        guide_ok( world, wisp_set_ghosts( world, e, &def ) );
+        guide_step( world );
+        memcpy( alone + first_ghost, guide_points( world, e ), (size_t)( EACH * lengths[k] ) * sizeof( wisp_vec3 ) );
+        wisp_world_destroy( world );
+    }
+    wisp_world* world = guide_world( NULL );
+    def.targets = guide_add_mixed( world, all_targets, KINDS * 3, target_counts );
+    const wisp_entity e = guide_add_mixed( world, all_ghosts, KINDS * EACH, ghost_counts );
+    guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
+    guide_write( world, def.targets, WISP_STRAND_VELOCITY, all_targets );
+    guide_ok( world, wisp_want( world, e, WISP_STRAND_POINTS ) );
+    guide_ok( world, wisp_set_ghosts( world, e, &def ) );
+    guide_step( world );
+    assert_memory_equal( guide_points( world, e ), alone, (size_t)ghost_total * sizeof( wisp_vec3 ) );
+    wisp_world_destroy( world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_switch_follows_the_oracle ),
+        cmocka_unit_test( ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest ),
+        cmocka_unit_test( permuting_the_ghosts_permutes_the_result ),
+        cmocka_unit_test( the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset ),
+        cmocka_unit_test( at_rest_the_weights_change_no_bit ),
+        cmocka_unit_test( the_elastic_weight_is_none_when_steady_and_one_when_reversed ),
+        cmocka_unit_test( the_tip_weight_is_linear_and_the_root_stays ),
+        cmocka_unit_test(
+            with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more ),
+        cmocka_unit_test( spread_scales_the_offsets_of_a_group_about_a_centre_that_stays ),
+        cmocka_unit_test( strands_of_several_lengths_do_not_meet ),
+    };
+    return cmocka_run_group_tests_name( "guide hair", tests, NULL, NULL );
+}

@@ -1,0 +1,323 @@
+// The engine's curves: against the oracle, and what eq. 6 promises (GUI-12, GUI-16, X2). The strands are a metre from the
+// origin, so a float is within 6e-8 m of a number, and the four weights of a sample sum to 1 within as much.
+#include "guide_hair_fixture.h"
+
+static const double tolerance = 5e-7; // m
+
+enum
+{
+    STRANDS = 37,
+    LONGEST = 13,
+    MOST_POINTS = 16 * LONGEST + 1,
+};
+
+typedef struct tuft
+{
+    int counts[STRANDS], first[STRANDS + 1];
+    double3 nodes[STRANDS * LONGEST];
+} tuft;
+
+static tuft make_tuft( int least, int most )
+{
+    tuft t = { .first = { 0 } };
+    for ( int s = 0; s < STRANDS; ++s )
+    {
+        t.counts[s] = least + ( 5 * s ) % ( most - least + 1 );
+        t.first[s + 1] = t.first[s] + t.counts[s];
+        double3 p = random_vector( s, 0 );
+        for ( int i = 0; i < t.counts[s]; ++i )
+        {
+            p = double3_add( p, double3_scale( 0.03, random_vector( 100 + s, i ) ) );
+            t.nodes[t.first[s] + i] = guide_round( p );
+        }
+    }
+    return t;
+}
+
+typedef struct drawn
+{
+    wisp_world* world;
+    wisp_entity source, curves;
+    wisp_curves_def def;
+} drawn;
+
+static drawn draw( const tuft* t, wisp_curve_kind kind, int samples, const guide_host* host )
+{
+    drawn d = { .world = guide_world( host ), .def = wisp_default_curves_def() };
+    d.source = guide_add_mixed( d.world, t->nodes, STRANDS, t->counts );
+    d.def.source = d.source;
+    d.def.kind = kind;
+    d.def.samples = samples;
+    guide_ok( d.world, wisp_add_curves( d.world, &d.def, &d.curves ) );
+    guide_ok( d.world, wisp_want( d.world, d.curves, WISP_STRAND_POINTS ) );
+    return d;
+}
+
+static int expected( const double3* nodes, int count, wisp_curve_kind kind, int samples, double3* points )
+{
+    const guide_oracle_curve curve =
+        kind == WISP_CURVE_BEZIER ? GUIDE_ORACLE_CURVE_GROUPS : GUIDE_ORACLE_CURVE_SMOOTH;
+    double3 controls[4 * LONGEST];
+    guide_oracle_curve_controls( nodes, count, curve, controls );
+    return guide_oracle_draw( controls, guide_oracle_curve_count( count, curve ), samples, false, points );
+}
+
+static double3 widen( wisp_vec3 p )
+{
+    return double3_make( (double)p.x, (double)p.y, (double)p.z );
+}
+
+// Every sample of every strand against the oracle.
+static void check( const drawn* d, const tuft* t, const double3* nodes )
+{
+    const wisp_vec3* points = guide_points( d->world, d->curves );
+    int at = 0;
+    for ( int s = 0; s < STRANDS; ++s )
+    {
+        double3 truth[MOST_POINTS];
+        const int count = expected( nodes + t->first[s], t->counts[s], d->def.kind, d->def.samples, truth );
+        for ( int k = 0; k < count; ++k, ++at )
+        {
+            assert_at( widen( points[at] ), truth[k], tolerance );
+        }
+    }
+    wisp_view view;
+    guide_ok( d->world, wisp_world_view( d->world, d->curves, WISP_STRAND_POINTS, &view ) );
+    assert_int_equal( view.count, at );
+}
+
+// Lengths from no vertex at all to thirteen; with Bezier groups lanes do not keep the order of their strands.
+static void curves_of_all_lengths_are_the_oracles( void** state )
+{
+    (void)state;
+    const int samples[] = { 1, 2, 8, 16 };
+    const tuft t = make_tuft( 0, LONGEST ), even = make_tuft( 10, 10 );
+    for ( int kind = 0; kind < WISP_CURVE_KIND_COUNT; ++kind )
+    {
+        for ( int n = 0; n < WISP_COUNT( samples ); ++n )
+        {
+            drawn d = draw( &t, (wisp_curve_kind)kind, samples[n], NULL );
+            guide_step( d.world );
+            check( &d, &t, t.nodes );
+            wisp_world_destroy( d.world );
+            d = draw( &even, (wisp_curve_kind)kind, samples[n], NULL );
+            guide_step( d.world );
+            check( &d, &even, even.nodes );
+            wisp_world_destroy( d.world );
+        }
+    }
+}
+
+static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again( void** state )
+{
+    (void)state;
+    const tuft t = make_tuft( 2, LONGEST );
+    drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
+    double3 moved[STRANDS * LONGEST];
+    for ( int step = 0; step < 5; ++step )
+    {
+        for ( int n = 0; n < t.first[STRANDS]; ++n )
+        {
+            // a translation commutes with the curve, another shape is drawn anew
+            moved[n] =
+                guide_round( double3_add( t.nodes[n], step < 3 ? double3_make( 0.25 * step, -0.5, 0.125 )
+                                                               : double3_scale( 0.1, random_vector( n, step ) ) ) );
+        }
+        guide_write( d.world, d.source, WISP_STRAND_POSITION, moved );
+        guide_step( d.world );
+        check( &d, &t, moved );
+        guide_step( d.world );
+        const wisp_profile profile = wisp_world_profile( d.world );
+        for ( int i = 0; i < profile.count; ++i )
+        {
+            const bool draws = strcmp( profile.lines[i].pass, "guide_hair.curves" ) == 0;
+            assert_true( draws == false || profile.lines[i].items == 0 );
+        }
+        check( &d, &t, moved );
+    }
+    wisp_world_destroy( d.world );
+}
+
+static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull( void** state )
+{
+    (void)state;
+    const tuft t = make_tuft( 10, 10 );
+    drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
+    guide_step( d.world );
+    const wisp_vec3* points = guide_points( d.world, d.curves );
+    for ( int s = 0; s < STRANDS; ++s )
+    {
+        for ( int joint = 0; joint < 4; ++joint )
+        {
+            const wisp_vec3 p = points[s * 25 + 8 * joint], q = guide_narrow( t.nodes[s * 10 + 3 * joint] );
+            assert_memory_equal( &p, &q, sizeof( p ) );
+        }
+        for ( int k = 0; k < 25; ++k )
+        {
+            // the box of a group of four, a face of its hull at a time
+            const int group = k < 24 ? k / 8 : 2;
+            double low = HUGE_VAL, high = -HUGE_VAL;
+            for ( int n = 0; n < 4; ++n )
+            {
+                low = fmin( low, t.nodes[s * 10 + 3 * group + n].y );
+                high = fmax( high, t.nodes[s * 10 + 3 * group + n].y );
+            }
+            const double y = (double)points[s * 25 + k].y;
+            assert_true( y >= low - tolerance && y <= high + tolerance );
+        }
+    }
+    wisp_world_destroy( d.world );
+}
+
+static void straight_strands_stay_straight( void** state )
+{
+    (void)state;
+    tuft t = make_tuft( 2, LONGEST );
+    for ( int s = 0; s < STRANDS; ++s )
+    {
+        for ( int i = 0; i < t.counts[s]; ++i )
+        {
+            t.nodes[t.first[s] + i] = double3_make( 0.25, 0.5 - 0.03125 * i, 0.015625 * i );
+        }
+    }
+    for ( int kind = 0; kind < WISP_CURVE_KIND_COUNT; ++kind )
+    {
+        drawn d = draw( &t, (wisp_curve_kind)kind, 8, NULL );
+        guide_step( d.world );
+        wisp_view view;
+        guide_ok( d.world, wisp_world_view( d.world, d.curves, WISP_STRAND_POINTS, &view ) );
+        const wisp_vec3* points = view.data;
+        for ( int n = 0; n < view.count; ++n )
+        {
+            assert_close( (double)points[n].x, 0.25, 6e-8 );
+            assert_close( ( 0.5 - (double)points[n].y ) / 2.0, (double)points[n].z, 1.2e-7 );
+        }
+        wisp_world_destroy( d.world );
+    }
+}
+
+// GUI-16, Fig. 3
+static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** state )
+{
+    (void)state;
+    const int lengths[] = { 4, 7, 10 };
+    for ( int n = 0; n < WISP_COUNT( lengths ); ++n )
+    {
+        tuft t = make_tuft( lengths[n], lengths[n] );
+        for ( int k = 0; k < STRANDS * lengths[n]; ++k )
+        {
+            const int i = k % lengths[n];
+            t.nodes[k] = guide_round( double3_make( 0.01 * cos( 0.7 * i ), -0.02 * i, 0.01 * sin( 0.7 * i ) ) );
+        }
+        drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 8, NULL );
+        guide_step( d.world );
+        const int count = 8 * ( lengths[n] - 1 ) + 1;
+        const wisp_vec3* points = guide_points( d.world, d.curves );
+        double3 curve[MOST_POINTS];
+        for ( int k = 0; k < count; ++k )
+        {
+            curve[k] = widen( points[k] );
+        }
+        const double before = guide_oracle_largest_turn( t.nodes, lengths[n] );
+        assert_true( guide_oracle_largest_turn( curve, count ) < 0.5 * before );
+        assert_at( curve[count - 1], t.nodes[lengths[n] - 1], 0.0 );
+        wisp_world_destroy( d.world );
+    }
+}
+
+// X6: what is drawn is what appearance has made of the source, in the same step.
+static void curves_are_drawn_behind_the_appearance_of_their_source( void** state )
+{
+    (void)state;
+    for ( int workers = 1; workers <= 2; ++workers )
+    {
+        const guide_host host = { .workers = workers };
+        const tuft t = make_tuft( 3, LONGEST );
+        drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 4, &host );
+        wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
+        look.event = WISP_EVENT_FRAME;
+        guide_ok( d.world, wisp_set_frozen_hair( d.world, d.source, &look ) );
+        guide_ok( d.world, wisp_want( d.world, d.source, WISP_STRAND_POINTS ) );
+        for ( int step = 0; step < 5; ++step )
+        {
+            guide_step( d.world );
+            double3 frozen[STRANDS * LONGEST];
+            const wisp_vec3* points = guide_points( d.world, d.source );
+            for ( int n = 0; n < t.first[STRANDS]; ++n )
+            {
+                frozen[n] = widen( points[n] );
+            }
+            check( &d, &t, frozen );
+        }
+        wisp_world_destroy( d.world );
+    }
+}
+
+static void when_the_source_goes_its_curves_stay( void** state )
+{
+    (void)state;
+    const tuft t = make_tuft( 2, LONGEST );
+    drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 8, NULL );
+    guide_step( d.world );
+    guide_ok( d.world, wisp_remove( d.world, d.source ) );
+    guide_step( d.world );
+    check( &d, &t, t.nodes );
+
+    // and a source whose curves go is let go: nothing runs for it
+    drawn other = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
+    guide_step( other.world );
+    guide_ok( other.world, wisp_remove( other.world, other.curves ) );
+    assert_int_equal( wisp_world_plan_passes( other.world ), 0 );
+    guide_step( other.world );
+    wisp_world_destroy( other.world );
+    wisp_world_destroy( d.world );
+}
+
+static void refuse( wisp_world* world, wisp_curves_def def, wisp_status status, const char* word )
+{
+    wisp_entity out = { 7, 7 };
+    assert_int_equal( wisp_add_curves( world, &def, &out ), status );
+    assert_int_equal( out.index, 0 );
+    if ( strstr( wisp_world_message( world ), word ) == NULL )
+    {
+        fail_msg( "'%s' does not say '%s'", wisp_world_message( world ), word );
+    }
+}
+
+static void curves_that_cannot_be_are_refused_by_name( void** state )
+{
+    (void)state;
+    const tuft t = make_tuft( 2, LONGEST );
+    drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
+    wisp_curves_def def = d.def;
+    def.samples = 0;
+    refuse( d.world, def, WISP_BAD_INPUT, "samples" );
+    def.samples = 65;
+    refuse( d.world, def, WISP_BAD_INPUT, "samples" );
+    def = d.def;
+    def.kind = WISP_CURVE_KIND_COUNT;
+    refuse( d.world, def, WISP_BAD_INPUT, "kind" );
+    def = d.def;
+    def.source = d.curves;
+    refuse( d.world, def, WISP_CONFLICT, "curves itself" );
+    def.source = ( wisp_entity ){ 0, 0 };
+    refuse( d.world, def, WISP_CONFLICT, "does not exist" );
+    guide_ok( d.world, wisp_world_add_plain( d.world, &def.source ) );
+    refuse( d.world, def, WISP_CONFLICT, "no strands" );
+    wisp_world_destroy( d.world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( curves_of_all_lengths_are_the_oracles ),
+        cmocka_unit_test( curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again ),
+        cmocka_unit_test( curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull ),
+        cmocka_unit_test( straight_strands_stay_straight ),
+        cmocka_unit_test( curves_turn_less_at_a_time_than_the_strands_they_smooth ),
+        cmocka_unit_test( curves_are_drawn_behind_the_appearance_of_their_source ),
+        cmocka_unit_test( when_the_source_goes_its_curves_stay ),
+        cmocka_unit_test( curves_that_cannot_be_are_refused_by_name ),
+    };
+    return cmocka_run_group_tests_name( "guide hair, curves", tests, NULL, NULL );
+}

@@ -1,0 +1,459 @@
+// Ghosts in a world: order within a step, determinism, memory, removal, refusals, and an appearance on top (X6).
+#include "guide_hair_fixture.h"
+
+static double3 group_mean( const flock* f, int target, int ghosts, int node )
+{
+    double3 nodes[MOST_GHOSTS];
+    for ( int l = 0; l < ghosts; ++l )
+    {
+        nodes[l] = guide_ghost( f, target * ghosts + l, node );
+    }
+    return guide_oracle_mean( nodes, ghosts );
+}
+
+// ---- order ----
+
+static void ghosts_stand_where_this_step_has_taken_their_targets( void** state )
+{
+    (void)state;
+    for ( int workers = 1; workers <= 2; ++workers )
+    {
+        const guide_host host = { .workers = workers };
+        flock f = guide_flock( &host, 6, 6, NODES );
+        guide_ok( f.world, wisp_world_attach( f.world, f.targets, guide_mover_speed ) );
+        *(float*)wisp_world_column( f.world, f.targets, guide_mover_speed, 0 ) = 6.0f;
+        guide_follow( &f, guide_without_weights() );
+        for ( int frame = 1; frame <= 30; ++frame )
+        {
+            guide_step( f.world );
+            for ( int n = 0; n < 6 * NODES; ++n )
+            {
+                // 0.1 m a step; a step late would show at once. Sums of floats up to 3 m
+                const double3 there = double3_add( f.s.target[n], double3_make( 0.1 * frame, 0.0, 0.0 ) );
+                assert_at( group_mean( &f, n / NODES, 6, n % NODES ), there, 5e-6 );
+            }
+        }
+        wisp_world_destroy( f.world );
+    }
+}
+
+// ---- determinism ----
+
+static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_nodes )
+{
+    flock f = guide_flock( host, 6, 6, ghost_nodes );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.target_count = links;
+    def.resample = ghost_nodes != NODES;
+    def.repair_length = true;
+    guide_follow( &f, def );
+    wisp_curves_def curves = wisp_default_curves_def();
+    curves.source = f.ghosts;
+    wisp_entity drawn;
+    guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
+    guide_ok( f.world, wisp_want( f.world, drawn, WISP_STRAND_POINTS ) );
+    for ( int frame = 0; frame < 10; ++frame )
+    {
+        guide_swing( &f );
+    }
+    const uint64_t hash = wisp_world_hash( f.world );
+    wisp_world_destroy( f.world );
+    return hash;
+}
+
+static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
+{
+    (void)state;
+    const struct
+    {
+        int links, nodes;
+    } kinds[] = { { 1, NODES }, { 3, NODES }, { 1, 2 * NODES } };
+    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
+    {
+        const guide_host one = { .workers = 1, .isa = "baseline" };
+        const uint64_t expected = hash_of_swing( &one, kinds[k].links, kinds[k].nodes );
+        const guide_host others[] = { { .workers = 2, .isa = "baseline" },
+                                      { .workers = 5, .isa = "baseline" },
+                                      { .workers = 1, .isa = "avx2" },
+                                      { .workers = 2 } };
+        for ( int n = 0; n < WISP_COUNT( others ); ++n )
+        {
+            assert_int_equal( hash_of_swing( others + n, kinds[k].links, kinds[k].nodes ), expected );
+        }
+    }
+}
+
+static void a_snapshot_brings_the_velocities_before_back( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    for ( int frame = 0; frame < 7; ++frame )
+    {
+        guide_swing( &f );
+    }
+    const size_t size = wisp_world_snapshot_size( f.world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
+    const scene then = f.s;
+    guide_swing( &f );
+    const uint64_t hash = wisp_world_hash( f.world );
+    for ( int frame = 0; frame < 5; ++frame )
+    {
+        guide_swing( &f );
+    }
+    guide_ok( f.world, wisp_world_restore( f.world, bytes, size ) );
+    f.s = then;
+    guide_swing( &f );
+    assert_int_equal( wisp_world_hash( f.world ), hash );
+    free( bytes );
+    wisp_world_destroy( f.world );
+}
+
+// ---- memory ----
+
+static void a_warm_step_asks_for_no_memory( void** state )
+{
+    (void)state;
+    for ( int workers = 1; workers <= 5; workers += 2 )
+    {
+        test_host memory = { 0 };
+        const guide_host host = { .workers = workers, .allocator = test_host_allocator( &memory ) };
+        flock f = guide_flock( &host, 6, 6, 2 * NODES );
+        wisp_ghosts_def def = wisp_default_ghosts_def();
+        def.resample = def.repair_length = true;
+        guide_follow( &f, def );
+        wisp_curves_def curves = wisp_default_curves_def();
+        curves.source = f.ghosts;
+        wisp_entity drawn;
+        guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
+        guide_ok( f.world, wisp_want( f.world, drawn, WISP_STRAND_POINTS ) );
+        guide_swing( &f );
+        guide_swing( &f );
+        const int64_t asked = atomic_load( &memory.asked );
+        for ( int frame = 0; frame < 10; ++frame )
+        {
+            guide_swing( &f );
+        }
+        assert_int_equal( atomic_load( &memory.asked ), asked );
+        wisp_world_destroy( f.world );
+        assert_int_equal( atomic_load( &memory.blocks ), 0 );
+        assert_int_equal( atomic_load( &memory.faults ), 0 );
+    }
+}
+
+// Follow and draw with the n-th request refused. @return whether there were so many
+static bool refuse_request( int n )
+{
+    test_host memory = { 0 };
+    const guide_host host = { .allocator = test_host_allocator( &memory ) };
+    flock f = guide_flock( &host, 3, 4, 7 );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.targets = f.targets;
+    def.resample = def.repair_length = true;
+    wisp_curves_def curves = wisp_default_curves_def();
+    curves.source = f.ghosts;
+    wisp_entity drawn;
+    const uint64_t before = wisp_world_hash( f.world );
+    memory.refuse = atomic_load( &memory.asked ) + n;
+    const wisp_status followed = wisp_set_ghosts( f.world, f.ghosts, &def );
+    if ( followed != WISP_OK )
+    {
+        assert_int_equal( followed, WISP_NO_MEMORY );
+        assert_int_equal( wisp_world_hash( f.world ), before );
+        guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
+    }
+    const wisp_status added = wisp_add_curves( f.world, &curves, &drawn );
+    if ( added != WISP_OK )
+    {
+        assert_int_equal( added, WISP_NO_MEMORY );
+        assert_int_equal( drawn.index, 0 );
+        guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
+    }
+    const bool refused = followed != WISP_OK || added != WISP_OK;
+    memory.refuse = 0;
+    guide_swing( &f );
+    wisp_world_destroy( f.world );
+    assert_int_equal( atomic_load( &memory.blocks ), 0 );
+    return refused;
+}
+
+static void any_one_request_may_be_refused_and_the_call_made_again( void** state )
+{
+    (void)state;
+    int refusals = 0;
+    while ( refuse_request( refusals + 1 ) )
+    {
+        refusals += 1;
+    }
+    assert_true( refusals > 30 ); // what is cooked, one block an array
+}
+
+// ---- removal ----
+
+static void when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    guide_swing( &f );
+    wisp_vec3 last[12 * NODES];
+    memcpy( last, guide_points( f.world, f.ghosts ), sizeof( last ) );
+    guide_ok( f.world, wisp_remove( f.world, f.targets ) );
+    guide_step( f.world );
+    guide_step( f.world );
+    assert_memory_equal( guide_points( f.world, f.ghosts ), last, sizeof( last ) );
+
+    // others to follow
+    f.targets = guide_add( f.world, f.s.target, 3, NODES );
+    guide_follow( &f, guide_without_weights() );
+    guide_step( f.world );
+    assert_at( group_mean( &f, 1, 4, 3 ), f.s.target[NODES + 3], 2e-7 );
+    guide_ok( f.world, wisp_remove( f.world, f.ghosts ) );
+    assert_int_equal( wisp_world_plan_passes( f.world ), 0 );
+    guide_step( f.world );
+    wisp_world_destroy( f.world );
+}
+
+static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
+    const wisp_entity other = guide_add( f.world, f.ghost, 12, NODES );
+    guide_ok( f.world, wisp_want( f.world, other, WISP_STRAND_POINTS ) );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    guide_follow( &alone, wisp_default_ghosts_def() );
+    wisp_ghosts_def def = guide_without_weights();
+    def.targets = f.targets;
+    guide_ok( f.world, wisp_set_ghosts( f.world, other, &def ) );
+    for ( int frame = 0; frame < 5; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &alone );
+    }
+    const wisp_vec3 *a = guide_points( f.world, f.ghosts ), *b = guide_points( alone.world, alone.ghosts );
+    assert_memory_equal( a, b, 12 * NODES * sizeof( wisp_vec3 ) );
+    assert_memory_not_equal( guide_points( f.world, other ), b, 12 * NODES * sizeof( wisp_vec3 ) );
+    wisp_world_destroy( alone.world );
+    wisp_world_destroy( f.world );
+}
+
+// ---- reports and refusals ----
+
+static void the_report_counts_empty_targets_groups_and_nodes_that_coincide( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    double3 ghosts[5 * NODES];
+    for ( int n = 0; n < 5 * NODES; ++n )
+    {
+        // four at the second target, one at the first; from node 6 on the four are one
+        const int g = n / NODES, i = n % NODES, a = g < 4 ? 1 : 0;
+        const double apart = i < 6 ? 0.001 * g : 0.0;
+        ghosts[n] = double3_add( f.s.target[a * NODES + i], double3_make( 0.0, 0.0, apart ) );
+    }
+    const wisp_entity entity = guide_add( f.world, ghosts, 5, NODES );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.targets = f.targets;
+    guide_ok( f.world, wisp_set_ghosts( f.world, entity, &def ) );
+    wisp_ghosts_report report;
+    guide_ok( f.world, wisp_read_ghosts_report( f.world, entity, &report ) );
+    assert_int_equal( report.ghost_count, 5 );
+    assert_int_equal( report.target_count, 3 );
+    assert_int_equal( report.empty_targets, 1 );
+    assert_int_equal( report.largest_group, 4 );
+    assert_int_equal( report.collapsed_nodes, 4 );
+    wisp_world_destroy( f.world );
+}
+
+static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const char* word )
+{
+    const uint64_t before = wisp_world_hash( f->world );
+    assert_int_equal( wisp_set_ghosts( f->world, f->ghosts, &def ), status );
+    if ( strstr( wisp_world_message( f->world ), word ) == NULL )
+    {
+        fail_msg( "'%s' does not say '%s'", wisp_world_message( f->world ), word );
+    }
+    assert_int_equal( wisp_world_hash( f->world ), before );
+}
+
+// GUI-18
+static void unequal_node_counts_are_refused_by_name_unless_resampled( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, 7 );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.targets = f.targets;
+    refuse( &f, def, WISP_BAD_INPUT, "ghost 0 has 7 vertices and its target 0 has 10" );
+    def.resample = true;
+    guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
+    wisp_world_destroy( f.world );
+}
+
+static void values_out_of_range_are_refused_by_name( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    wisp_ghosts_def good = wisp_default_ghosts_def(), def;
+    good.targets = f.targets;
+#define REFUSE( member, value )                                                                                      \
+    def = good;                                                                                                      \
+    def.member = value;                                                                                              \
+    refuse( &f, def, WISP_BAD_INPUT, #member )
+    REFUSE( target_count, 0 );
+    REFUSE( target_count, 5 );
+    REFUSE( tip_gain, -0.1f );
+    REFUSE( tip_gain, NAN );
+    REFUSE( centre_gain, 1e4f );
+    REFUSE( time, -1.0f );
+    REFUSE( spread, 0.0f );
+    REFUSE( spread, INFINITY );
+    REFUSE( elastic, WISP_GHOST_ELASTIC_COUNT );
+    REFUSE( frame, WISP_GHOST_FRAME_COUNT );
+#undef REFUSE
+    wisp_world_destroy( f.world );
+}
+
+static void who_cannot_follow_or_be_followed_is_refused( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    refuse( &f, def, WISP_CONFLICT, "does not exist" );
+    def.targets = f.ghosts;
+    refuse( &f, def, WISP_CONFLICT, "itself" );
+    def.targets = guide_add( f.world, f.s.target, 0, NODES );
+    refuse( &f, def, WISP_CONFLICT, "has a vertex" );
+    guide_ok( f.world, wisp_world_add_plain( f.world, &def.targets ) );
+    refuse( &f, def, WISP_CONFLICT, "no strands" );
+    def.targets = guide_add( f.world, f.s.target, 3, NODES );
+    const wisp_entity gone = def.targets;
+    guide_ok( f.world, wisp_remove( f.world, gone ) );
+    refuse( &f, def, WISP_STALE_ID, "does not exist" );
+
+    // targets move by themselves, so they cannot be ghosts; ghosts cannot be targets
+    def.targets = f.ghosts;
+    assert_int_equal( wisp_set_ghosts( f.world, f.targets, &def ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( f.world ), "moves by itself" ) );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    const wisp_entity more = guide_add( f.world, f.ghost, 12, NODES );
+    assert_int_equal( wisp_set_ghosts( f.world, more, &def ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( f.world ), "follow others" ) );
+    int32_t unused[12];
+    wisp_ghosts_report report;
+    assert_int_equal( wisp_read_ghosts_report( f.world, more, &report ), WISP_CONFLICT );
+    assert_int_equal( wisp_read_ghost_targets( f.world, more, unused ), WISP_CONFLICT );
+    wisp_world_destroy( f.world );
+}
+
+// ---- X6: an appearance on top ----
+
+static wisp_frozen_hair_def align_each_frame( void )
+{
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    def.freeze = def.clump = false;
+    def.event = WISP_EVENT_FRAME;
+    def.cursor = ( wisp_vec3 ){ 0.3f, 0.5f, 0.2f };
+    def.reach = 100.0f;
+    return def;
+}
+
+// Ghosts that turn to a cursor each frame, against hair that stands still where the ghosts are and is turned once.
+static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
+{
+    (void)state;
+    for ( int order = 0; order < 3; ++order )
+    {
+        const guide_host host = { .workers = order + 1 };
+        flock f = guide_flock( &host, 6, 6, NODES ), plain = guide_flock( NULL, 6, 6, NODES );
+        const wisp_frozen_hair_def look = align_each_frame();
+        // in whatever order the calls come
+        for ( int call = 0; call < 3; ++call )
+        {
+            switch ( ( call + order ) % 3 )
+            {
+                case 0:
+                    guide_follow( &f, wisp_default_ghosts_def() );
+                    break;
+                case 1:
+                    guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
+                    break;
+                default:
+                    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+                    break;
+            }
+        }
+        guide_follow( &plain, wisp_default_ghosts_def() );
+        for ( int frame = 0; frame < 6; ++frame )
+        {
+            guide_swing( &f );
+            guide_swing( &plain );
+            double3 carried[36 * NODES];
+            for ( int n = 0; n < 36 * NODES; ++n )
+            {
+                carried[n] = guide_ghost( &plain, n / NODES, n % NODES );
+            }
+            wisp_world* still = guide_world( NULL );
+            const wisp_entity hair = guide_add( still, carried, 36, NODES );
+            guide_ok( still, wisp_want( still, hair, WISP_STRAND_POINTS ) );
+            guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
+            guide_step( still );
+            assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
+                                 36 * NODES * sizeof( wisp_vec3 ) );
+            wisp_world_destroy( still );
+        }
+        wisp_world_destroy( plain.world );
+        wisp_world_destroy( f.world );
+    }
+}
+
+static void frozen_lengths_stay_those_at_rest( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 6, 6, NODES );
+    wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
+    look.align = look.clump = false;
+    look.event = WISP_EVENT_FRAME;
+    look.stretch_stiffness = 1e6f;
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.time = 0.1f; // stretches the ghosts
+    guide_follow( &f, def );
+    guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
+    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+    for ( int frame = 0; frame < 20; ++frame )
+    {
+        guide_swing( &f );
+    }
+    for ( int n = 0; n < 36 * NODES; ++n )
+    {
+        if ( n % NODES > 0 )
+        {
+            const double now = double3_distance( guide_ghost( &f, n / NODES, n % NODES ),
+                                                 guide_ghost( &f, n / NODES, n % NODES - 1 ) );
+            // 1/k of the length is drawn, and a float at a metre is 6e-8 of 2e-2
+            assert_close( now / double3_distance( f.ghost[n], f.ghost[n - 1] ), 1.0, 2e-5 );
+        }
+    }
+    wisp_world_destroy( f.world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( ghosts_stand_where_this_step_has_taken_their_targets ),
+        cmocka_unit_test( bits_do_not_depend_on_workers_or_the_instruction_set ),
+        cmocka_unit_test( a_snapshot_brings_the_velocities_before_back ),
+        cmocka_unit_test( a_warm_step_asks_for_no_memory ),
+        cmocka_unit_test( any_one_request_may_be_refused_and_the_call_made_again ),
+        cmocka_unit_test( when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them ),
+        cmocka_unit_test( two_herds_may_follow_the_same_targets_each_in_its_way ),
+        cmocka_unit_test( the_report_counts_empty_targets_groups_and_nodes_that_coincide ),
+        cmocka_unit_test( unequal_node_counts_are_refused_by_name_unless_resampled ),
+        cmocka_unit_test( values_out_of_range_are_refused_by_name ),
+        cmocka_unit_test( who_cannot_follow_or_be_followed_is_refused ),
+        cmocka_unit_test( frozen_hair_starts_from_where_the_ghosts_are_carried ),
+        cmocka_unit_test( frozen_lengths_stay_those_at_rest ),
+    };
+    return cmocka_run_group_tests_name( "guide hair, world", tests, NULL, NULL );
+}

@@ -1,0 +1,545 @@
+// Strands that move, end to end: they hang, stay in balance, go with their head or surface, refuse what is wrong, and have
+// the same bits whoever does the work.
+#include "strands_fixture.h"
+
+static const float FRAME = 1.0f / 60.0f;
+static const wisp_rigid NOWHERE = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+
+static wisp_strand_dynamics_def default_def( void )
+{
+    return wisp_default_strand_dynamics_def();
+}
+
+// ---- lengths and shapes ----
+
+static void a_strand_hangs_and_stays_at_rest_length( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 1, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 17, 20, straight_down, 0.1f, &def );
+    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    strand_steps( s.world, 60, FRAME );
+    // a hanging strand is in balance; rounding of the positions, 1e-8 m, is what remains
+    assert_true( drift_from( s.world, e, 17, 20, straight_down, 0.1f ) < 1e-6 );
+    assert_true( quality_of( s.world, e ).strain_max < 1e-5 );
+    close_strands( &s );
+}
+
+static void falling_strands_of_different_lengths_keep_them( void** state )
+{
+    (void)state;
+    const int counts[] = { 20, 3, 1, 0, 12, 2, 20 };
+    strand_world s;
+    open_strands( &s, 4, 1, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    def.bend = WISP_STRAND_BEND_NONE;
+    const wisp_entity e = add_strands( s.world, counts, WISP_COUNT( counts ), straight_out, 0.1f );
+    assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
+    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    for ( int i = 0; i < 60; ++i )
+    {
+        strand_steps( s.world, 1, FRAME );
+        // the definition's tolerance; strands beyond it are laid out exactly
+        assert_true( quality_of( s.world, e ).strain_max < 1.1e-3 );
+    }
+    // half a metre per second at least: they do fall
+    assert_true( quality_of( s.world, e ).speed_max > 0.5 );
+    close_strands( &s );
+}
+
+static void balanced_curls_stay( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 16, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
+    strand_steps( s.world, 60, FRAME );
+    // balance is exact in the equations; what single precision leaves of it is below a ten-thousandth of the length
+    assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) < 1e-4 * 0.1 );
+    close_strands( &s );
+}
+
+static void curls_that_are_not_balanced_sag( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 8, 1, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    def.rest = WISP_STRAND_REST_SHAPE;
+    const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
+    strand_steps( s.world, 60, FRAME );
+    assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) > 1e-3 );
+    close_strands( &s );
+}
+
+static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < WISP_STRAND_STRETCH_COUNT * WISP_STRAND_BEND_COUNT * 4; ++k )
+    {
+        strand_world s;
+        open_strands( &s, 4, 1 + k / 9 % 2, 1 );
+        wisp_strand_dynamics_def def = default_def();
+        def.stretch = (wisp_strand_stretch)( k % 3 );
+        def.bend = (wisp_strand_bend)( k / 3 % 3 );
+        def.solver = k / 18 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
+        def.damping = 1.0f;
+        def.drag = 1.0f;
+        def.rest = WISP_STRAND_REST_STRAIGHT;
+        const wisp_entity e = add_moving( s.world, 18, 5, straight_down, 0.1f, &def );
+        strand_steps( s.world, 30, FRAME );
+        // one sweep of links leaves 2 % at most on four segments: g dt^2 / l a substep, not quite taken away
+        assert_true( drift_from( s.world, e, 18, 5, straight_down, 0.1f ) < 0.02 * 0.1 );
+        assert_false( wisp_is_halted( s.world, e ) );
+        close_strands( &s );
+    }
+}
+
+static void tension_at_the_root_is_the_weight( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 4, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 3, 20, straight_down, 0.1f, &def );
+    strand_steps( s.world, 30, FRAME );
+    float tension[60];
+    assert_int_equal( wisp_read_strand_tension( s.world, e, tension ), WISP_OK );
+    // the root itself bears the half of the first segment that is its own
+    const double weight = 9.81 * 6.5e-6 * 0.1 * ( 1.0 - 0.5 / 19.0 );
+    // positions are rounded to 4e-9 m, worth a hundredth of a segment's weight at 1/240 s; a clamp that is stretched in the first
+    // step of 1/60 s would bear a part of it
+    assert_true( fabs( (double)tension[0] / weight - 1.0 ) < 1e-2 );
+    assert_true( tension[19] == 0.0f );
+    close_strands( &s );
+}
+
+static wisp_vec3 doubled_out( int strand, int i, int count, float length )
+{
+    // the first strand has its third vertex twice and thrice, the second has no length at all
+    const int at = strand == 0 && i > 2 ? ( i < 5 ? 2 : i - 2 ) : i;
+    return straight_out( strand, strand == 1 ? 0 : at, count, length );
+}
+
+static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 4, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 3, 12, doubled_out, 0.1f, &def );
+    const wisp_rigid pose = { NOWHERE.rotation, { 0.0f, 0.05f, 0.0f } };
+    assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
+    strand_steps( s.world, 60, FRAME );
+    assert_false( wisp_is_halted( s.world, e ) );
+    const wisp_vec3* p = strand_points( s.world, e );
+    double length = 0.0;
+    for ( int v = 1; v < 12; ++v )
+    {
+        length += vec_distance( p[v], p[v - 1] );
+        // the strand without a length goes with its root
+        assert_true( fabsf( p[12 + v].y - 0.05f ) < 1e-7f );
+    }
+    // segments without a length get a thousandth of the mean one, two of them here
+    assert_true( fabs( length / ( 0.1 * 9.0 / 11.0 ) - 1.0 ) < 5e-3 );
+    close_strands( &s );
+}
+
+static void changing_how_strands_move_leaves_them_where_they_are( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 4, 2, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 5, 10, straight_out, 0.1f, &def );
+    for ( int k = 0; k < 12; ++k )
+    {
+        wisp_vec3 before[50];
+        strand_steps( s.world, 3, FRAME );
+        memcpy( before, strand_points( s.world, e ), sizeof( before ) );
+        // not links, whose lengths are others that are taken back at once
+        def.stretch = k % 2 == 0 ? WISP_STRAND_STRETCH_FOLLOW : WISP_STRAND_STRETCH_DIRECT;
+        def.bend = ( k + 1 ) / 3 % 2 == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_NONE;
+        def.rest = (wisp_strand_rest)( k % 2 * 2 );
+        def.damping = (float)( k % 2 );
+        assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
+        strand_steps( s.world, 1, 1e-5f );
+        for ( int v = 0; v < 50; ++v )
+        {
+            // nothing here is faster than 10 m/s
+            assert_true( vec_distance( strand_points( s.world, e )[v], before[v] ) < 1e-4 );
+        }
+    }
+    assert_false( wisp_is_halted( s.world, e ) );
+    close_strands( &s );
+}
+
+static void strands_of_no_and_of_one_vertex_step( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 2, 1, 1 );
+    const int ones[] = { 1, 1, 0 }, none = 0;
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_strand_grid_def grid = wisp_default_strand_grid_def();
+    const wisp_entity e[2] = { add_strands( s.world, ones, 3, straight_out, 0.1f ),
+                               add_strands( s.world, &none, 1, straight_out, 0.1f ) };
+    for ( int k = 0; k < 2; ++k )
+    {
+        assert_int_equal( wisp_set_strand_dynamics( s.world, e[k], &def ), WISP_OK );
+        assert_int_equal( wisp_set_strand_grid( s.world, e[k], &grid ), WISP_OK );
+        assert_int_equal( wisp_want( s.world, e[k], WISP_STRAND_POINTS ), WISP_OK );
+        assert_int_equal( wisp_want( s.world, e[k], WISP_QUALITY ), WISP_OK );
+    }
+    const wisp_rigid pose = { NOWHERE.rotation, { 1.0f, 2.0f, 3.0f } };
+    assert_int_equal( wisp_move_strand_head( s.world, e[0], pose ), WISP_OK );
+    strand_steps( s.world, 2, FRAME );
+    assert_true( strand_points( s.world, e[0] )[1].y == 2.0f );
+    assert_true( quality_of( s.world, e[1] ).mass == 0.0 );
+    close_strands( &s );
+}
+
+// ---- heads and surfaces ----
+
+static void a_head_carries_its_roots_and_pins( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 4, 1, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    const int32_t pins[] = { 5, 26 };
+    def.pins = pins;
+    def.pin_count = WISP_COUNT( pins );
+    const wisp_entity e = add_moving( s.world, 3, 20, straight_out, 0.1f, &def );
+    const wisp_rigid pose = head_at( 0.5f, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.02f, 0.1f, 0.0f } );
+    assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
+    strand_steps( s.world, 1, FRAME );
+    const wisp_vec3* p = strand_points( s.world, e );
+    const int held[] = { 0, 5, 20, 26, 40 };
+    for ( int k = 0; k < WISP_COUNT( held ); ++k )
+    {
+        const wisp_vec3 at = wisp_rigid_to_world( pose, straight_out( held[k] / 20, held[k] % 20, 20, 0.1f ) );
+        // a few roundings of numbers of 0.1 m
+        assert_true( vec_distance( p[held[k]], at ) < 1e-7 );
+    }
+    close_strands( &s );
+}
+
+static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 16, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 5, 20, curl_down, 0.1f, &def );
+    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    const wisp_rigid pose = head_at( 1.0f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, ( wisp_vec3 ){ 3.0f, 0.0f, 0.0f } );
+    assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
+    strand_steps( s.world, 1, FRAME );
+    const wisp_vec3* p = strand_points( s.world, e );
+    for ( int v = 0; v < 100; ++v )
+    {
+        const wisp_vec3 at = wisp_rigid_to_world( pose, curl_down( v / 20, v % 20, 20, 0.1f ) );
+        // turned about gravity, the shape is in balance still; rounding at 3 m is 3e-7 m
+        assert_true( vec_distance( p[v], at ) < 1e-4 );
+    }
+    assert_true( quality_of( s.world, e ).speed_max < 0.05 );
+    close_strands( &s );
+}
+
+static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 2, 1, 1 );
+    test_mesh mesh = test_plane( 5, 0.05f );
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface_def = wisp_default_surface_def();
+    const wisp_entity surface = test_surface_of( s.world, &fabric, surface_def );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 3, 10, straight_down, 0.1f, &def );
+    assert_int_equal( wisp_root_strands( s.world, e, surface ), WISP_OK );
+    assert_int_equal( wisp_want( s.world, surface, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( s.world, surface, ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } ), WISP_OK );
+    strand_steps( s.world, 10, FRAME );
+    const float height = ( (const wisp_vec3*)view_of( s.world, surface, WISP_SURFACE_POINTS ).data )[0].y;
+    assert_true( height < -0.01f );
+    for ( int k = 0; k < 3; ++k )
+    {
+        // the surface falls flat, and its weights sum to 1 up to a rounding
+        assert_true( fabsf( strand_points( s.world, e )[10 * k].y - height ) < 1e-7f );
+    }
+    assert_true( plan_says( s.world, "strands.anchors", "item loop" ) );
+    assert_int_equal( wisp_move_strand_head( s.world, e, NOWHERE ), WISP_CONFLICT );
+    const wisp_vec3 root = strand_points( s.world, e )[10];
+    assert_int_equal( wisp_remove( s.world, surface ), WISP_OK );
+    strand_steps( s.world, 3, FRAME );
+    assert_memory_equal( strand_points( s.world, e ) + 10, &root, sizeof( root ) );
+    test_mesh_free( &mesh );
+    close_strands( &s );
+}
+
+static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 1, 1, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    def.bend = WISP_STRAND_BEND_NONE;
+    const wisp_entity e = add_moving( s.world, 2, 2, straight_down, 0.1f, &def );
+    wisp_strand_grid_def grid = wisp_default_strand_grid_def();
+    grid.friction = 1.0f;
+    grid.cell = 1.0f;
+    assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
+    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    float* velocity = wisp_world_column( s.world, e, WISP_STRAND_VELOCITY, 0 );
+    velocity[3 * WISP_LANES] = 0.01f; // the tip of the first strand, along x
+    strand_steps( s.world, 1, 1e-4f );
+    const wisp_quality q = quality_of( s.world, e );
+    const double mass = 0.5 * 0.1 * 6.5e-6;
+    // both tips share the corners of one cell. 1 - (1 - 1)^(60 dt) is 1, so both go with the mean of the momentum
+    assert_true( fabs( q.momentum[0] / ( mass * 0.01 ) - 1.0 ) < 1e-3 );
+    assert_true( fabs( q.speed_max / 0.005 - 1.0 ) < 1e-2 );
+    grid.enabled = false;
+    assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
+    assert_false( plan_says( s.world, "strands.grid", "wanted" ) );
+    close_strands( &s );
+}
+
+// ---- the plan ----
+
+static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
+{
+    (void)state;
+    static const char* const LOOP[] = {
+        "strands.roots",   "strands.pins",       "strands.damping", "strands.air",
+        "strands.predict", "strands.rod_curved", "strands.stretch", "strands.velocity"
+    };
+    strand_world s;
+    open_strands( &s, 2, 1, 1 );
+    wisp_strand_dynamics_def def = default_def();
+    const int32_t pin = 3;
+    def.pins = &pin;
+    def.pin_count = 1;
+    def.damping = 1.0f;
+    def.drag = 1.0f;
+    add_moving( s.world, 2, 8, straight_out, 0.1f, &def );
+    for ( int i = 0; i < WISP_COUNT( LOOP ); ++i )
+    {
+        if ( plan_says( s.world, LOOP[i], "item loop" ) == false )
+        {
+            fail_msg( "%s is not in the item loop", LOOP[i] );
+        }
+    }
+    assert_true( plan_says( s.world, "strands.guard", "after" ) );
+    assert_true( plan_says( s.world, "strands.factor", "before" ) );
+    close_strands( &s );
+}
+
+static void strands_without_dynamics_have_no_pass_that_moves_them( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 2, 1, 1 );
+    const int count = 5;
+    const wisp_entity e = add_strands( s.world, &count, 1, straight_out, 0.1f );
+    assert_int_equal( wisp_want( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_world_plan_passes( s.world ), 1 );
+    close_strands( &s );
+}
+
+// ---- bits ----
+
+static wisp_entity add_busy( wisp_world* world )
+{
+    wisp_strand_dynamics_def def = default_def();
+    def.damping = 0.5f;
+    def.drag = 1.0f;
+    def.wind = ( wisp_vec3 ){ 0.5f, 0.0f, 0.2f };
+    const wisp_entity e = add_moving( world, 70, 12, curl_down, 0.1f, &def );
+    wisp_strand_grid_def grid = wisp_default_strand_grid_def();
+    grid.repulsion = 1.0f;
+    assert_int_equal( wisp_set_strand_grid( world, e, &grid ), WISP_OK );
+    assert_int_equal( wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    return e;
+}
+
+static void move_busy( wisp_world* world, wisp_entity e, int step )
+{
+    const wisp_vec3 place = { 0.01f * (float)step, 0.0f, 0.0f };
+    assert_int_equal(
+        wisp_move_strand_head( world, e, head_at( 0.05f * (float)step, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, place ) ),
+        WISP_OK );
+    strand_steps( world, 1, FRAME );
+}
+
+static void two_workers_have_the_bits_of_one( void** state )
+{
+    (void)state;
+    uint64_t hashes[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        strand_world s;
+        open_strands( &s, 3, 1, k + 1 );
+        const wisp_entity e = add_busy( s.world );
+        for ( int i = 0; i < 10; ++i )
+        {
+            move_busy( s.world, e, i );
+        }
+        hashes[k] = wisp_world_hash( s.world );
+        close_strands( &s );
+    }
+    assert_true( hashes[0] == hashes[1] );
+}
+
+static void a_restored_snapshot_goes_on_bitwise( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 3, 1, 1 );
+    const wisp_entity e = add_busy( s.world );
+    for ( int i = 0; i < 5; ++i )
+    {
+        move_busy( s.world, e, i );
+    }
+    const size_t size = wisp_world_snapshot_size( s.world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    assert_int_equal( wisp_world_snapshot( s.world, bytes, size ), WISP_OK );
+    uint64_t hashes[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        assert_int_equal( wisp_world_restore( s.world, bytes, size ), WISP_OK );
+        for ( int i = 5; i < 10; ++i )
+        {
+            move_busy( s.world, e, i );
+        }
+        hashes[k] = wisp_world_hash( s.world );
+    }
+    free( bytes );
+    assert_true( hashes[0] == hashes[1] );
+    close_strands( &s );
+}
+
+// ---- what goes wrong ----
+
+static void a_nan_puts_the_strands_back_and_halts_them( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 2, 1, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    const wisp_entity e = add_moving( s.world, 3, 10, curl_down, 0.1f, &def );
+    strand_steps( s.world, 2, FRAME );
+    wisp_vec3 before[30];
+    memcpy( before, strand_points( s.world, e ), sizeof( before ) );
+    float* velocity = wisp_world_column( s.world, e, WISP_STRAND_VELOCITY, 0 );
+    velocity[4 * 3 * WISP_LANES + 1] = NAN; // strand 1, vertex 4
+    strand_steps( s.world, 1, FRAME );
+    assert_true( wisp_is_halted( s.world, e ) );
+    assert_memory_equal( strand_points( s.world, e ), before, sizeof( before ) );
+    assert_non_null( strstr( s.log.last, "strand 1, vertex" ) );
+    assert_int_equal( wisp_resume( s.world, e ), WISP_OK );
+    strand_steps( s.world, 10, FRAME );
+    assert_false( wisp_is_halted( s.world, e ) );
+    close_strands( &s );
+}
+
+static void wrong_definitions_are_refused_and_change_nothing( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 1, 1, 1 );
+    const wisp_strand_dynamics_def good = default_def();
+    const wisp_entity e = add_moving( s.world, 2, 5, straight_out, 0.1f, &good );
+    strand_steps( s.world, 1, FRAME );
+    const uint64_t hash = wisp_world_hash( s.world );
+    wisp_strand_dynamics_def bad[6] = { good, good, good, good, good, good };
+    const int32_t pin = 10;
+    float masses[10] = { 1e-6f };
+    bad[0].stretch_passes = 17;
+    bad[1].bend_rigidity = NAN;
+    bad[2].line_density = 0.0f;
+    bad[3].pins = &pin;
+    bad[3].pin_count = 1;
+    bad[4].vertex_masses = masses;
+    bad[5].gravity.y = INFINITY;
+    static const char* const NAMED[6] = { "stretch_passes",     "bend_rigidity",   "line_density",
+                                          "pin 0 is vertex 10", "vertex 1 weighs", "gravity" };
+    for ( int i = 0; i < WISP_COUNT( bad ); ++i )
+    {
+        assert_int_equal( wisp_set_strand_dynamics( s.world, e, bad + i ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( s.world ), NAMED[i] ) );
+    }
+    wisp_strand_grid_def grid = wisp_default_strand_grid_def();
+    grid.friction = 1.5f;
+    float tension[10];
+    assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_BAD_INPUT );
+    assert_int_equal( wisp_set_strand_wind( s.world, e, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ), WISP_CONFLICT );
+    assert_int_equal( wisp_root_strands( s.world, e, e ), WISP_CONFLICT );
+    assert_int_equal( wisp_move_strand_head( s.world, e, ( wisp_rigid ){ { 0, 0, 0, 1 }, { NAN, 0, 0 } } ),
+                      WISP_BAD_INPUT );
+    assert_true( wisp_world_hash( s.world ) == hash );
+    const int count = 3;
+    const wisp_entity still = add_strands( s.world, &count, 1, straight_out, 0.1f );
+    assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
+    close_strands( &s );
+}
+
+static void without_memory_the_strands_are_what_they_were( void** state )
+{
+    (void)state;
+    bool succeeded = false;
+    for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
+    {
+        strand_world s;
+        open_strands( &s, 1, 1, 1 );
+        const int counts[] = { 6, 4 };
+        const wisp_entity e = add_strands( s.world, counts, 2, curl_down, 0.1f );
+        const uint64_t hash = wisp_world_hash( s.world );
+        const size_t bytes = wisp_world_snapshot_size( s.world );
+        const wisp_strand_dynamics_def def = default_def();
+        test_host_refuse( &s.host, n, false );
+        const wisp_status status = wisp_set_strand_dynamics( s.world, e, &def );
+        succeeded = test_host_has_refused( &s.host ) == false;
+        assert_int_equal( status, succeeded ? WISP_OK : WISP_NO_MEMORY );
+        if ( succeeded == false )
+        {
+            assert_true( wisp_world_hash( s.world ) == hash );
+            assert_true( wisp_world_snapshot_size( s.world ) == bytes );
+        }
+        close_strands( &s );
+    }
+    assert_true( succeeded );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_strand_hangs_and_stays_at_rest_length ),
+        cmocka_unit_test( falling_strands_of_different_lengths_keep_them ),
+        cmocka_unit_test( balanced_curls_stay ),
+        cmocka_unit_test( curls_that_are_not_balanced_sag ),
+        cmocka_unit_test( every_way_to_stretch_and_bend_steps_and_hangs ),
+        cmocka_unit_test( tension_at_the_root_is_the_weight ),
+        cmocka_unit_test( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble ),
+        cmocka_unit_test( changing_how_strands_move_leaves_them_where_they_are ),
+        cmocka_unit_test( strands_of_no_and_of_one_vertex_step ),
+        cmocka_unit_test( a_head_carries_its_roots_and_pins ),
+        cmocka_unit_test( a_head_that_jumps_takes_its_strands_along_without_a_velocity ),
+        cmocka_unit_test( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes ),
+        cmocka_unit_test( friction_on_the_grid_keeps_momentum_and_takes_relative_motion ),
+        cmocka_unit_test( points_alone_keep_the_whole_chain_in_the_item_loop ),
+        cmocka_unit_test( strands_without_dynamics_have_no_pass_that_moves_them ),
+        cmocka_unit_test( two_workers_have_the_bits_of_one ),
+        cmocka_unit_test( a_restored_snapshot_goes_on_bitwise ),
+        cmocka_unit_test( a_nan_puts_the_strands_back_and_halts_them ),
+        cmocka_unit_test( wrong_definitions_are_refused_and_change_nothing ),
+        cmocka_unit_test( without_memory_the_strands_are_what_they_were ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,410 @@
+#include "strand_oracle.h"
+
+#include <stddef.h>
+
+// Shorter than this, m, a segment has no direction.
+static const double least_length = 1e-15;
+
+static double3 add_scaled( double3 a, double s, double3 b )
+{
+    return double3_add( a, double3_scale( s, b ) );
+}
+
+static double3 segment_of( const strand_oracle* strand, int s )
+{
+    return double3_sub( strand->position[s + 1], strand->position[s] );
+}
+
+// ---- a strand ----
+
+static void measure_lengths( strand_oracle* strand )
+{
+    double whole = 0.0;
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        strand->length[s] = double3_length( segment_of( strand, s ) );
+        whole += strand->length[s];
+    }
+    const double least = fmax( 1e-3 * whole / fmax( strand->count - 1, 1 ), 1e-6 );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        strand->length[s] = fmax( strand->length[s], least );
+    }
+}
+
+bool strand_oracle_shape( strand_oracle* strand, const double3* points, int count )
+{
+    if ( count < 1 || count > STRAND_ORACLE_MOST )
+    {
+        return false;
+    }
+    *strand = ( strand_oracle ){ .count = count, .turn = { 0.0, 0.0, 0.0, 1.0 } };
+    for ( int i = 0; i < count; ++i )
+    {
+        strand->position[i] = strand->previous[i] = points[i];
+        strand->most_tension[i] = INFINITY;
+    }
+    measure_lengths( strand );
+
+    double3 direction[STRAND_ORACLE_MOST];
+    strand_oracle_directions( strand, direction );
+    const double3 up = double3_make( 0.0, 0.0, 1.0 ), down = double3_make( 0.0, -1.0, 0.0 );
+    strand->clamp = strand_oracle_smallest( up, count > 1 ? direction[0] : down );
+    for ( int s = 0; s + 1 < count; ++s )
+    {
+        strand->frame[s] = strand_oracle_carried( s > 0 ? strand->frame[s - 1] : strand->clamp, direction[s] );
+    }
+    return true;
+}
+
+void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        double before = i > 0 ? strand->length[i - 1] : 0.0;
+        double behind = i + 1 < strand->count ? strand->length[i] : 0.0;
+        double share = strand->count > 1 ? 0.5 * ( before + behind ) : 1e-3;
+        strand->mass[i] = line_density * share;
+        strand->weight[i] = held && i == 0 ? 0.0 : 1.0 / strand->mass[i];
+    }
+}
+
+void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        strand->mass[i] = vertex_mass;
+        strand->weight[i] = held && i == 0 ? 0.0 : 1.0 / vertex_mass;
+    }
+}
+
+void strand_oracle_pin( strand_oracle* strand, int vertex )
+{
+    strand->weight[vertex] = 0.0;
+}
+
+// ---- motion ----
+
+void strand_oracle_predict( strand_oracle* strand, const double3* root, double3 acceleration, double dt )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        const double3 p = strand->position[i];
+        strand->previous[i] = p;
+        if ( strand->weight[i] > 0.0 )
+        {
+            strand->velocity[i] = add_scaled( strand->velocity[i], dt, acceleration );
+            strand->position[i] = add_scaled( p, dt, strand->velocity[i] );
+        }
+        else if ( i == 0 )
+        {
+            const double3 to = root != NULL ? *root : p;
+            strand->velocity[i] = double3_scale( 1.0 / dt, double3_sub( to, p ) );
+            strand->position[i] = to;
+        }
+        else
+        {
+            strand->previous[i] = add_scaled( p, -dt, strand->velocity[i] );
+        }
+    }
+}
+
+void strand_oracle_velocity( strand_oracle* strand, double dt )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        const double3 predicted = add_scaled( strand->previous[i], dt, strand->velocity[i] );
+        if ( strand->weight[i] > 0.0 )
+        {
+            const double3 moved = double3_sub( strand->position[i], predicted );
+            strand->velocity[i] = add_scaled( strand->velocity[i], 1.0 / dt, moved );
+        }
+    }
+}
+
+void strand_oracle_damp( strand_oracle* strand, double keep, double3 linear, double3 angular, double3 centre )
+{
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        const double3 arm = double3_sub( strand->position[i], centre );
+        const double3 rigid = double3_add( linear, double3_cross( angular, arm ) );
+        if ( strand->weight[i] > 0.0 )
+        {
+            strand->velocity[i] = add_scaled( rigid, keep, double3_sub( strand->velocity[i], rigid ) );
+        }
+    }
+}
+
+void strand_oracle_air( strand_oracle* strand, double3 wind, double drag, double dt )
+{
+    const int last = strand->count - 1;
+    for ( int i = 0; i <= last; ++i )
+    {
+        const double3 from = strand->position[i > 0 ? i - 1 : i], to = strand->position[i < last ? i + 1 : i];
+        const double3 along = double3_sub( to, from ), against = double3_sub( wind, strand->velocity[i] );
+        const double squared = double3_dot( along, along );
+        double3 across = against;
+        if ( squared > least_length * least_length )
+        {
+            across = add_scaled( against, -double3_dot( against, along ) / squared, along );
+        }
+        const double reach =
+            0.5 * ( ( i > 0 ? strand->length[i - 1] : 0.0 ) + ( i < last ? strand->length[i] : 0.0 ) );
+        const double a = drag * reach * double3_length( across ) * strand->weight[i] * dt;
+        strand->velocity[i] = add_scaled( strand->velocity[i], a / ( 1.0 + a ), across );
+    }
+}
+
+// ---- lengths ----
+
+void strand_oracle_directions( const strand_oracle* strand, double3* direction )
+{
+    double3 good = double3_make( 0.0, -1.0, 0.0 );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double3 e = segment_of( strand, s );
+        const double length = double3_length( e );
+        if ( length >= least_length && isfinite( length ) )
+        {
+            good = double3_scale( 1.0 / length, e );
+        }
+        direction[s] = good;
+    }
+}
+
+double strand_oracle_strain( const strand_oracle* strand )
+{
+    double worst = 0.0;
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double strain = fabs( double3_length( segment_of( strand, s ) ) / strand->length[s] - 1.0 );
+        worst = strain <= worst ? worst : strain; // a NaN is the worst
+    }
+    return worst;
+}
+
+// Gradients of the constraints by the vertex behind each segment, and the constraints.
+static void measure_constraints( const strand_oracle* strand, strand_oracle_measure measure, double3* gradient,
+                                 double* c )
+{
+    double3 direction[STRAND_ORACLE_MOST];
+    strand_oracle_directions( strand, direction );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double3 e = segment_of( strand, s );
+        const double l = strand->length[s];
+        const bool square = measure == STRAND_ORACLE_SQUARE;
+        gradient[s] = square ? e : direction[s];
+        c[s] = square ? 0.5 * ( double3_dot( e, e ) - l * l ) : double3_length( e ) - l;
+    }
+}
+
+// J W J^T dlambda = -C by elimination from the root and substitution from the tip.
+static void solve_chain( const strand_oracle* strand, const double3* gradient, const double* c, double* lambda )
+{
+    double coupling[STRAND_ORACLE_MOST];
+    const int segments = strand->count - 1;
+    for ( int s = 0; s < segments; ++s )
+    {
+        const double* w = strand->weight + s;
+        const double off = s > 0 ? -w[0] * double3_dot( gradient[s - 1], gradient[s] ) : 0.0;
+        const double diagonal = ( w[0] + w[1] ) * double3_dot( gradient[s], gradient[s] );
+        coupling[s] = lambda[s] = 0.0;
+        double pivot = diagonal, right = -c[s];
+        if ( s > 0 )
+        {
+            pivot -= off * off * coupling[s - 1];
+            right -= off * lambda[s - 1];
+        }
+        if ( pivot > 1e-12 * diagonal && pivot > 1e-30 )
+        {
+            coupling[s] = 1.0 / pivot; // inverse pivots for now
+            lambda[s] = right / pivot;
+        }
+    }
+    for ( int s = segments - 2; s >= 0; --s )
+    {
+        const double off = -strand->weight[s + 1] * double3_dot( gradient[s], gradient[s + 1] );
+        lambda[s] -= off * coupling[s] * lambda[s + 1];
+    }
+}
+
+static void newton_pass( strand_oracle* strand, strand_oracle_measure measure, double dt )
+{
+    double3 gradient[STRAND_ORACLE_MOST];
+    double c[STRAND_ORACLE_MOST], lambda[STRAND_ORACLE_MOST];
+    measure_constraints( strand, measure, gradient, c );
+    solve_chain( strand, gradient, c, lambda );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        strand->tension[s] -= lambda[s] * double3_length( gradient[s] ) / ( dt * dt );
+        strand->position[s] = add_scaled( strand->position[s], -strand->weight[s] * lambda[s], gradient[s] );
+        strand->position[s + 1] =
+            add_scaled( strand->position[s + 1], strand->weight[s + 1] * lambda[s], gradient[s] );
+    }
+}
+
+static bool is_held_beyond_its_root( const strand_oracle* strand )
+{
+    bool held = false;
+    for ( int i = 1; i < strand->count; ++i )
+    {
+        held = held || strand->weight[i] <= 0.0;
+    }
+    return held;
+}
+
+static void lay_out( strand_oracle* strand )
+{
+    double3 direction[STRAND_ORACLE_MOST];
+    double reach = 0.0;
+    strand_oracle_directions( strand, direction );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        reach += strand->length[s];
+    }
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        double3* put = &strand->position[s + 1];
+        *put = add_scaled( strand->position[s], strand->length[s], direction[s] );
+        if ( !( double3_distance( *put, strand->previous[s + 1] ) <= reach ) )
+        {
+            strand->previous[s + 1] = *put;
+        }
+        strand->tension[s] = 0.0;
+    }
+}
+
+bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure, int passes, double tolerance,
+                            bool keeps_tension, double dt )
+{
+    for ( int s = 0; s < strand->count && keeps_tension == false; ++s )
+    {
+        strand->tension[s] = 0.0;
+    }
+    for ( int pass = 0; pass < passes; ++pass )
+    {
+        newton_pass( strand, measure, dt );
+    }
+    const bool lost = !( strand_oracle_strain( strand ) <= tolerance ) && is_held_beyond_its_root( strand ) == false;
+    if ( lost )
+    {
+        lay_out( strand );
+    }
+    return lost;
+}
+
+void strand_oracle_link( strand_oracle* strand, const double* rest, double* lambda, int stride,
+                         strand_oracle_link_rule rule )
+{
+    const double alpha = rule.compliance * rule.inverse_dt2;
+    for ( int a = 0; a + stride < strand->count; ++a )
+    {
+        const int b = a + stride;
+        const double3 along = double3_sub( strand->position[b], strand->position[a] );
+        const double length = double3_length( along ), weight = strand->weight[a] + strand->weight[b];
+        if ( length < least_length || rest[a] < 0.0 || weight <= 0.0 )
+        {
+            continue;
+        }
+        const double error = length - rest[a];
+        double change = -rule.stiffness * error / weight;
+        if ( rule.inverse_dt2 > 0.0 )
+        {
+            const double before = lambda != NULL ? lambda[a] : 0.0;
+            change = -( error + alpha * before ) / ( weight + alpha );
+        }
+        if ( lambda != NULL )
+        {
+            lambda[a] += change;
+        }
+        strand->position[a] = add_scaled( strand->position[a], -strand->weight[a] * change / length, along );
+        strand->position[b] = add_scaled( strand->position[b], strand->weight[b] * change / length, along );
+    }
+}
+
+void strand_oracle_follow( strand_oracle* strand, double share )
+{
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double3 e = segment_of( strand, s ), p = strand->position[s + 1];
+        const double length = double3_length( e );
+        if ( strand->weight[s + 1] <= 0.0 || length < least_length )
+        {
+            continue;
+        }
+        strand->position[s + 1] = add_scaled( strand->position[s], strand->length[s] / length, e );
+        if ( strand->weight[s] > 0.0 )
+        {
+            const double3 correction = double3_sub( strand->position[s + 1], p );
+            strand->previous[s] = add_scaled( strand->previous[s], share, correction );
+        }
+    }
+}
+
+// ---- a substep ----
+
+strand_oracle_settings strand_oracle_default_settings( double dt )
+{
+    return ( strand_oracle_settings ){
+        .lengths = STRAND_ORACLE_LENGTHS_DIRECT,
+        .passes = 2,
+        .tolerance = 1e-3,
+        .iterations = 1,
+        .along = { .stiffness = 1.0 },
+        .bend = { .stiffness = 0.2 },
+        .share = 0.9,
+        .bending = STRAND_ORACLE_BENDING_NONE,
+        .gravity = { 0.0, -9.81, 0.0 },
+        .dt = dt,
+    };
+}
+
+static void sweep_links( strand_oracle* strand, const strand_oracle_settings* settings )
+{
+    double two[STRAND_ORACLE_MOST];
+    const bool bends = settings->bending == STRAND_ORACLE_BENDING_LINKS;
+    const bool stretches = settings->lengths == STRAND_ORACLE_LENGTHS_LINKS;
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        two[i] = strand->length[i] + ( i + 2 < strand->count ? strand->length[i + 1] : 0.0 );
+        strand->stretch_lambda[i] = strand->bend_lambda[i] = 0.0;
+    }
+    for ( int k = 0; k < settings->iterations; ++k )
+    {
+        if ( bends )
+        {
+            strand_oracle_link( strand, two, strand->bend_lambda, 2, settings->bend );
+        }
+        if ( stretches )
+        {
+            strand_oracle_link( strand, strand->length, strand->stretch_lambda, 1, settings->along );
+        }
+    }
+}
+
+bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root )
+{
+    const double3 none = { 0.0, 0.0, 0.0 };
+    const double dt = settings->dt;
+    const bool rod = settings->bending == STRAND_ORACLE_BENDING_ROD;
+    bool laid = false;
+    strand_oracle_damp( strand, 1.0 / ( 1.0 + settings->damping * dt ), none, none, none );
+    strand_oracle_predict( strand, root, settings->gravity, dt );
+    if ( rod )
+    {
+        strand_oracle_rod_factor( strand, settings->bend_damping, dt );
+        strand_oracle_rod( strand, settings->bend_damping, dt, settings->looks_back ? &settings->gravity : NULL );
+    }
+    sweep_links( strand, settings );
+    if ( settings->lengths == STRAND_ORACLE_LENGTHS_DIRECT )
+    {
+        laid = strand_oracle_stretch( strand, settings->measure, settings->passes, settings->tolerance, rod, dt );
+    }
+    else if ( settings->lengths == STRAND_ORACLE_LENGTHS_FOLLOW )
+    {
+        strand_oracle_follow( strand, settings->share );
+    }
+    strand_oracle_velocity( strand, dt );
+    return laid;
+}

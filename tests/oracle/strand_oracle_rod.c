@@ -1,0 +1,538 @@
+#include "strand_oracle.h"
+
+#include <stddef.h>
+#include <string.h>
+
+static const double3 zero = { 0.0, 0.0, 0.0 };
+static const double3 z_axis = { 0.0, 0.0, 1.0 };
+
+static double3 add_scaled( double3 a, double s, double3 b )
+{
+    return double3_add( a, double3_scale( s, b ) );
+}
+
+// ---- rotations ----
+
+strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle )
+{
+    const double3 v = double3_scale( sin( 0.5 * angle ), unit_axis );
+    return ( strand_oracle_quaternion ){ v.x, v.y, v.z, cos( 0.5 * angle ) };
+}
+
+strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b )
+{
+    const double3 u = { a.x, a.y, a.z }, v = { b.x, b.y, b.z };
+    const double3 sum = add_scaled( add_scaled( double3_cross( u, v ), a.w, v ), b.w, u );
+    return ( strand_oracle_quaternion ){ sum.x, sum.y, sum.z, a.w * b.w - double3_dot( u, v ) };
+}
+
+double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v )
+{
+    const double3 u = { q.x, q.y, q.z };
+    const double3 across = double3_scale( 2.0, double3_cross( u, v ) );
+    return double3_add( add_scaled( v, q.w, across ), double3_cross( u, across ) );
+}
+
+static strand_oracle_quaternion conjugate( strand_oracle_quaternion q )
+{
+    return ( strand_oracle_quaternion ){ -q.x, -q.y, -q.z, q.w };
+}
+
+static double quaternion_dot( strand_oracle_quaternion a, strand_oracle_quaternion b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
+
+static strand_oracle_quaternion normalised( strand_oracle_quaternion q, strand_oracle_quaternion otherwise )
+{
+    const double length = sqrt( quaternion_dot( q, q ) );
+    if ( !( length > 1e-15 ) )
+    {
+        return otherwise;
+    }
+    return ( strand_oracle_quaternion ){ q.x / length, q.y / length, q.z / length, q.w / length };
+}
+
+strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to )
+{
+    const strand_oracle_quaternion none = { 0.0, 0.0, 0.0, 1.0 };
+    const double3 axis = double3_cross( from, to );
+    const double cosine = double3_dot( from, to );
+    if ( 1.0 + cosine > 1e-12 )
+    {
+        return normalised( ( strand_oracle_quaternion ){ axis.x, axis.y, axis.z, 1.0 + cosine }, none );
+    }
+    const bool x_is_least = fabs( from.x ) <= fabs( from.y ) && fabs( from.x ) <= fabs( from.z );
+    const bool y_is_least = fabs( from.y ) <= fabs( from.z );
+    const double3 across = double3_make( x_is_least ? 1.0 : 0.0, !x_is_least && y_is_least ? 1.0 : 0.0,
+                                         !x_is_least && !y_is_least ? 1.0 : 0.0 );
+    const double3 turn = add_scaled( across, -double3_dot( across, from ), from );
+    return normalised( ( strand_oracle_quaternion ){ turn.x, turn.y, turn.z, 0.0 }, none );
+}
+
+strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, double3 e )
+{
+    const double length = double3_length( e );
+    if ( !( length > 1e-15 ) )
+    {
+        return frame;
+    }
+    const double3 z = strand_oracle_turned( frame, z_axis );
+    const strand_oracle_quaternion swing = strand_oracle_smallest( z, double3_scale( 1.0 / length, e ) );
+    return normalised( strand_oracle_product( swing, frame ), frame );
+}
+
+// ---- stiffness ----
+
+void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double twist_rigidity, bool clamped,
+                            double dt )
+{
+    const double* l = strand->length;
+    const double* w = strand->weight;
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        strand->stiffness[i] = strand->twist_stiffness[i] = 0.0;
+        if ( i + 1 >= strand->count || ( i == 0 && clamped == false ) )
+        {
+            continue;
+        }
+        const double reach = 0.5 * ( ( i > 0 ? l[i - 1] : 0.0 ) + l[i] );
+        const double shorter = i > 0 ? fmin( l[i - 1], l[i] ) : l[i];
+        const double lightest = fmax( fmax( i > 0 ? w[i - 1] : 0.0, w[i] ), w[i + 1] );
+        strand->stiffness[i] = bend_rigidity / reach;
+        strand->twist_stiffness[i] = twist_rigidity / reach;
+        if ( dt * lightest > 0.0 )
+        {
+            strand->stiffness[i] = fmin( strand->stiffness[i], 6e4 * shorter * shorter / ( dt * dt * lightest ) );
+        }
+    }
+}
+
+// ---- M + scale K ----
+
+// C_i as a combination of p_{i-1}, p_i, p_{i+1}; the first is not there for the clamp.
+static void coefficients( const strand_oracle* strand, int i, double c[3] )
+{
+    c[2] = 1.0 / strand->length[i];
+    c[0] = i > 0 ? 1.0 / strand->length[i - 1] : 0.0;
+    c[1] = -c[0] - c[2];
+}
+
+void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double* matrix )
+{
+    const int n = strand->count;
+    memset( matrix, 0, sizeof( double ) * (size_t)n * (size_t)n );
+    for ( int i = 0; i + 1 < n; ++i )
+    {
+        double c[3];
+        coefficients( strand, i, c );
+        for ( int a = i > 0 ? 0 : 1; a < 3; ++a )
+        {
+            for ( int b = i > 0 ? 0 : 1; b < 3; ++b )
+            {
+                matrix[( i - 1 + a ) * n + i - 1 + b] += scale * strand->stiffness[i] * c[a] * c[b];
+            }
+        }
+    }
+    for ( int i = 0; i < n; ++i )
+    {
+        matrix[i * n + i] += strand->weight[i] > 0.0 ? 1.0 / strand->weight[i] : 0.0;
+        for ( int j = 0; j < n && strand->weight[i] <= 0.0; ++j )
+        {
+            matrix[i * n + j] = matrix[j * n + i] = 0.0;
+        }
+    }
+}
+
+void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt )
+{
+    const int n = strand->count;
+    double matrix[STRAND_ORACLE_MOST * STRAND_ORACLE_MOST], pivot[STRAND_ORACLE_MOST];
+    strand_oracle_rod_matrix( strand, dt * dt + damping * dt, matrix );
+    for ( int i = 0; i < n; ++i )
+    {
+        double* row = strand->factor[i];
+        const double a1 = i > 0 ? matrix[i * n + i - 1] : 0.0, a2 = i > 1 ? matrix[i * n + i - 2] : 0.0;
+        const double* before = i > 0 ? strand->factor[i - 1] : row;
+        const double* before2 = i > 1 ? strand->factor[i - 2] : row;
+        row[2] = i > 1 ? a2 * before2[0] : 0.0;
+        row[1] = i > 0 ? ( a1 - ( i > 1 ? row[2] * pivot[i - 2] * before[1] : 0.0 ) ) * before[0] : 0.0;
+        pivot[i] = matrix[i * n + i] - ( i > 0 ? row[1] * row[1] * pivot[i - 1] : 0.0 ) -
+                   ( i > 1 ? row[2] * row[2] * pivot[i - 2] : 0.0 );
+        row[0] = strand->weight[i] > 0.0 && pivot[i] > 0.0 ? 1.0 / pivot[i] : 0.0;
+    }
+}
+
+// ---- what bends and twists at a vertex ----
+
+typedef struct vertex_state
+{
+    double3 bend;   // t_i - t_{i-1}
+    double3 rest;   // k_i in the world
+    double3 turned; // z_i x k_i
+    double3 kb;
+    double twist;  // m_i less its rest value, as 2 z' / w'
+    double moment; // T_i
+    double load;   // b_i
+    double slope;  // of the bending by a turn of one of its two segments
+} vertex_state;
+
+static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
+{
+    return i > 0 ? strand->frame[i - 1] : strand_oracle_product( strand->turn, strand->clamp );
+}
+
+static double3 tangent( const strand_oracle* strand, const double3* p, int s )
+{
+    if ( s < 0 )
+    {
+        return strand_oracle_turned( frame_before( strand, 0 ), z_axis );
+    }
+    return double3_scale( 1.0 / strand->length[s], double3_sub( p[s + 1], p[s] ) );
+}
+
+static strand_oracle_quaternion middle_frame( strand_oracle_quaternion a, strand_oracle_quaternion b )
+{
+    const double sign = quaternion_dot( a, b ) < 0.0 ? -1.0 : 1.0;
+    const strand_oracle_quaternion sum = { a.x + sign * b.x, a.y + sign * b.y, a.z + sign * b.z, a.w + sign * b.w };
+    return normalised( sum, a );
+}
+
+// conj( q_{i-1} ) q_i, with the sign that makes it a small rotation.
+static strand_oracle_quaternion relative_frame( strand_oracle_quaternion a, strand_oracle_quaternion b )
+{
+    const strand_oracle_quaternion r = strand_oracle_product( conjugate( a ), b );
+    return r.w < 0.0 ? ( strand_oracle_quaternion ){ -r.x, -r.y, -r.z, -r.w } : r;
+}
+
+static double curvature_denominator( double3 before, double3 behind )
+{
+    return fmax( 1.0 + double3_dot( before, behind ), 0.1 );
+}
+
+static vertex_state measure_vertex( const strand_oracle* strand, const double3* p, int i )
+{
+    const double3 before = tangent( strand, p, i - 1 ), behind = tangent( strand, p, i );
+    vertex_state v = { .bend = double3_sub( behind, before ) };
+    if ( strand->framed == false )
+    {
+        return v;
+    }
+    const strand_oracle_quaternion a = frame_before( strand, i ), b = strand->frame[i], middle = middle_frame( a, b );
+    v.rest = strand_oracle_turned( middle, strand->rest[i] );
+    v.turned = double3_cross( strand_oracle_turned( middle, z_axis ), v.rest );
+    v.kb = double3_scale( 2.0 / curvature_denominator( before, behind ), double3_cross( before, behind ) );
+
+    const strand_oracle_quaternion r = relative_frame( a, b );
+    const double c = cos( 0.5 * strand->rest_twist[i] ), s = sin( 0.5 * strand->rest_twist[i] );
+    const double z = r.z * c - r.w * s, w = r.w * c + r.z * s;
+    v.twist = 2.0 * z / copysign( fmax( fabs( w ), 0.087 ), w );
+    v.moment = strand->twist_stiffness[i] * v.twist;
+    v.load = -strand->stiffness[i] * double3_dot( v.bend, v.turned );
+    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, double3_dot( v.bend, v.rest ) );
+    return v;
+}
+
+// Vertices 0 .. count - 2; the tip neither bends nor twists.
+static void measure_vertices( const strand_oracle* strand, const double3* p, vertex_state* v )
+{
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        v[i] = measure_vertex( strand, p, i );
+    }
+    v[strand->count - 1] = ( vertex_state ){ .twist = 0.0 };
+}
+
+double strand_oracle_twist( const strand_oracle* strand, int vertex )
+{
+    const strand_oracle_quaternion r = relative_frame( frame_before( strand, vertex ), strand->frame[vertex] );
+    return 2.0 * atan2( r.z, r.w );
+}
+
+double strand_oracle_rod_energy( const strand_oracle* strand )
+{
+    double energy = 0.0;
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        const vertex_state v = measure_vertex( strand, strand->position, i );
+        const double3 c = double3_sub( v.bend, v.rest );
+        const double half = strand->framed ? 0.5 * ( strand_oracle_twist( strand, i ) - strand->rest_twist[i] ) : 0.0;
+        energy += 0.5 * strand->stiffness[i] * double3_dot( c, c );
+        energy -= 4.0 * strand->twist_stiffness[i] * log( fabs( cos( half ) ) );
+    }
+    return energy;
+}
+
+// G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by e_s; it pulls at both ends of the segment.
+static void gradient_of( const strand_oracle* strand, const vertex_state* v, double3* gradient )
+{
+    gradient[0] = zero;
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const vertex_state *a = v + s, *b = v + s + 1;
+        const double3 ma = double3_scale( strand->stiffness[s], double3_sub( a->bend, a->rest ) );
+        const double3 mb = double3_scale( strand->stiffness[s + 1], double3_sub( b->bend, b->rest ) );
+        const double3 twist = add_scaled( double3_scale( 0.5 * a->moment, a->kb ), 0.5 * b->moment, b->kb );
+        const double3 g = double3_scale( 1.0 / strand->length[s], double3_add( double3_sub( ma, mb ), twist ) );
+        gradient[s] = double3_sub( gradient[s], g );
+        gradient[s + 1] = g;
+    }
+}
+
+void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient )
+{
+    vertex_state v[STRAND_ORACLE_MOST];
+    measure_vertices( strand, strand->position, v );
+    gradient_of( strand, v, gradient );
+}
+
+// ---- twist ----
+
+static double out_of_balance( const vertex_state* v, int s )
+{
+    return v[s].moment - v[s + 1].moment + 0.5 * ( v[s].load + v[s + 1].load );
+}
+
+void strand_oracle_twist_balance( const strand_oracle* strand, double* residual )
+{
+    vertex_state v[STRAND_ORACLE_MOST];
+    measure_vertices( strand, strand->position, v );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        residual[s] = out_of_balance( v, s );
+    }
+}
+
+// One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the tip.
+static void solve_turns( const strand_oracle* strand, const vertex_state* v, double* turn )
+{
+    double inverse[STRAND_ORACLE_MOST], off[STRAND_ORACLE_MOST];
+    const int segments = strand->count - 1;
+    for ( int s = 0; s < segments; ++s )
+    {
+        const double own = strand->twist_stiffness[s], behind = strand->twist_stiffness[s + 1];
+        const double diagonal = own + v[s].slope + behind + v[s + 1].slope;
+        double pivot = diagonal, right = -out_of_balance( v, s );
+        off[s] = v[s].slope - own; // to the segment before
+        if ( s > 0 )
+        {
+            pivot -= off[s] * off[s] * inverse[s - 1];
+            right -= off[s] * turn[s - 1];
+        }
+        inverse[s] = pivot > 1e-12 * diagonal && pivot > 1e-30 ? 1.0 / pivot : 0.0;
+        turn[s] = right * inverse[s];
+    }
+    for ( int s = segments - 2; s >= 0; --s )
+    {
+        turn[s] -= off[s + 1] * inverse[s] * turn[s + 1];
+    }
+}
+
+static void balance_twist( strand_oracle* strand, vertex_state* v )
+{
+    double turn[STRAND_ORACLE_MOST];
+    solve_turns( strand, v, turn );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        turn[s] = fmax( -1.0, fmin( 1.0, turn[s] ) );
+        const strand_oracle_quaternion about_itself = { 0.0, 0.0, 0.5 * turn[s], 1.0 };
+        strand->frame[s] = normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
+        const double before = s > 0 ? turn[s - 1] : 0.0;
+        v[s].rest = add_scaled( v[s].rest, 0.5 * ( before + turn[s] ), v[s].turned );
+        v[s].moment += strand->twist_stiffness[s] * ( turn[s] - before );
+    }
+}
+
+// ---- a substep ----
+
+// Along the segments at `place`.
+static void pull( strand_oracle* strand, const double3* place, double dt )
+{
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        strand->tension[s] = fmax( -strand->most_tension[s], fmin( strand->most_tension[s], strand->tension[s] ) );
+    }
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        double3 force = zero;
+        if ( i + 1 < strand->count )
+        {
+            force = add_scaled( force, strand->tension[i], tangent( strand, place, i ) );
+        }
+        if ( i > 0 )
+        {
+            force = add_scaled( force, -strand->tension[i - 1], tangent( strand, place, i - 1 ) );
+        }
+        strand->position[i] = add_scaled( strand->position[i], dt * dt * strand->weight[i], force );
+    }
+}
+
+// K (p* - p): what the bending at each vertex has changed since the start of the substep. The clamp counts as still.
+static void rate_gradient( const strand_oracle* strand, double3* gradient )
+{
+    double3 way[STRAND_ORACLE_MOST];
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        way[i] = double3_sub( strand->position[i], strand->previous[i] );
+        gradient[i] = zero;
+    }
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        double c[3];
+        coefficients( strand, i, c );
+        double3 change = add_scaled( double3_scale( c[1], way[i] ), c[2], way[i + 1] );
+        change = i > 0 ? add_scaled( change, c[0], way[i - 1] ) : change;
+        for ( int a = i > 0 ? 0 : 1; a < 3; ++a )
+        {
+            gradient[i - 1 + a] = add_scaled( gradient[i - 1 + a], strand->stiffness[i] * c[a], change );
+        }
+    }
+}
+
+static void solve_and_move( strand_oracle* strand, double3* x )
+{
+    const int n = strand->count;
+    for ( int i = 0; i < n; ++i )
+    {
+        x[i] = i > 0 ? add_scaled( x[i], -strand->factor[i][1], x[i - 1] ) : x[i];
+        x[i] = i > 1 ? add_scaled( x[i], -strand->factor[i][2], x[i - 2] ) : x[i];
+    }
+    for ( int i = n - 1; i >= 0; --i )
+    {
+        x[i] = double3_scale( strand->factor[i][0], x[i] );
+        x[i] = i + 1 < n ? add_scaled( x[i], -strand->factor[i + 1][1], x[i + 1] ) : x[i];
+        x[i] = i + 2 < n ? add_scaled( x[i], -strand->factor[i + 2][2], x[i + 2] ) : x[i];
+        strand->position[i] = double3_add( strand->position[i], x[i] );
+    }
+}
+
+// Frames are carried to the segments at `place`, where twist is measured and brought to balance; what bends there is what
+// bends at p*, because only that is solved for.
+static void measure_rod( strand_oracle* strand, const double3* place, vertex_state* v )
+{
+    for ( int s = 0; s + 1 < strand->count && strand->framed; ++s )
+    {
+        strand->frame[s] = strand_oracle_carried( strand->frame[s], double3_sub( place[s + 1], place[s] ) );
+    }
+    measure_vertices( strand, place, v );
+    if ( strand->framed )
+    {
+        balance_twist( strand, v );
+    }
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        v[i].bend = double3_sub( tangent( strand, strand->position, i ), tangent( strand, strand->position, i - 1 ) );
+    }
+}
+
+void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration )
+{
+    vertex_state v[STRAND_ORACLE_MOST];
+    double3 place[STRAND_ORACLE_MOST], right[STRAND_ORACLE_MOST], rate[STRAND_ORACLE_MOST];
+    if ( strand->count < 2 )
+    {
+        return;
+    }
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        const bool gained = acceleration != NULL && strand->weight[i] > 0.0;
+        place[i] = gained ? add_scaled( strand->position[i], -dt * dt, *acceleration ) : strand->position[i];
+    }
+    pull( strand, place, dt );
+    measure_rod( strand, acceleration != NULL ? place : strand->position, v );
+    gradient_of( strand, v, right );
+    rate_gradient( strand, rate );
+    for ( int i = 0; i < strand->count; ++i )
+    {
+        right[i] = add_scaled( double3_scale( -dt * dt, right[i] ), -damping * dt, rate[i] );
+    }
+    solve_and_move( strand, right );
+}
+
+// ---- shapes at rest ----
+
+// Frames carried along the present shape from the clamp; twist is 0 everywhere.
+static void lay_frames( strand_oracle* strand )
+{
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        const double3 e = double3_sub( strand->position[s + 1], strand->position[s] );
+        strand->frame[s] = strand_oracle_carried( frame_before( strand, s ), e );
+        strand->rest_twist[s] = 0.0;
+    }
+    strand->framed = true;
+}
+
+static double3 into_middle( const strand_oracle* strand, int i, double3 k )
+{
+    return strand_oracle_turned( conjugate( middle_frame( frame_before( strand, i ), strand->frame[i] ) ), k );
+}
+
+void strand_oracle_rest_shape( strand_oracle* strand )
+{
+    lay_frames( strand );
+    for ( int i = 0; i + 1 < strand->count; ++i )
+    {
+        strand->rest[i] = into_middle( strand, i, measure_vertex( strand, strand->position, i ).bend );
+    }
+}
+
+void strand_oracle_rest_straight( strand_oracle* strand )
+{
+    lay_frames( strand );
+    memset( strand->rest, 0, sizeof( strand->rest ) );
+    strand->framed = false;
+}
+
+// What the recursion from the tip carries to the segment before.
+typedef struct hanging
+{
+    double3 weight;       // N, W_s
+    double3 moment;       // M_{s+1}
+    double twist, load;   // T_{s+1}, b_{s+1}
+    double3 twist_moment; // T_{s+1} kb_{s+1}
+} hanging;
+
+// With u = bend x z, b_s = M_s . u. M_s = A - l alpha t_s - T_s kb_s / 2 and t_s . u = 0 make T_s a linear equation.
+static void balance_vertex( strand_oracle* strand, int s, hanging* h )
+{
+    const vertex_state v = measure_vertex( strand, strand->position, s );
+    const double l = strand->length[s];
+    const double3 t = tangent( strand, strand->position, s );
+    const double3 z = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), z_axis );
+    const double3 u = double3_cross( v.bend, z );
+    double3 m = add_scaled( add_scaled( h->moment, l, h->weight ), -0.5, h->twist_moment );
+    double twist = 0.0;
+    if ( strand->twist_stiffness[s] > 0.0 )
+    {
+        twist = h->twist - 0.5 * ( double3_dot( m, u ) + h->load );
+        twist /= 1.0 - 0.25 * double3_dot( v.kb, u );
+    }
+    h->twist_moment = double3_scale( twist, v.kb );
+    m = add_scaled( m, -0.5, h->twist_moment );
+    const double lean = double3_dot( t, z );
+    const double alpha = lean > 1e-12 ? double3_dot( m, z ) / ( l * lean ) : 0.0;
+    m = add_scaled( m, -l * alpha, t );
+    h->moment = m;
+    h->twist = twist;
+    h->load = double3_dot( m, u );
+
+    const bool bends = strand->stiffness[s] > 0.0;
+    const double3 k = bends ? add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;
+    strand->rest[s] = into_middle( strand, s, k );
+    strand->rest_twist[s] = twist != 0.0 ? -2.0 * atan( 0.5 * twist / strand->twist_stiffness[s] ) : 0.0;
+    strand->tension[s] = alpha;
+}
+
+void strand_oracle_balance( strand_oracle* strand, double3 gravity )
+{
+    hanging h = { .twist = 0.0 };
+    lay_frames( strand );
+    for ( int s = strand->count - 2; s >= 0; --s )
+    {
+        const bool is_held = strand->weight[s + 1] <= 0.0;
+        h.weight = is_held ? zero : add_scaled( h.weight, strand->mass[s + 1], gravity );
+        balance_vertex( strand, s, &h );
+    }
+    strand->tension[strand->count - 1] = 0.0;
+}
