@@ -172,10 +172,10 @@ static bool node_conflicts( const wisp_registry* r, const plan_node* node, const
     return false;
 }
 
-// Passes over groups of strands in the substep loop, if they can run all substeps of one group before they turn to the
-// next: then a group stays in L1 for the whole step, and no worker waits for another between substeps (2 000 strands of 20
-// vertices: 2.6 times faster, bench case "strands"). They can if no other pass of the loop has to do with what they write,
-// or writes what they read, and none of them asks whether it is due, which is answered once a step.
+// Passes over groups of strands in the substep loop, if they can run all substeps of a block of groups before they turn to the
+// next: then the block stays in the near caches for the whole step, and no worker waits for another between substeps (bench
+// case "strands"). They can if no other pass of the loop has to do with what they write, or writes what they read, and none of
+// them asks whether it is due, which is answered once a step.
 static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
 {
     store_mask loop = 0, writes = 0, reads = 0;

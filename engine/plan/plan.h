@@ -65,7 +65,7 @@ typedef enum plan_section
     PLAN_SUBSTEP,         // once a substep, before the iterations
     PLAN_ITERATION,       // once an iteration
     PLAN_AFTER_ITERATION, // once a substep, after the iterations
-    PLAN_ITEM_LOOP,       // the three sections before, item by item: all substeps of one group, then of the next
+    PLAN_ITEM_LOOP,       // the three sections before, block by block: all substeps of some groups, then of the next
     PLAN_AFTER,
     PLAN_SECTION_COUNT,
 } plan_section;

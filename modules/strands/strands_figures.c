@@ -27,12 +27,14 @@ typedef struct guard_loop
 // Of 48 floats a row; false for a NaN.
 static bool is_good( const float* rows, int row )
 {
-    bool good = true;
-    for ( size_t i = (size_t)row * 3 * WISP_LANES; i < (size_t)( row + 1 ) * 3 * WISP_LANES; ++i )
+    // without a way out of the loop, so that it runs in lanes
+    const float* first = rows + (size_t)row * 3 * WISP_LANES;
+    int within = 0;
+    for ( int i = 0; i < 3 * WISP_LANES; ++i )
     {
-        good = good && fabsf( rows[i] ) <= BOUND;
+        within += fabsf( first[i] ) <= BOUND ? 1 : 0;
     }
-    return good;
+    return within == 3 * WISP_LANES;
 }
 
 static void look( void* context, int begin, int end, int worker )

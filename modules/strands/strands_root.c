@@ -66,8 +66,8 @@ void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && head->jumped != 0 && span->substep == 0;
-          ++i )
+    const int end = head->jumped != 0 && span->substep == 0 ? span->end * WISP_LANES : 0;
+    for ( int i = span->begin * WISP_LANES; i < end; ++i )
     {
         strands_turn( frame, span->entity, i / WISP_LANES, i % WISP_LANES, head->from.translation,
                       head->to.translation, turn_of( head ) );
@@ -78,10 +78,42 @@ void strands_jump_frames( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES && head->jumped != 0 && span->substep == 0;
-          ++i )
+    const int end = head->jumped != 0 && span->substep == 0 ? span->end * WISP_LANES : 0;
+    for ( int i = span->begin * WISP_LANES; i < end; ++i )
     {
         strands_turn_frames( frame, span->entity, state->curve, i / WISP_LANES, i % WISP_LANES, turn_of( head ) );
+    }
+}
+
+// A pose as the rows of its matrix, which sixteen lanes go through side by side.
+typedef struct pose_rows
+{
+    float x[4], y[4], z[4]; // of the rotation, translation behind
+} pose_rows;
+
+static pose_rows rows_of_pose( wisp_rigid pose )
+{
+    const wisp_vec3 a = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    const wisp_vec3 b = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_vec3 c = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+    const wisp_vec3 t = pose.translation;
+    return ( pose_rows ){ { a.x, b.x, c.x, t.x }, { a.y, b.y, c.y, t.y }, { a.z, b.z, c.z, t.z } };
+}
+
+static void carry_lanes( const float row[4], const float* rest, float* out )
+{
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        out[lane] =
+            row[0] * rest[lane] + row[1] * rest[WISP_LANES + lane] + row[2] * rest[2 * WISP_LANES + lane] + row[3];
+    }
+}
+
+static void fill_lanes( float value, float* out )
+{
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        out[lane] = value;
     }
 }
 
@@ -89,17 +121,29 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
+    const bool is_still = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0;
+    if ( is_still && span->substep > 0 )
+    {
+        return; // roots are where the first substep has put them
+    }
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
     const wisp_rigid pose = strands_head_pose( frame, head, span->substep + 1 );
-    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    const pose_rows rows = rows_of_pose( pose );
+    for ( int g = span->begin; g < span->end; ++g )
     {
-        const int group = i / WISP_LANES, lane = i % WISP_LANES;
-        strands_put( position, group, lane,
-                     wisp_rigid_to_world( pose, strands_get( rest, t->group_row[group], lane ) ) );
-        strands_put_quat( rotation, group, lane, pose.rotation );
+        const float* from = rest + strands_vector( t->group_row[g], 0 );
+        float* to = position + strands_vector( g, 0 );
+        carry_lanes( rows.x, from, to );
+        carry_lanes( rows.y, from, to + WISP_LANES );
+        carry_lanes( rows.z, from, to + 2 * WISP_LANES );
+        float* turn = rotation + (size_t)g * 4 * WISP_LANES;
+        fill_lanes( pose.rotation.x, turn );
+        fill_lanes( pose.rotation.y, turn + WISP_LANES );
+        fill_lanes( pose.rotation.z, turn + 2 * WISP_LANES );
+        fill_lanes( pose.rotation.w, turn + 3 * WISP_LANES );
     }
 }
 

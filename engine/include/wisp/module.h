@@ -67,7 +67,7 @@ typedef enum wisp_domain
 {
     WISP_DOMAIN_ENTITY,         ///< called once an entity; may use wisp_frame_parallel()
     WISP_DOMAIN_STRAND_GROUP,   ///< called for ranges of groups; touches only its own groups, so neighbours fuse, and
-                                ///< passes of the substep loop run all substeps of a group before the next group
+                                ///< passes of the substep loop run all substeps of a block before the next block
     WISP_DOMAIN_PARTICLE_BLOCK, ///< called for ranges of blocks of WISP_PARTICLE_BLOCK particles; touches only its own
 } wisp_domain;
 
