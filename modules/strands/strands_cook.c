@@ -1,6 +1,7 @@
 // What a definition becomes: masses and lengths, links, clamps, and the factors of the rods' systems, in double.
 #include "strands_internal.h"
 
+#include <float.h>
 #include <string.h>
 
 // A segment shorter than this share of the strand's mean one gets its length: without a length it had no direction.
@@ -301,6 +302,11 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
         cook_most_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
                            lane, most );
         factored[group] = 0.0f;
+    }
+    // the tension of a curled rod is that of its balance, which does not change
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES && wisp_world_has( world, strands, state->curve ); ++i )
+    {
+        most[i] = FLT_MAX;
     }
 }
 
