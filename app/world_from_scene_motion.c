@@ -8,6 +8,19 @@ static wisp_status fail_here( const scene_world* world, int strands, wisp_status
                : scene_fail_at_strands( world->scene, strands, status, wisp_world_message( world->world ), error );
 }
 
+static wisp_status set_collision( scene_world* world, int strands )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    const wisp_entity entity = world->entities[strands];
+    wisp_status status =
+        entry->has_collision ? wisp_set_collision( world->world, entity, &entry->collision ) : WISP_OK;
+    if ( status == WISP_OK && entry->want_contacts )
+    {
+        status = wisp_want_collision_figures( world->world, entity, true );
+    }
+    return status;
+}
+
 static wisp_status set_dynamics( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -17,14 +30,7 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     {
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );
     }
-    if ( status == WISP_OK && entry->has_collision )
-    {
-        status = wisp_set_collision( world->world, entity, &entry->collision );
-    }
-    if ( status == WISP_OK && entry->want_contacts )
-    {
-        status = wisp_want_collision_figures( world->world, entity, true );
-    }
+    status = status == WISP_OK ? set_collision( world, strands ) : status;
     if ( status == WISP_OK && entry->on_surface >= 0 )
     {
         status = wisp_root_strands( world->world, entity, world->surfaces[entry->on_surface].entity );
@@ -43,7 +49,8 @@ static wisp_status set_ghosts( scene_world* world, int strands )
     {
         status = wisp_want( world->world, world->entities[strands], WISP_STRAND_CARRIED );
     }
-    return status == WISP_OK ? wisp_set_ghosts( world->world, world->entities[strands], &def ) : status;
+    status = status == WISP_OK ? wisp_set_ghosts( world->world, world->entities[strands], &def ) : status;
+    return status == WISP_OK ? set_collision( world, strands ) : status;
 }
 
 static wisp_status add_curves( scene_world* world, int strands, wisp_error* error )

@@ -2,6 +2,8 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
+#include <string.h>
+
 // ---- dynamics ----
 
 static int64_t made_vertices( const wisp_scene_strands* strands )
@@ -142,14 +144,15 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
     return WISP_OK;
 }
 
-// What only strands that move can take.
-static wisp_status check_still( scene_reader* r, const scene_node* node )
+// What only strands that move can take; ghosts are at least kept out of bodies.
+static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
     static const char* const keys[] = { "head", "on_surface", "grid", "collision" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );
-        if ( child )
+        const bool follows = s->has_ghosts && strcmp( keys[i], "collision" ) == 0;
+        if ( child && !follows )
         {
             return scene_refuse_node( r, child, "'%s' is of strands that move, but these have no key 'dynamics'",
                                       keys[i] );
@@ -176,7 +179,7 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
         return scene_refuse_node( r, node,
                                   "ghosts.targets is missing, and there is no 'scatter' that could tell them" );
     }
-    return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node );
+    return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
 }
 
 // ---- entries that are named ----
@@ -248,6 +251,12 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i 
     if ( !s->has_ghosts )
     {
         return WISP_OK;
+    }
+    const scene_node* fed = scene_child( r, scene_child( r, entry, "ghosts" ), "feedback" );
+    if ( s->ghosts.feedback && ( s->ghosts.frame != WISP_GHOST_FRAME_OFF || s->ghosts.target_count != 1 ) )
+    {
+        return scene_refuse_node( r, fed,
+                                  "feedback integrates places; it needs 'frame: off' and one target a ghost" );
     }
     const scene_node* node = enter( r, entry, "ghosts", "targets" );
     s->targets = s->scatter.around;

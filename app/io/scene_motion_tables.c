@@ -98,6 +98,7 @@ static const scene_field GHOSTS_FIELDS[] = {
     { "spread", SCENE_NUMBER, .at = GHOSTS( spread ), .range = SIZE },
     { "repair_length", SCENE_SWITCH, .at = GHOSTS( repair_length ) },
     { "frame", SCENE_CHOICE, .at = GHOSTS( frame ), .choices = FRAMES },
+    { "feedback", SCENE_SWITCH, .at = GHOSTS( feedback ) },
 };
 const scene_block SCENE_GHOSTS_BLOCK = BLOCK( GHOSTS_FIELDS );
 

@@ -156,7 +156,8 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
     return WISP_OK;
 }
 
-// Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision too.
+// Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
+// too, which ghosts can have without a motion of their own.
 wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
 {
     static const char* const words[] = {
@@ -188,7 +189,8 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
             return scene_refuse_node( r, item, "'%s' comes from a look, but these strands have no key 'look'",
                                       words[word] );
         }
-        if ( !status && word >= OF_DYNAMICS && !s->has_dynamics )
+        const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
+        if ( !status && word >= OF_DYNAMICS && !moves )
         {
             return scene_refuse_node( r, item, "'%s' is of strands that move, but these have no key 'dynamics'",
                                       words[word] );

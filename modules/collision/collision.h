@@ -74,11 +74,20 @@ WISP_API wisp_collision_def wisp_default_collision_def( void );
 /// Let a surface or strands collide with the bodies of the world, or change how they do. Vertices that are pinned are not
 /// moved. Strands keep out of bodies vertex by vertex, before their lengths are restored, which may pull a vertex back in by
 /// some of the thickness: see wisp_read_collision_figures().
+///
+/// Strands without dynamics are carried by others (ghosts), or stand still. Once a step, when their place is known, vertices
+/// behind the root that are nearer than the thickness to a body, where that is at the end of the step, are moved out along
+/// its normal: without friction, recovery speed and memory, and without regard for lengths and paths. Frozen hair begins
+/// before and goes on from there if this module comes before its own in the world's list, else it is moved as it looks.
+/// Strands that get dynamics later are carried until the call is made again, or a body is added. Curves are drawn
+/// afterwards: it is their source that collides.
 /// @return WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_CONFLICT the module is not registered,
-///         or the entity is neither a surface nor strands with dynamics; WISP_NO_MEMORY
+///         or the entity is neither a surface nor strands, or strands that move by other means than dynamics;
+///         WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_collision( wisp_world* world, wisp_entity guest, const wisp_collision_def* def );
 
-/// Figures of a surface or of strands at the end of a step, over its vertices that are not pinned.
+/// Figures of a surface or of strands at the end of a step, over its vertices that are not pinned; of strands
+/// without dynamics, that are not roots.
 typedef struct wisp_collision_figures
 {
     float penetration; ///< m, how much nearer than the thickness a vertex is to a body, at most; 0: none is

@@ -18,6 +18,7 @@ typedef struct measure_loop
     wisp_frame* frame;
     const wisp_span* span;
     const collision_state* state;
+    bool carried; // strands without what moves them
     wisp_collision_figures figures[WISP_MAX_WORKERS];
 } measure_loop;
 
@@ -105,8 +106,17 @@ static void measure_slots( void* context, int begin, int end, int worker )
 typedef struct measure_rows
 {
     const wisp_strand_topology* strands;
-    const float *position, *weight, *pushed;
+    const float *position, *weight, *pushed; // of strands that are carried the place alone
+    const uint32_t* moved;                   // of those
 } measure_rows;
+
+// Strands that are carried have no weights: it is their roots that stay.
+static bool is_free( const measure_rows* rows, int group, int row, int lane )
+{
+    const int i = row - rows->strands->group_row[group];
+    return rows->weight != NULL ? rows->weight[(size_t)row * WISP_LANES + (size_t)lane] > 0.0f
+                                : i > 0 && i < rows->strands->lane_count[group * WISP_LANES + lane];
+}
 
 static void measure_row( const measure_rows* rows, const collision_view* view, int group, int row,
                          wisp_collision_figures* f )
@@ -116,14 +126,28 @@ static void measure_row( const measure_rows* rows, const collision_view* view, i
     batch.count = 0;
     for ( int l = 0; l < WISP_LANES; ++l )
     {
-        const float* p = rows->position + (size_t)row * 3 * WISP_LANES + l;
-        if ( rows->weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f )
+        if ( is_free( rows, group, row, l ) )
         {
             const int vertex = rows->strands->offsets[strand[l]] + row - rows->strands->group_row[group];
-            add_vertex( &batch, view, vertex, ( wisp_vec3 ){ p[0], p[WISP_LANES], p[2 * WISP_LANES] } );
+            add_vertex( &batch, view, vertex,
+                        collision_load_lane( rows->position + (size_t)row * 3 * WISP_LANES + l ) );
         }
     }
     measure_batch_of( &batch, view, f );
+}
+
+static int count_touched( const measure_rows* rows, int row )
+{
+    if ( rows->moved != NULL )
+    {
+        return __builtin_popcount( rows->moved[row] );
+    }
+    int count = 0;
+    for ( int l = 0; l < WISP_LANES; ++l )
+    {
+        count += rows->pushed[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ? 1 : 0;
+    }
+    return count;
 }
 
 static void measure_groups( void* context, int begin, int end, int worker )
@@ -133,8 +157,9 @@ static void measure_groups( void* context, int begin, int end, int worker )
     const measure_rows rows = {
         .strands = wisp_frame_strands( loop->frame, e ),
         .position = wisp_frame_column( loop->frame, e, WISP_STRAND_POSITION, 0 ),
-        .weight = wisp_frame_column( loop->frame, e, WISP_STRAND_WEIGHT, 0 ),
-        .pushed = wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
+        .weight = loop->carried ? NULL : wisp_frame_column( loop->frame, e, WISP_STRAND_WEIGHT, 0 ),
+        .pushed = loop->carried ? NULL : wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
+        .moved = loop->carried ? wisp_frame_column( loop->frame, e, loop->state->carried, 0 ) : NULL,
     };
     wisp_collision_figures* f = loop->figures + worker;
     const int32_t* group_row = rows.strands->group_row;
@@ -148,25 +173,25 @@ static void measure_groups( void* context, int begin, int end, int worker )
                 measure_row( &rows, &view, group, row, f );
             }
         }
-    }
-    for ( size_t i = (size_t)group_row[begin] * WISP_LANES; i < (size_t)group_row[end] * WISP_LANES; ++i )
-    {
-        f->contacts += rows.pushed[i] > 0.0f ? 1 : 0;
+        for ( int row = group_row[group]; row < group_row[group + 1]; ++row )
+        {
+            f->contacts += count_touched( &rows, row );
+        }
     }
 }
 
 // ---- the passes ----
 
-static void measure( wisp_frame* frame, const wisp_span* span, const collision_state* state, int count, int grain,
-                     wisp_range_fn* run )
+static void measure( measure_loop loop, int count, int grain, wisp_range_fn* run )
 {
-    measure_loop loop = { .frame = frame, .span = span, .state = state };
+    wisp_frame* frame = loop.frame;
+    const wisp_span* span = loop.span;
     for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
     {
         loop.figures[w] = NOTHING;
     }
     wisp_parallel_for( wisp_frame_parallel( frame, span ), count, grain, run, &loop );
-    wisp_collision_figures* all = wisp_frame_column( frame, span->entity, state->figures, 0 );
+    wisp_collision_figures* all = wisp_frame_column( frame, span->entity, loop.state->figures, 0 );
     *all = NOTHING;
     for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
     {
@@ -180,13 +205,22 @@ static void measure( wisp_frame* frame, const wisp_span* span, const collision_s
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    measure( frame, span, user, fabric->vertex_count, CHUNK, measure_slots );
+    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count, CHUNK,
+             measure_slots );
 }
 
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
-    measure( frame, span, user, strands->group_count, GROUPS, measure_groups );
+    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, strands->group_count, GROUPS,
+             measure_groups );
+}
+
+void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_topology* strands = wisp_frame_strands( frame, span->entity );
+    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user, .carried = true }, strands->group_count,
+             GROUPS, measure_groups );
 }
 
 // ---- the public face ----

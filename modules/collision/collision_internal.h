@@ -28,6 +28,7 @@ typedef struct collision_state
     wisp_component settings;       // collision_settings: the surface, or the strands, collide
     wisp_component contact;        // rows of particles; only while there is a body to touch
     wisp_component strand_contact; // rows of strands, likewise
+    wisp_component carried;        // rows of strands that others carry, likewise
     wisp_component figures;        // wisp_collision_figures
     wisp_component collider;       // collision_collider
     wisp_component motion;         // a pose: the body is moved
@@ -104,6 +105,8 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_carry( wisp_frame* frame, const wisp_span* span, void* user );
 
 // ---- collision_module.c ----
@@ -150,6 +153,19 @@ static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
 static inline float collision_length( wisp_vec3 a )
 {
     return sqrtf( collision_dot( a, a ) );
+}
+
+/// One lane of a row of sixteen vertices.
+static inline wisp_vec3 collision_load_lane( const float* x )
+{
+    return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
+}
+
+static inline void collision_store_lane( float* x, wisp_vec3 v )
+{
+    x[0] = v.x;
+    x[WISP_LANES] = v.y;
+    x[2 * WISP_LANES] = v.z;
 }
 
 /// Make a box hold a point.

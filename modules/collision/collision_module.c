@@ -14,6 +14,7 @@ static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
     X( float, pushed, 16 ) /* m, by bodies in this substep */                                                        \
     X( float, depth, 16 )  /* m, how much nearer than the thickness a vertex may be in this iteration */             \
     X( float, left, 16 )   /* m, how much nearer it was let be */
+#define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
 #define COLLISION_FIGURES_COLUMNS( X ) X( wisp_collision_figures, figures, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_rigid, target, 1 ) /* at the end of the next step */
@@ -21,6 +22,7 @@ static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FIGURES_COLUMNS[] = { COLLISION_FIGURES_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
@@ -82,12 +84,14 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
                                          WISP_COUNT( CONTACT_COLUMNS ) };
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
+    const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
     const wisp_component_def figures = { "collision.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
     state->contact = wisp_declare_component( r, &contact );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
+    state->carried = wisp_declare_component( r, &carried );
     state->figures = wisp_declare_component( r, &figures );
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
@@ -158,6 +162,28 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .run = collision_measure_strands,
             .user = state,
         },
+        {
+            // It reads the place and says so, which puts it behind what begins an appearance without reading it; what
+            // goes on from there is an equal, for which the order of the modules decides.
+            .name = "collision.carried",
+            .stage = WISP_STAGE_SHAPE,
+            .domain = WISP_DOMAIN_STRAND_GROUP,
+            .needs = { state->settings, state->carried },
+            .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
+            .writes = { state->carried, WISP_STRAND_POSITION },
+            .run = collision_keep_out,
+            .user = state,
+        },
+        {
+            .name = "collision.carried_figures",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { state->settings, state->carried },
+            .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
+            .writes = { state->figures },
+            .run = collision_measure_carried,
+            .user = state,
+        },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
@@ -214,6 +240,28 @@ bool collision_reserve( wisp_world* world, void** array, int* capacity, int coun
     return true;
 }
 
+static wisp_component contact_of( wisp_world* world, const collision_state* state, wisp_entity guest )
+{
+    if ( wisp_world_strands( world, guest ) == NULL )
+    {
+        return state->contact;
+    }
+    return wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) ? state->strand_contact : state->carried;
+}
+
+// Strands that were carried when they came and have dynamics now change their dress.
+static wisp_status dress_one( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
+{
+    const wisp_component contact = contact_of( world, state, guest );
+    const wisp_status status =
+        active ? wisp_world_attach( world, guest, contact ) : wisp_world_detach( world, guest, contact );
+    if ( status == WISP_OK && contact == state->strand_contact && wisp_world_has( world, guest, state->carried ) )
+    {
+        return wisp_world_detach( world, guest, state->carried );
+    }
+    return status;
+}
+
 static wisp_status dress( wisp_world* world, const collision_state* state, wisp_entity guest )
 {
     const collision_settings* settings = wisp_world_column( world, guest, state->settings, 0 );
@@ -225,9 +273,7 @@ static wisp_status dress( wisp_world* world, const collision_state* state, wisp_
     }
     if ( status == WISP_OK )
     {
-        const wisp_component contact =
-            wisp_world_strands( world, guest ) != NULL ? state->strand_contact : state->contact;
-        status = active ? wisp_world_attach( world, guest, contact ) : wisp_world_detach( world, guest, contact );
+        status = dress_one( world, state, guest, active );
     }
     return status == WISP_OK && figures ? wisp_want( world, guest, state->figures ) : status;
 }
@@ -288,6 +334,25 @@ static float mean_edge( const wisp_fabric* fabric )
     return sum > 0.0 ? (float)( sum / fabric->edge_count ) : 0.0f;
 }
 
+static float mean_rest_segment( const wisp_strand_topology* strands, const float* rest )
+{
+    double sum = 0.0;
+    int count = 0;
+    for ( int lane = 0; lane < strands->group_count * WISP_LANES; ++lane )
+    {
+        const float* x = rest + (size_t)strands->group_row[lane / WISP_LANES] * 3 * WISP_LANES + lane % WISP_LANES;
+        for ( int i = 1; i < strands->lane_count[lane]; ++i )
+        {
+            const wisp_vec3 last = collision_load_lane( x + (size_t)( i - 1 ) * 3 * WISP_LANES );
+            const wisp_vec3 here = collision_load_lane( x + (size_t)i * 3 * WISP_LANES );
+            const float length = collision_length( collision_sub( here, last ) );
+            sum += (double)length;
+            count += length > 0.0f ? 1 : 0;
+        }
+    }
+    return count > 0 ? (float)( sum / count ) : 0.0f;
+}
+
 static float mean_segment( const wisp_strand_topology* strands, const float* length )
 {
     double sum = 0.0;
@@ -304,9 +369,19 @@ static float mean_segment( const wisp_strand_topology* strands, const float* len
 static float own_length( wisp_world* world, wisp_entity guest )
 {
     const wisp_strand_topology* strands = wisp_world_strands( world, guest );
-    const float length = strands != NULL
-                             ? mean_segment( strands, wisp_world_column( world, guest, WISP_STRAND_LENGTH, 0 ) )
-                             : mean_edge( wisp_world_fabric( world, guest ) );
+    float length;
+    if ( strands == NULL )
+    {
+        length = mean_edge( wisp_world_fabric( world, guest ) );
+    }
+    else if ( wisp_world_has( world, guest, WISP_STRAND_LENGTH ) )
+    {
+        length = mean_segment( strands, wisp_world_column( world, guest, WISP_STRAND_LENGTH, 0 ) );
+    }
+    else
+    {
+        length = mean_rest_segment( strands, wisp_world_column( world, guest, WISP_STRAND_REST, 0 ) );
+    }
     return length > 0.0f ? length : 1e-3f;
 }
 
@@ -339,7 +414,7 @@ static wisp_status enter_guest( wisp_world* world, collision_state* state, wisp_
     return status;
 }
 
-// Strands must have what moves them, or there is nothing that contacts could be written to.
+// Strands with a velocity must have the rest of what moves them, or there is nothing that contacts could be written to.
 static wisp_status find_guest( wisp_world* world, wisp_entity guest, collision_state** state )
 {
     if ( wisp_world_strands( world, guest ) == NULL )
@@ -350,8 +425,9 @@ static wisp_status find_guest( wisp_world* world, wisp_entity guest, collision_s
         return status;
     }
     wisp_status status = collision_find_state( world, state );
-    if ( status == WISP_OK && ( wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) == false ||
-                                wisp_world_has( world, guest, WISP_STRAND_LENGTH ) == false ) )
+    if ( status == WISP_OK && wisp_world_has( world, guest, WISP_STRAND_VELOCITY ) &&
+         ( wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) == false ||
+           wisp_world_has( world, guest, WISP_STRAND_LENGTH ) == false ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "collision: the strands of entity %u do not move: give them dynamics first",

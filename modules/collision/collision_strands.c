@@ -80,18 +80,6 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
     return way;
 }
 
-static wisp_vec3 load_lane( const float* x )
-{
-    return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
-}
-
-static void store_lane( float* x, wisp_vec3 v )
-{
-    x[0] = v.x;
-    x[WISP_LANES] = v.y;
-    x[2 * WISP_LANES] = v.z;
-}
-
 static wisp_vec3 rubbed( const collision_view* view, wisp_vec3 u, wisp_vec3 normal, float push )
 {
     const wisp_vec3 across = collision_add_scaled( u, -collision_dot( normal, u ), normal );
@@ -117,14 +105,14 @@ static void touch( strand_loop* loop, const collision_view* view, int row, int l
     const float start = collision_start_gap( view, &plane, from, swept ) + view->thickness;
     const strand_way way = find_way( loop, view->thickness, start, now, loop->job.depth[i] );
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
-    const wisp_vec3 p = collision_add_scaled( load_lane( at ), way.out, normal );
-    const wisp_vec3 previous = collision_add_scaled( load_lane( was ), way.healed + way.calmed, normal );
+    const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
+    const wisp_vec3 previous = collision_add_scaled( collision_load_lane( was ), way.healed + way.calmed, normal );
     const wisp_vec3 motion = collision_sub( wisp_rigid_to_world( view->after, plane.point ),
                                             wisp_rigid_to_world( view->before, plane.point ) );
     const float push = fmaxf( 0.0f, way.out - way.healed );
     const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
-    store_lane( at, collision_sub( p, rubbed( view, u, normal, push ) ) );
-    store_lane( was, previous );
+    collision_store_lane( at, collision_sub( p, rubbed( view, u, normal, push ) ) );
+    collision_store_lane( was, previous );
     loop->job.pushed[i] += push;
     loop->job.left[i] = fmaxf( loop->job.left[i], way.left );
 }
@@ -143,8 +131,8 @@ static void touch_row( strand_loop* loop, const collision_view* view, int row )
             continue;
         }
         const size_t at = (size_t)row * ROW + (size_t)l;
-        from[n] = wisp_rigid_to_body( view->before, load_lane( loop->job.previous + at ) );
-        const wisp_vec3 to = wisp_rigid_to_body( view->after, load_lane( loop->job.position + at ) );
+        from[n] = wisp_rigid_to_body( view->before, collision_load_lane( loop->job.previous + at ) );
+        const wisp_vec3 to = wisp_rigid_to_body( view->after, collision_load_lane( loop->job.position + at ) );
         const float reach = view->thickness + collision_length( collision_sub( to, from[n] ) );
         // also false for what is no number
         if ( collision_box_distance( view->body, to ) <= reach )

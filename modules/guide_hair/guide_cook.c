@@ -209,6 +209,10 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
     for ( int lane = 0; lane < l->group_count * WISP_LANES && f->memory.failed == false; ++lane )
     {
         const int n = l->lane_count[lane] == 0 ? -1 : f->resampled ? order[lane] : t->lane_strand[lane];
+        if ( n >= 0 )
+        {
+            g->groups[n].lane = lane;
+        }
         l->lane_node[lane] = ( n >= 0 ? g->groups[n].first_node : g->node_count ) * f->stride;
         for ( int i = 0; i < l->lane_count[lane]; ++i )
         {
@@ -223,14 +227,19 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
 // ---- lanes of ghosts ----
 
 // Eq. 2-3: the exact projection scales what differs from the centre, and nothing else moves the ghosts of a group against
-// each other before the sway, so it is part of the offset.
+// each other before the sway, so it is part of the offset. With feedback the sway does, and the projection is made in steps.
+static double growth( const guide_groups* g, const guide_group* own )
+{
+    return own->size > 1 && g->def->feedback == false ? sqrt( (double)g->def->spread ) : 1.0;
+}
+
 static void cook_offsets( guide_follower* f, const guide_groups* g, int lane, int ghost )
 {
     const wisp_strand_topology* t = g->ghosts->topology;
     const int links = g->links, count = t->lane_count[lane];
     const int32_t* link = g->group + (size_t)ghost * (size_t)links;
     const guide_group* own = g->groups + link[0];
-    const double grown = own->size > 1 ? sqrt( (double)g->def->spread ) - 1.0 : 0.0;
+    const double grown = growth( g, own ) - 1.0;
     for ( int n = 0; n < ( t->group_row[lane / WISP_LANES + 1] - t->group_row[lane / WISP_LANES] ) * links; ++n )
     {
         const int row = n / links, i = row < count ? row : count - 1;
@@ -277,7 +286,7 @@ static void cook_ghost( guide_follower* f, const guide_groups* g, const double* 
     }
     // offsets are grown already, the weight is that of the offset before
     const guide_group* own = g->groups + g->group[(size_t)ghost * (size_t)links];
-    const double largest = own->largest * ( own->size > 1 ? sqrt( (double)g->def->spread ) : 1.0 );
+    const double largest = own->largest * growth( g, own );
     f->centre_scale[lane] =
         own->size > 1 && own->largest > 0.0 ? (float)( (double)g->def->centre_gain / largest ) : 0.0f;
     cook_offsets( f, g, lane, ghost );
@@ -396,7 +405,9 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
         return status;
     }
     if ( guide_find_groups( &groups, scratch ) == false || cook_guides( f, &groups, scratch ) == false ||
-         cook_ghosts( f, &groups, share ) == false )
+         cook_ghosts( f, &groups, share ) == false ||
+         ( f->feeds_back && guide_cook_members( f, &groups, scratch ) == false ) ||
+         ( f->is_between && guide_cook_sources( f, &groups ) == false ) )
     {
         return no_memory;
     }
@@ -438,6 +449,8 @@ wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts
             .resampled = def->resample,
             .turns = turns,
             .carries_frames = def->frame == WISP_GHOST_FRAME_PARALLEL,
+            .feeds_back = def->feedback,
+            .is_between = def->between,
         };
         const guide_groups groups = { .ghosts = &ghost_shape, .targets = &target_shape, .def = def, .links = links };
         status = cook( world, f, &groups, &scratch );

@@ -43,6 +43,11 @@ static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
+    if ( d->feedback && ( d->frame != WISP_GHOST_FRAME_OFF || d->target_count != 1 ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "ghosts: feedback integrates places, it needs frame off and one target a ghost" );
+    }
     return WISP_OK;
 }
 
@@ -104,6 +109,31 @@ static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity g
 
 // ---- following ----
 
+// What is state goes on whether or not somebody looks. The rows are there, so this asks for no memory.
+static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_entity ghosts,
+                                 const wisp_ghosts_def* def )
+{
+    const struct
+    {
+        wisp_component component;
+        bool on;
+    } parts[] = { { s->feedback, def->feedback }, { s->between, def->between }, { s->interval, def->between } };
+    wisp_status status = wisp_want( world, def->targets, s->table );
+    for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
+    {
+        if ( parts[i].on )
+        {
+            status = wisp_want( world, ghosts, parts[i].component );
+        }
+        else if ( wisp_world_has( world, ghosts, parts[i].component ) )
+        {
+            wisp_unwant( world, ghosts, parts[i].component );
+            wisp_world_detach( world, ghosts, parts[i].component );
+        }
+    }
+    return status;
+}
+
 static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_entity ghosts,
                                const wisp_ghosts_def* def )
 {
@@ -116,6 +146,9 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
         { ghosts, s->settings, true },
         { ghosts, s->table, true },
         { ghosts, s->repair, def->repair_length },
+        { ghosts, s->feedback, def->feedback },
+        { ghosts, s->between, def->between },
+        { ghosts, s->interval, def->between },
         { def->targets, s->before, true },
         { def->targets, s->table, true },
     };
@@ -144,8 +177,7 @@ static wisp_status attach_all( wisp_world* world, const guide_state* s, wisp_ent
     {
         wisp_world_detach( world, ghosts, s->repair );
     }
-    // the rows are there, so this asks for no memory
-    return wisp_want( world, def->targets, s->table );
+    return keep_running( world, s, ghosts, def );
 }
 
 static int32_t elastic_of( wisp_ghost_elastic elastic )
@@ -206,12 +238,20 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
         .elastic = elastic_of( def->elastic ),
         .capped = def->capped ? 1 : 0,
     };
+    if ( def->feedback )
+    {
+        guide_begin_feedback( world, s, follower );
+    }
+    if ( def->between )
+    {
+        guide_begin_between( world, s, follower );
+    }
     return WISP_OK;
 }
 
 // ---- reports ----
 
-static wisp_status find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
+wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
 {
     const guide_state* s = wisp_world_module_state( world, "guide_hair" );
     *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
@@ -223,7 +263,7 @@ static wisp_status find_ghosts( wisp_world* world, wisp_entity ghosts, const gui
 wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp_ghosts_report* out )
 {
     const guide_follower* follower;
-    const wisp_status status = find_ghosts( world, ghosts, &follower );
+    const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
     *out = status == WISP_OK ? follower->report : ( wisp_ghosts_report ){ 0 };
     return status;
 }
@@ -231,7 +271,7 @@ wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp
 wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets )
 {
     const guide_follower* follower;
-    const wisp_status status = find_ghosts( world, ghosts, &follower );
+    const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
     for ( int g = 0; status == WISP_OK && g < follower->report.ghost_count; ++g )
     {
         targets[g] = follower->target[g];

@@ -44,6 +44,10 @@ typedef struct wisp_ghosts_def
     float spread;               ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway comes on top
     bool repair_length;         ///< segments at rest length again, root first; default false
     wisp_ghost_frame frame;     ///< default parallel
+    bool feedback; ///< A4: the place after the sway is where the next step begins, and the mean of a group is
+                   ///< tracked: sway that all share is undone, what differs adds up. Default false. Needs
+                   ///< frame off and one target. The spread, unless 1, is then held with the sway in it
+    bool between;  ///< keep what wisp_ghosts_between() needs, default false
     uint32_t made_by_default;
 } wisp_ghosts_def;
 
@@ -58,6 +62,15 @@ WISP_API wisp_ghosts_def wisp_default_ghosts_def( void );
 /// @note Targets without a ghost are still simulated; how many there are is in the report. When the targets are removed the
 ///       ghosts stay where they are.
 WISP_API wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def );
+
+/// GUI-06: where ghosts are between the last two steps, for drawing at a higher rate than steps are made: cubic Hermite
+/// curves through both places, with the velocities of the targets' nodes. Ghosts stand still before their first step, and
+/// an appearance on top is not in it.
+/// @param fraction 0 the step before, 1 the last step
+/// @param points [vertex_count], the user's order; untouched on failure
+/// @return WISP_BAD_INPUT the fraction is not in [0, 1]; WISP_CONFLICT the entity has never followed targets, or
+///         not with `between`
+WISP_API wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points );
 
 typedef struct wisp_ghosts_report
 {

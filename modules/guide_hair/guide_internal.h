@@ -10,7 +10,7 @@
 
 enum
 {
-    GUIDE_MOST_BLOCKS = 24,
+    GUIDE_MOST_BLOCKS = 32,
 };
 
 /// Blocks that live and die together.
@@ -117,6 +117,22 @@ typedef struct guide_lanes
     float* root; // [group][4][16]
 } guide_lanes;
 
+/// Groups of ghosts as feedback goes through them (guide_feedback.c).
+typedef struct guide_members
+{
+    int group_count;
+    int32_t* begin; // [group_count + 1] first member
+    int32_t* lane;  // [ghost] of a member, ascending ghosts in a group
+    int32_t* node;  // [group_count] of the table, where the root's quads are
+    double* wanted; // [node] m^2, Vbar of eq. 3; null: the spread is not held
+} guide_members;
+
+/// Where the velocities of ghosts are read that are drawn between steps (guide_between.c).
+typedef struct guide_sources
+{
+    int32_t* lane_from; // [group][link][16] float of the guides' rows where the target's root is; -1 in an empty lane
+} guide_sources;
+
 /// Ghosts and what they follow. All but the table is made once and never changed.
 typedef struct guide_follower
 {
@@ -124,15 +140,17 @@ typedef struct guide_follower
     wisp_entity ghosts;
     wisp_entity targets; // null once they are removed
     int link_count, stride;
-    bool resampled, turns, carries_frames;
+    bool resampled, turns, carries_frames, feeds_back, is_between;
     guide_lanes guides;
-    float* table;        // [nodes + 1][stride], the last node belongs to empty lanes and stays 0
-    int32_t* lane_node;  // [group][link][16] of the ghosts
-    float* lane_share;   // [group][link][16]
-    float* centre_scale; // [group][16]
-    float* offset;       // [row][link][3][16]
-    float* length;       // [row][16] m, of the segment that ends in the row; null: lengths are not repaired
-    int32_t* target;     // [strand] the first target of every ghost
+    float* table;          // [nodes + 1][stride], the last node belongs to empty lanes and stays 0
+    int32_t* lane_node;    // [group][link][16] of the ghosts
+    float* lane_share;     // [group][link][16]
+    float* centre_scale;   // [group][16]
+    float* offset;         // [row][link][3][16]
+    float* length;         // [row][16] m, of the segment that ends in the row; null: lengths are not repaired
+    int32_t* target;       // [strand] the first target of every ghost
+    guide_members members; // with feedback only
+    guide_sources sources; // drawn between steps only
     wisp_ghosts_report report;
 } guide_follower;
 
@@ -147,6 +165,7 @@ typedef struct guide_group
     int first_node; // of the table
     int size;       // ghosts
     int next;       // group of the same target, -1
+    int lane;       // of the guides
     double largest; // m, max |y - c| at rest
 } guide_group;
 
@@ -207,8 +226,15 @@ typedef struct guide_settings
 
 #define GUIDE_SETTINGS_COLUMNS( X ) X( guide_settings, settings, 1 )
 #define GUIDE_REPAIR_COLUMNS( X ) X( uint32_t, repairs, 1 )
-#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 )   /* of targets: how often it was filled */
-#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 )   /* m/s, [3][16] a row: the velocity a step before */
+#define GUIDE_TABLE_COLUMNS( X ) X( uint64_t, steps, 1 )  /* of targets: how often it was filled */
+#define GUIDE_BEFORE_COLUMNS( X ) X( float, before, 48 )  /* m/s, [3][16] a row: the velocity a step before */
+#define GUIDE_FEEDBACK_COLUMNS( X ) X( float, apart, 48 ) /* m, [3][16] a row: from the mean of the group */
+#define GUIDE_BETWEEN_COLUMNS( X )                                                                                   \
+    X( float, place_before, 48 )    /* m, [3][16] a row: where motion had the ghosts a step before */                \
+    X( float, place, 48 )           /* m, and now */                                                                 \
+    X( float, velocity_before, 48 ) /* m/s, of their targets' nodes a step before */                                 \
+    X( float, velocity, 48 )        /* m/s, and now */
+#define GUIDE_INTERVAL_COLUMNS( X ) X( float, seconds, 1 ) /* from the step before to the last one */
 #define GUIDE_DRAWN_COLUMNS( X ) X( uint64_t, changes, 1 ) /* of sources: how often their place was written */
 #define GUIDE_CURVES_COLUMNS( X ) X( uint64_t, drawn, 1 )  /* the source's changes when it was drawn */
 
@@ -219,7 +245,10 @@ typedef struct guide_settings
     X( table, "guide_hair.table", WISP_TABLE_ENTITY, GUIDE_TABLE_COLUMNS )                                           \
     X( before, "guide_hair.before", WISP_TABLE_STRAND_ROW, GUIDE_BEFORE_COLUMNS )                                    \
     X( drawn, "guide_hair.drawn", WISP_TABLE_ENTITY, GUIDE_DRAWN_COLUMNS )                                           \
-    X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )
+    X( curves, "guide_hair.curves", WISP_TABLE_ENTITY, GUIDE_CURVES_COLUMNS )                                        \
+    X( feedback, "guide_hair.feedback", WISP_TABLE_STRAND_ROW, GUIDE_FEEDBACK_COLUMNS )                              \
+    X( between, "guide_hair.between", WISP_TABLE_STRAND_ROW, GUIDE_BETWEEN_COLUMNS )                                 \
+    X( interval, "guide_hair.interval", WISP_TABLE_ENTITY, GUIDE_INTERVAL_COLUMNS )
 
 typedef struct guide_state
 {
@@ -238,6 +267,10 @@ static inline bool guide_same( wisp_entity a, wisp_entity b )
 }
 
 guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts );
+/// The same, unless the targets are removed.
+const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
+/// For a function of the host. @return WISP_CONFLICT, with a sentence
+wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
 guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
 /// Room for one more pointer behind `count`. @return false without memory
 bool guide_reserve( wisp_world* world, void*** array, int* capacity, int count );
@@ -248,6 +281,22 @@ void guide_drawing_release( guide_drawing* drawing );
 /// guide_passes.c
 wisp_pass_fn guide_run_targets, guide_run_ghosts, guide_run_lengths, guide_run_carry;
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
+
+/// guide_feedback.c
+/// @return false without memory
+bool guide_cook_members( guide_follower* follower, const guide_groups* groups, guide_memory* scratch );
+/// The state of ghosts that stand at rest.
+void guide_begin_feedback( wisp_world* world, const guide_state* state, const guide_follower* follower );
+wisp_pass_fn guide_run_feedback;
+bool guide_feedback_is_due( wisp_frame* frame, wisp_entity entity, void* user );
+
+/// guide_between.c
+/// @return false without memory
+bool guide_cook_sources( guide_follower* follower, const guide_groups* groups );
+/// Ghosts that stand still where they are.
+void guide_begin_between( wisp_world* world, const guide_state* state, const guide_follower* follower );
+wisp_pass_fn guide_run_between;
+bool guide_between_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 
 /// guide_curves.c
 wisp_pass_fn guide_run_source, guide_run_curves;

@@ -22,6 +22,12 @@ guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghost
     return NULL;
 }
 
+const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts )
+{
+    const guide_follower* f = guide_find_follower( state, ghosts );
+    return f != NULL && f->targets.index != 0 ? f : NULL;
+}
+
 guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves )
 {
     for ( int i = 0; i < state->drawing_count; ++i )
@@ -171,6 +177,17 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .is_due = guide_ghosts_are_due,
         },
         {
+            // Groups have their ghosts in lanes of several groups of strands, so it runs over the entity.
+            .name = "guide_hair.feedback",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->settings, s->feedback },
+            .reads = { s->settings, s->table, s->feedback, WISP_STRAND_POSITION },
+            .writes = { s->feedback, WISP_STRAND_POSITION },
+            .run = guide_run_feedback,
+            .is_due = guide_feedback_is_due,
+        },
+        {
             .name = "guide_hair.lengths",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
@@ -188,6 +205,16 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_CARRIED },
             .run = guide_run_carry,
+        },
+        {
+            .name = "guide_hair.between",
+            .stage = WISP_STAGE_DERIVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { s->settings, s->between, s->interval },
+            .reads = { s->settings, s->table, s->between, WISP_STRAND_POSITION },
+            .writes = { s->between, s->interval },
+            .run = guide_run_between,
+            .is_due = guide_between_is_due,
         },
     };
     wisp_status status = WISP_OK;

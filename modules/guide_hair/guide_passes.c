@@ -163,23 +163,18 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- ghosts ----
 
-static const guide_follower* active_follower( const guide_state* state, wisp_entity ghosts )
-{
-    const guide_follower* f = guide_find_follower( state, ghosts );
-    return f != NULL && f->targets.index != 0 ? f : NULL;
-}
-
 // Also what keeps the pass out of the node of another entity's pass: a pass that is asked waits for those before it.
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)frame;
-    return active_follower( user, entity ) != NULL;
+    const guide_follower* f = guide_active_follower( user, entity );
+    return f != NULL && f->feeds_back == false;
 }
 
 void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const guide_state* state = user;
-    const guide_follower* f = active_follower( state, span->entity );
+    const guide_follower* f = guide_active_follower( state, span->entity );
     const guide_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
@@ -227,7 +222,7 @@ static void repair_row( float* row, const float* length )
 
 void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const guide_follower* f = active_follower( user, span->entity );
+    const guide_follower* f = guide_active_follower( user, span->entity );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
     for ( int group = span->begin; group < span->end && f != NULL && f->length != NULL; ++group )
@@ -242,7 +237,7 @@ void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
 // Once the targets are gone the place is no longer where motion took the shape.
 void guide_run_carry( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    if ( active_follower( user, span->entity ) != NULL )
+    if ( guide_active_follower( user, span->entity ) != NULL )
     {
         copy_loop copy = { wisp_frame_strands( frame, span->entity ),
                            wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),

@@ -73,6 +73,8 @@ const bad_scene BAD_SCENES_MOTION[] = {
       ":6:30: strands[0].dynamics.wind[2]: 1e5 is out of range, must be in [-50000, 50000]" },
     { "ghosts_elastic_near.yaml",
       ":7:79: strands[1].ghosts.elastic: must be one of change, printed_cos, printed_raw, off, not 'printed'" },
+    { "ghosts_feedback_frame.yaml",
+      ":7:80: strands[1]: feedback integrates places; it needs 'frame: off' and one target a ghost" },
     { "ghosts_frame_unknown.yaml",
       ":7:77: strands[1].ghosts.frame: must be one of off, root, parallel, not 'tip'" },
     { "ghosts_no_targets.yaml",

@@ -509,6 +509,8 @@ static void strands_that_cannot_collide_are_refused_with_a_sentence( void** stat
 {
     hosted* h = *state;
     wisp_entity still = test_add_strands( h->world, 3, 5 );
+    assert_int_equal( wisp_world_attach( h->world, still, WISP_STRAND_VELOCITY ),
+                      WISP_OK ); // it moves, but has no weights
     wisp_collision_def collision = wisp_default_collision_def();
     assert_int_equal( wisp_set_collision( h->world, still, &collision ), WISP_CONFLICT );
     assert_one_sentence( wisp_world_message( h->world ) );

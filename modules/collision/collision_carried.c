@@ -1,0 +1,191 @@
+// Strands that others carry, or that stand still: out of bodies, once a step, when their place is known.
+//
+// They have no velocity, no previous place and no weight, so there is no path to follow, nothing to rub and nothing to
+// remember: a vertex that is nearer than the thickness to a body where that is at the end of the step goes out along the
+// normal of the closest point. Roots stay. What carries strands puts them to where it wants them in the next step again.
+#include "collision_internal.h"
+
+#include <string.h>
+
+typedef struct carried_group
+{
+    const wisp_strand_topology* strands;
+    float* position; // of the entity
+    uint32_t* moved; // likewise
+    int group;
+    wisp_vec3 low, high; // of the vertices that may be moved
+} carried_group;
+
+static const size_t ROW = 3 * WISP_LANES;
+
+static int first_row( const carried_group* g )
+{
+    return g->strands->group_row[g->group];
+}
+
+static bool is_vertex( const carried_group* g, int row, int lane )
+{
+    return row - first_row( g ) < g->strands->lane_count[g->group * WISP_LANES + lane];
+}
+
+// What is no number is in no box, and is not moved. Lane by lane first, which the compiler does side by side.
+static void find_box( carried_group* g )
+{
+    float low[3 * WISP_LANES], high[3 * WISP_LANES];
+    int32_t last[3 * WISP_LANES]; // vertices of the lane
+    for ( int i = 0; i < 3 * WISP_LANES; ++i )
+    {
+        low[i] = INFINITY;
+        high[i] = -INFINITY;
+        last[i] = g->strands->lane_count[g->group * WISP_LANES + i % WISP_LANES];
+    }
+    const int rows = g->strands->group_row[g->group + 1] - first_row( g );
+    for ( int vertex = 1; vertex < rows; ++vertex )
+    {
+        const float* x = g->position + (size_t)( first_row( g ) + vertex ) * ROW;
+        for ( int i = 0; i < 3 * WISP_LANES; ++i )
+        {
+            const float down = vertex < last[i] ? x[i] : INFINITY, up = vertex < last[i] ? x[i] : -INFINITY;
+            low[i] = down < low[i] ? down : low[i];
+            high[i] = up > high[i] ? up : high[i];
+        }
+    }
+    g->low = collision_load_lane( low );
+    g->high = collision_load_lane( high );
+    for ( int lane = 1; lane < WISP_LANES; ++lane )
+    {
+        const wisp_vec3 l = collision_load_lane( low + lane ), h = collision_load_lane( high + lane );
+        g->low = ( wisp_vec3 ){ fminf( g->low.x, l.x ), fminf( g->low.y, l.y ), fminf( g->low.z, l.z ) };
+        g->high = ( wisp_vec3 ){ fmaxf( g->high.x, h.x ), fmaxf( g->high.y, h.y ), fmaxf( g->high.z, h.z ) };
+    }
+}
+
+// A box around the body, in its frame, and the way there from the world.
+typedef struct carried_box
+{
+    float axis[3][3], origin[3]; // in the world
+    float low[3], high[3];
+    float reach; // m^2
+} carried_box;
+
+static carried_box box_of( const collision_view* view )
+{
+    const collision_body* body = view->body;
+    const wisp_vec3 c = body->centre, h = body->half;
+    const float reach = 1.001f * view->thickness; // the closest point decides about the last bits
+    carried_box box = { .reach = reach * reach };
+    collision_store( box.origin, view->after.translation );
+    collision_store( box.low, ( wisp_vec3 ){ c.x - h.x, c.y - h.y, c.z - h.z } );
+    collision_store( box.high, ( wisp_vec3 ){ c.x + h.x, c.y + h.y, c.z + h.z } );
+    for ( int k = 0; k < 3; ++k )
+    {
+        const wisp_vec3 axis = { k == 0 ? 1.0f : 0.0f, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f };
+        collision_store( box.axis[k], wisp_quat_turn( view->after.rotation, axis ) );
+    }
+    // a plane has no size, but it ends upwards
+    box.high[1] = body->inner < INFINITY ? box.high[1] : 0.0f;
+    return box;
+}
+
+// Sixteen vertices side by side. What is no number is not near.
+static void find_near( const carried_box* box, const float* x, bool* near )
+{
+    float squared[WISP_LANES] = { 0 };
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float* a = box->axis[k];
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            const float q = a[0] * ( x[lane] - box->origin[0] ) + a[1] * ( x[WISP_LANES + lane] - box->origin[1] ) +
+                            a[2] * ( x[2 * WISP_LANES + lane] - box->origin[2] );
+            const float under = box->low[k] - q, over = q - box->high[k], beside = under > over ? under : over;
+            squared[lane] += beside > 0.0f ? beside * beside : 0.0f * q;
+        }
+    }
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        near[lane] = squared[lane] <= box->reach;
+    }
+}
+
+// @return whether it has moved a vertex
+static bool push_row( const carried_group* g, const collision_view* view, const carried_box* box, int row )
+{
+    int lanes[WISP_LANES], n = 0;
+    uint32_t moved = 0;
+    wisp_mesh_query queries[WISP_LANES];
+    wisp_surface_point nearest[WISP_LANES];
+    bool is_near[WISP_LANES];
+    bool near[WISP_LANES];
+    find_near( box, g->position + (size_t)row * ROW, near );
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        if ( near[lane] && is_vertex( g, row, lane ) )
+        {
+            const wisp_vec3 p = collision_load_lane( g->position + (size_t)row * ROW + lane );
+            lanes[n] = lane;
+            queries[n++] = ( wisp_mesh_query ){ wisp_rigid_to_body( view->after, p ), view->thickness };
+        }
+    }
+    if ( n == 0 )
+    {
+        return false;
+    }
+    collision_closest( view->body, queries, n, nearest, is_near );
+    for ( int i = 0; i < n; ++i )
+    {
+        if ( is_near[i] && nearest[i].distance < view->thickness )
+        {
+            float* at = g->position + (size_t)row * ROW + lanes[i];
+            const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, nearest[i].normal );
+            const float out = view->thickness - nearest[i].distance;
+            collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), out, normal ) );
+            moved |= 1u << lanes[i];
+        }
+    }
+    g->moved[row] |= moved;
+    return moved != 0;
+}
+
+static bool push_group( const carried_group* g, const collision_view* view )
+{
+    const carried_box box = box_of( view );
+    bool moved = false;
+    for ( int row = first_row( g ) + 1; row < g->strands->group_row[g->group + 1]; ++row )
+    {
+        moved = push_row( g, view, &box, row ) || moved;
+    }
+    return moved;
+}
+
+// One body after another; who is moved by one may meet the next.
+static void keep_group_out( wisp_frame* frame, const wisp_span* span, const collision_state* state, carried_group* g )
+{
+    const int rows = g->strands->group_row[g->group + 1] - first_row( g );
+    memset( g->moved + first_row( g ), 0, (size_t)rows * sizeof( uint32_t ) );
+    find_box( g );
+    collision_view view;
+    for ( int next = 0; g->low.x <= g->high.x && collision_next( frame, span, state, &next, &view ); )
+    {
+        view.before = view.after; // the way there does not matter
+        const bool is_near = collision_ball_distance( &view, g->low, g->high ) <= view.thickness;
+        if ( is_near && push_group( g, &view ) )
+        {
+            find_box( g );
+        }
+    }
+}
+
+void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    carried_group g = {
+        .strands = wisp_frame_strands( frame, span->entity ),
+        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .moved = wisp_frame_column( frame, span->entity, state->carried, 0 ),
+    };
+    for ( g.group = span->begin; g.group < span->end; ++g.group )
+    {
+        keep_group_out( frame, span, state, &g );
+    }
+}

@@ -1,0 +1,386 @@
+// Strands that others carry, and bodies: ghosts beside a sphere, frozen hair on them, bodies that move, still strands.
+#include "guide_hair_fixture.h"
+
+#include "collision.h"
+#include "strands.h"
+
+#include <float.h>
+
+enum
+{
+    TARGETS = 6,
+    GHOSTS = 36,
+    POINTS = GHOSTS * NODES,
+};
+
+static const float THICKNESS = 0.004f;
+static const float RADIUS = 0.04f;
+static const wisp_vec3 CENTRE = { 0.1f, 0.9f, 0.042f }; // the nearest ghosts hang in it, their guides do not
+
+// A push is rounded in the body's frame and in the world, whose places are below 1.5 m.
+static const double ROUNDED = 16.0 * (double)FLT_EPSILON;
+
+static wisp_world* new_world( int workers )
+{
+    static const wisp_module* const MODULES[] = { &wisp_collision_module, &wisp_frozen_hair_module,
+                                                  &wisp_guide_hair_module, &wisp_strands_module };
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = MODULES;
+    def.module_count = WISP_COUNT( MODULES );
+    def.log = guide_forget;
+    def.workers = workers;
+    def.substeps = 4;
+    wisp_world* world = NULL;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    return world;
+}
+
+// Six guides with six ghosts each, as in the other tests of ghosts, in a world that knows collision.
+static flock new_flock( int workers )
+{
+    flock f = { .s = make_scene( TARGETS, GHOSTS / TARGETS ), .ghost_nodes = NODES };
+    for ( int n = 0; n < POINTS; ++n )
+    {
+        f.ghost[n] = guide_round( f.s.ghost[n] );
+    }
+    f.world = new_world( workers );
+    f.targets = guide_add( f.world, f.s.target, TARGETS, NODES );
+    f.ghosts = guide_add( f.world, f.ghost, GHOSTS, NODES );
+    guide_ok( f.world, wisp_world_attach( f.world, f.targets, WISP_STRAND_VELOCITY ) );
+    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_POINTS ) );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    return f;
+}
+
+static wisp_entity add_body( wisp_world* world, wisp_collider_def def )
+{
+    wisp_entity body;
+    guide_ok( world, wisp_add_collider( world, &def, &body ) );
+    return body;
+}
+
+static wisp_rigid at( wisp_vec3 place )
+{
+    return ( wisp_rigid ){ { 0.0f, 0.0f, 0.0f, 1.0f }, place };
+}
+
+static wisp_collider_def sphere_at( wisp_vec3 centre )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_SPHERE;
+    def.radius = RADIUS;
+    def.pose = at( centre );
+    return def;
+}
+
+static void collide( wisp_world* world, wisp_entity strands )
+{
+    wisp_collision_def def = wisp_default_collision_def();
+    def.thickness = THICKNESS;
+    guide_ok( world, wisp_set_collision( world, strands, &def ) );
+    guide_ok( world, wisp_want_collision_figures( world, strands, true ) );
+}
+
+static wisp_collision_figures figures_of( wisp_world* world, wisp_entity strands )
+{
+    wisp_collision_figures figures;
+    guide_ok( world, wisp_read_collision_figures( world, strands, &figures ) );
+    return figures;
+}
+
+// To the surface of the sphere; below 0 inside.
+static double gap_to( wisp_vec3 centre, wisp_vec3 p )
+{
+    const double x = (double)p.x - (double)centre.x, y = (double)p.y - (double)centre.y;
+    const double z = (double)p.z - (double)centre.z;
+    return sqrt( x * x + y * y + z * z ) - (double)RADIUS;
+}
+
+static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** state )
+{
+    (void)state;
+    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    add_body( f.world, sphere_at( CENTRE ) );
+    collide( f.world, f.ghosts );
+    int inside = 0;
+    for ( int frame = 0; frame < 60; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &plain );
+        const wisp_vec3 *now = guide_points( f.world, f.ghosts ),
+                        *without = guide_points( plain.world, plain.ghosts );
+        int near = 0, edge = 0; // vertices to be moved, and those that rounding decides about
+        for ( int n = 0; n < POINTS; ++n )
+        {
+            const double gap = gap_to( CENTRE, without[n] );
+            const bool moved = n % NODES > 0 && gap < (double)THICKNESS - ROUNDED;
+            inside += gap < 0.0 ? 1 : 0;
+            near += moved ? 1 : 0;
+            if ( moved )
+            {
+                // at the thickness, straight out
+                assert_close( gap_to( CENTRE, now[n] ), (double)THICKNESS, ROUNDED );
+                const double share = ( (double)RADIUS + (double)THICKNESS ) / ( (double)RADIUS + gap );
+                assert_close( (double)now[n].z - (double)CENTRE.z,
+                              share * ( (double)without[n].z - (double)CENTRE.z ), ROUNDED );
+            }
+            else if ( n % NODES > 0 && gap < (double)THICKNESS + ROUNDED )
+            {
+                edge += 1;
+            }
+            else
+            {
+                assert_memory_equal( now + n, without + n, sizeof( wisp_vec3 ) );
+            }
+        }
+        const wisp_collision_figures figures = figures_of( f.world, f.ghosts );
+        assert_in_range( figures.contacts, near, near + edge );
+        assert_true( (double)figures.penetration <= ROUNDED );
+    }
+    assert_true( inside > 100 );
+    wisp_world_destroy( plain.world );
+    wisp_world_destroy( f.world );
+}
+
+static void roots_stay_in_the_body_that_they_grow_from( void** state )
+{
+    (void)state;
+    const wisp_vec3 head = { 0.05f, 1.0f, 0.0f };
+    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    add_body( f.world, sphere_at( head ) );
+    collide( f.world, f.ghosts );
+    int roots = 0, moved = 0;
+    for ( int frame = 0; frame < 20; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &plain );
+        const wisp_vec3 *now = guide_points( f.world, f.ghosts ),
+                        *without = guide_points( plain.world, plain.ghosts );
+        for ( int n = 0; n < POINTS; ++n )
+        {
+            if ( n % NODES == 0 )
+            {
+                roots += gap_to( head, now[n] ) < 0.0 ? 1 : 0;
+                assert_memory_equal( now + n, without + n, sizeof( wisp_vec3 ) );
+            }
+            else
+            {
+                moved += gap_to( head, without[n] ) < 0.0 ? 1 : 0;
+                assert_true( gap_to( head, now[n] ) > (double)THICKNESS - ROUNDED );
+            }
+        }
+    }
+    assert_true( roots > 20 && moved > 20 );
+    wisp_world_destroy( plain.world );
+    wisp_world_destroy( f.world );
+}
+
+// The substeps of the world are four, of which only the last one's end counts.
+static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** state )
+{
+    (void)state;
+    flock f = new_flock( 1 );
+    const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
+    collide( f.world, f.ghosts );
+    int touched = 0;
+    for ( int frame = 0; frame < 40; ++frame )
+    {
+        const wisp_vec3 there = { 0.25f * (float)( frame % 8 ) / 8.0f, 0.9f, 0.03f };
+        guide_ok( f.world, wisp_move_collider( f.world, body, at( there ) ) );
+        guide_swing( &f );
+        const wisp_vec3* now = guide_points( f.world, f.ghosts );
+        for ( int n = 0; n < POINTS; ++n )
+        {
+            assert_true( n % NODES == 0 || gap_to( there, now[n] ) > (double)THICKNESS - ROUNDED );
+        }
+        touched += figures_of( f.world, f.ghosts ).contacts;
+    }
+    assert_true( touched > 100 );
+    wisp_world_destroy( f.world );
+}
+
+static void nothing_is_left_of_a_body_that_is_gone( void** state )
+{
+    (void)state;
+    flock f = new_flock( 1 ), plain = new_flock( 1 );
+    const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
+    collide( f.world, f.ghosts );
+    for ( int frame = 0; frame < 20; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &plain );
+    }
+    assert_memory_not_equal( guide_points( f.world, f.ghosts ), guide_points( plain.world, plain.ghosts ),
+                             POINTS * sizeof( wisp_vec3 ) );
+    guide_ok( f.world, wisp_remove( f.world, body ) );
+    guide_swing( &f );
+    guide_swing( &plain );
+    assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( plain.world, plain.ghosts ),
+                         POINTS * sizeof( wisp_vec3 ) );
+    wisp_world_destroy( plain.world );
+    wisp_world_destroy( f.world );
+}
+
+static void bits_do_not_depend_on_workers( void** state )
+{
+    (void)state;
+    uint64_t hashes[6];
+    for ( int workers = 1; workers < 6; ++workers )
+    {
+        flock f = new_flock( workers );
+        add_body( f.world, sphere_at( CENTRE ) );
+        collide( f.world, f.ghosts );
+        for ( int frame = 0; frame < 30; ++frame )
+        {
+            guide_swing( &f );
+        }
+        assert_true( figures_of( f.world, f.ghosts ).contacts > 0 );
+        hashes[workers] = wisp_world_hash( f.world );
+        assert_int_equal( hashes[workers], hashes[1] );
+        wisp_world_destroy( f.world );
+    }
+}
+
+// Ghosts that are pushed and turn to a cursor each frame, against hair that stands still where they were pushed to.
+static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
+{
+    (void)state;
+    flock f = new_flock( 2 ), bare = new_flock( 1 );
+    wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
+    look.freeze = look.clump = false;
+    look.event = WISP_EVENT_FRAME;
+    look.cursor = ( wisp_vec3 ){ 0.3f, 0.5f, 0.2f };
+    look.reach = 100.0f;
+    guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
+    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+    add_body( f.world, sphere_at( CENTRE ) );
+    add_body( bare.world, sphere_at( CENTRE ) );
+    collide( f.world, f.ghosts );
+    collide( bare.world, bare.ghosts );
+    for ( int frame = 0; frame < 20; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &bare );
+        assert_true( figures_of( bare.world, bare.ghosts ).contacts > 0 );
+        double3 pushed[POINTS];
+        for ( int n = 0; n < POINTS; ++n )
+        {
+            pushed[n] = guide_ghost( &bare, n / NODES, n % NODES );
+        }
+        wisp_world* still = new_world( 1 );
+        const wisp_entity hair = guide_add( still, pushed, GHOSTS, NODES );
+        guide_ok( still, wisp_want( still, hair, WISP_STRAND_POINTS ) );
+        guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
+        guide_step( still );
+        assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
+                             POINTS * sizeof( wisp_vec3 ) );
+        wisp_world_destroy( still );
+    }
+    wisp_world_destroy( bare.world );
+    wisp_world_destroy( f.world );
+}
+
+// Strands of two to ten vertices, so that some lanes end early and some are empty.
+static wisp_entity add_uneven( wisp_world* world )
+{
+    int counts[20], total = 0;
+    double3 nodes[20 * NODES];
+    for ( int s = 0; s < 20; ++s )
+    {
+        counts[s] = 2 + s % 9;
+        for ( int i = 0; i < counts[s]; ++i )
+        {
+            nodes[total++] = double3_make( 0.02 * s - 0.2, -0.01 * i, 0.001 * i );
+        }
+    }
+    const wisp_entity strands = guide_add_mixed( world, nodes, 20, counts );
+    guide_ok( world, wisp_want( world, strands, WISP_STRAND_POINTS ) );
+    return strands;
+}
+
+static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
+{
+    (void)state;
+    for ( int kind = WISP_COLLIDER_PLANE; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        wisp_world* world = new_world( 1 );
+        const wisp_entity hair = add_uneven( world );
+        wisp_collider_def def = wisp_default_collider_def();
+        def.kind = (wisp_collider_kind)kind;
+        def.radius = RADIUS;
+        def.half_length = 0.05f;
+        def.half_extent = ( wisp_vec3 ){ 0.1f, 0.02f, 0.03f };
+        // turned by 30 degrees about z
+        def.pose = ( wisp_rigid ){ { 0.0f, 0.0f, 0.258819045f, 0.965925826f }, { 0.01f, -0.05f, 0.002f } };
+        add_body( world, def );
+        collide( world, hair );
+        guide_step( world );
+        const wisp_collision_figures figures = figures_of( world, hair );
+        assert_true( figures.contacts >= 8 );
+        // what was moved is as far as it shall be
+        assert_true( (double)figures.penetration <= ROUNDED );
+        const int count = wisp_world_strands( world, hair )->vertex_count;
+        wisp_vec3* before = calloc( (size_t)count, sizeof( wisp_vec3 ) );
+        assert_non_null( before );
+        memcpy( before, guide_points( world, hair ), (size_t)count * sizeof( wisp_vec3 ) );
+        guide_step( world );
+        for ( int n = 0; n < count; ++n )
+        {
+            const wisp_vec3 a = before[n], b = guide_points( world, hair )[n];
+            assert_at( double3_make( (double)a.x, (double)a.y, (double)a.z ),
+                       double3_make( (double)b.x, (double)b.y, (double)b.z ), ROUNDED );
+        }
+        free( before );
+        wisp_world_destroy( world );
+    }
+}
+
+// Four ghosts' worth of strands over a floor, with dynamics that come later: asked again, they fall on it.
+static void strands_that_move_later_collide_as_such_when_asked_again( void** state )
+{
+    (void)state;
+    wisp_world* world = new_world( 1 );
+    const wisp_entity hair = add_uneven( world );
+    wisp_collider_def floor = wisp_default_collider_def();
+    floor.pose = at( ( wisp_vec3 ){ 0.0f, -0.105f, 0.0f } );
+    add_body( world, floor );
+    collide( world, hair );
+    guide_step( world );
+    const wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    guide_ok( world, wisp_set_strand_dynamics( world, hair, &dynamics ) );
+    collide( world, hair );
+    for ( int frame = 0; frame < 30; ++frame )
+    {
+        guide_step( world );
+    }
+    assert_true( figures_of( world, hair ).penetration < THICKNESS );
+    wisp_world_destroy( world );
+}
+
+static void strands_that_move_in_a_way_without_weights_are_refused( void** state )
+{
+    (void)state;
+    flock f = new_flock( 1 );
+    const wisp_collision_def def = wisp_default_collision_def();
+    const uint64_t before = wisp_world_hash( f.world );
+    assert_int_equal( wisp_set_collision( f.world, f.targets, &def ), WISP_CONFLICT );
+    assert_non_null( strstr( wisp_world_message( f.world ), "dynamics" ) );
+    assert_int_equal( wisp_world_hash( f.world ), before );
+    wisp_world_destroy( f.world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( ghosts_keep_the_thickness_where_they_would_be_in_a_body ),
+        cmocka_unit_test( roots_stay_in_the_body_that_they_grow_from ),
+        cmocka_unit_test( ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step ),
+        cmocka_unit_test( nothing_is_left_of_a_body_that_is_gone ),
+        cmocka_unit_test( bits_do_not_depend_on_workers ),
+        cmocka_unit_test( frozen_hair_starts_from_where_ghosts_were_pushed ),
+        cmocka_unit_test( still_strands_leave_every_kind_of_body_and_then_rest ),
+        cmocka_unit_test( strands_that_move_later_collide_as_such_when_asked_again ),
+        cmocka_unit_test( strands_that_move_in_a_way_without_weights_are_refused ),
+    };
+    return cmocka_run_group_tests_name( "collision, ghosts", tests, NULL, NULL );
+}

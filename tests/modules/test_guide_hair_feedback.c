@@ -1,0 +1,342 @@
+// Ghosts whose sway is fed back (A4, A7), and ghosts drawn between steps (GUI-06): against the oracle, and what both promise.
+#include "guide_hair_fixture.h"
+
+// The scene is a metre wide, so a millionth of a metre is a relative 1e-6.
+static const double tolerance = 1e-6; // m
+
+static wisp_ghosts_def fed_back( void )
+{
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.frame = WISP_GHOST_FRAME_OFF;
+    def.feedback = true;
+    return def;
+}
+
+static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
+{
+    guide_oracle_options o = guide_oracle_default_options();
+    o.pairing = def->resample ? GUIDE_ORACLE_PAIRING_SPLINE : GUIDE_ORACLE_PAIRING_NODE;
+    o.feedback = def->feedback;
+    o.keep_offset = def->keep_offset;
+    o.dt = (double)FRAME;
+    o.tau = def->time > 0.0f ? (double)def->time : (double)FRAME;
+    o.tip_gain = (double)def->tip_gain;
+    o.centre_gain = (double)def->centre_gain;
+    o.use_spread = def->spread != 1.0f;
+    o.spread = (double)def->spread;
+    o.cap_offset = def->capped;
+    o.repair_lengths = def->repair_length;
+    const guide_oracle_def strands = { f->s.target_count, NODES, f->s.ghost_count, f->ghost_nodes, f->s.target,
+                                       f->ghost,          NULL };
+    guide_oracle hair;
+    wisp_error error = { 0 };
+    if ( guide_oracle_create( &strands, &o, &hair, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return hair;
+}
+
+// ---- feedback ----
+
+static double farthest_from_oracle( wisp_ghosts_def def, int ghosts_a_target, int ghost_nodes )
+{
+    flock f = guide_flock( NULL, 6, ghosts_a_target, ghost_nodes );
+    def.resample = ghost_nodes != NODES;
+    guide_follow( &f, def );
+    guide_oracle hair = oracle_of( &f, &def );
+    double largest = 0.0;
+    for ( int frame = 0; frame < 60; ++frame )
+    {
+        guide_swing( &f );
+        step( &hair, f.x, f.v );
+        for ( int n = 0; n < f.s.ghost_count * ghost_nodes; ++n )
+        {
+            const double3 y = guide_ghost( &f, n / ghost_nodes, n % ghost_nodes );
+            largest = fmax( largest, double3_distance( y, hair.y[n] ) );
+        }
+    }
+    guide_oracle_destroy( &hair );
+    wisp_world_destroy( f.world );
+    return largest;
+}
+
+static void sixty_steps_of_feedback_follow_the_oracle( void** state )
+{
+    (void)state;
+    wisp_ghosts_def plain = fed_back(), spread = plain, lone = plain, repaired = plain;
+    spread.spread = 2.5f;
+    lone.keep_offset = false;
+    repaired.repair_length = true;
+    const struct
+    {
+        const char* name;
+        wisp_ghosts_def def;
+        int ghosts, nodes;
+        double allowed;
+    } kinds[] = {
+        { "plain", plain, 6, NODES, 1.0 },
+        { "spread", spread, 4, NODES, 1.0 },
+        { "one ghost", plain, 1, NODES, 1.0 },
+        { "one ghost on its target", lone, 1, NODES, 1.0 },
+        // each segment carries the rounding of those before it on, nine times
+        { "lengths repaired", repaired, 4, NODES, 3.0 },
+        // within 2e-7 m for 45 steps; then offsets that have grown also grow what gathered velocities are rounded by
+        { "other node count", plain, 6, 7, 5.0 },
+    };
+    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
+    {
+        const double error = farthest_from_oracle( kinds[k].def, kinds[k].ghosts, kinds[k].nodes );
+        if ( !( error <= kinds[k].allowed * tolerance ) )
+        {
+            fail_msg( "%s: %.3g m from the oracle", kinds[k].name, error );
+        }
+    }
+}
+
+static void what_differs_adds_up_and_the_mean_stays_on_the_target( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    guide_follow( &f, fed_back() );
+    for ( int frame = 0; frame < 60; ++frame )
+    {
+        guide_swing( &f );
+    }
+    const double3 at_rest[3 * NODES] = { { 0.0, 0.0, 0.0 } };
+    guide_place( &f, f.s.x, at_rest );
+    guide_step( f.world );
+    double lost = 0.0;
+    for ( int n = 0; n < 3 * NODES; ++n )
+    {
+        const int a = n / NODES, i = n % NODES;
+        double3 mean[4];
+        for ( int l = 0; l < 4; ++l )
+        {
+            mean[l] = guide_ghost( &f, 4 * a + l, i );
+            const double3 offset = double3_sub( f.ghost[( 4 * a + l ) * NODES + i], f.s.target[n] );
+            lost = fmax( lost, double3_distance( double3_sub( mean[l], f.x[n] ), offset ) );
+        }
+        assert_at( guide_oracle_mean( mean, 4 ), f.x[n], 3e-7 ); // four floats at a metre
+    }
+    assert_true( lost > 1e-4 );
+    wisp_world_destroy( f.world );
+}
+
+static uint64_t hash_of( const guide_host* host )
+{
+    flock f = guide_flock( host, 6, 6, NODES );
+    wisp_ghosts_def def = fed_back();
+    def.between = true;
+    guide_follow( &f, def );
+    for ( int frame = 0; frame < 12; ++frame )
+    {
+        guide_swing( &f );
+    }
+    const uint64_t hash = wisp_world_hash( f.world );
+    wisp_world_destroy( f.world );
+    return hash;
+}
+
+static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
+{
+    (void)state;
+    const guide_host hosts[] = { { .workers = 1, .isa = "baseline" },
+                                 { .workers = 2 },
+                                 { .workers = 3, .isa = "avx2" },
+                                 { .workers = 5, .isa = "baseline" },
+                                 { .workers = 8 } };
+    const uint64_t expected = hash_of( hosts );
+    for ( int n = 1; n < WISP_COUNT( hosts ); ++n )
+    {
+        assert_int_equal( hash_of( hosts + n ), expected );
+    }
+}
+
+static void a_restored_world_goes_on_with_the_same_bits( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    wisp_ghosts_def def = fed_back();
+    def.between = true;
+    guide_follow( &f, def );
+    for ( int frame = 0; frame < 7; ++frame )
+    {
+        guide_swing( &f );
+    }
+    const size_t size = wisp_world_snapshot_size( f.world );
+    void* bytes = malloc( size );
+    assert_non_null( bytes );
+    guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
+    const scene then = f.s;
+    wisp_vec3 first[12 * NODES], again[12 * NODES];
+    guide_swing( &f );
+    guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, first ) );
+    const uint64_t hash = wisp_world_hash( f.world );
+    guide_swing( &f );
+    guide_ok( f.world, wisp_world_restore( f.world, bytes, size ) );
+    f.s = then;
+    guide_swing( &f );
+    assert_int_equal( wisp_world_hash( f.world ), hash );
+    guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, again ) );
+    assert_memory_equal( first, again, sizeof( first ) );
+    free( bytes );
+    wisp_world_destroy( f.world );
+}
+
+static void feedback_with_frames_or_several_targets_is_refused_and_changes_nothing( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    const uint64_t before = wisp_world_hash( f.world );
+    for ( int n = 0; n < 3; ++n )
+    {
+        wisp_ghosts_def def = fed_back();
+        def.targets = f.targets;
+        def.frame = n == 0 ? WISP_GHOST_FRAME_PARALLEL : n == 1 ? WISP_GHOST_FRAME_ROOT : WISP_GHOST_FRAME_OFF;
+        def.target_count = n == 2 ? 2 : 1;
+        assert_int_equal( wisp_set_ghosts( f.world, f.ghosts, &def ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( f.world ), "feedback" ) );
+        assert_int_equal( wisp_world_hash( f.world ), before );
+    }
+    wisp_world_destroy( f.world );
+}
+
+static void feedback_switched_off_again_leaves_nothing_behind( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
+    wisp_ghosts_def def = fed_back();
+    def.between = true;
+    guide_follow( &f, def );
+    guide_follow( &plain, wisp_default_ghosts_def() );
+    for ( int frame = 0; frame < 5; ++frame )
+    {
+        guide_swing( &f );
+        guide_swing( &plain );
+    }
+    guide_follow( &f, wisp_default_ghosts_def() );
+    guide_swing( &f );
+    guide_swing( &plain );
+    assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( plain.world, plain.ghosts ),
+                         12 * NODES * sizeof( wisp_vec3 ) );
+    assert_int_equal( wisp_world_plan_passes( f.world ), wisp_world_plan_passes( plain.world ) );
+    wisp_world_destroy( plain.world );
+    wisp_world_destroy( f.world );
+}
+
+// Gains that no hair has drive ghosts away in a few steps.
+static void ghosts_that_feedback_drives_away_are_halted( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    wisp_ghosts_def def = fed_back();
+    def.capped = false;
+    def.time = def.centre_gain = 1e3f;
+    guide_follow( &f, def );
+    for ( int frame = 0; frame < 30; ++frame )
+    {
+        guide_swing( &f );
+    }
+    for ( int n = 0; n < 12 * NODES; ++n )
+    {
+        const double3 y = guide_ghost( &f, n / NODES, n % NODES );
+        assert_true( fabs( y.x ) <= 1e7 && fabs( y.y ) <= 1e7 && fabs( y.z ) <= 1e7 );
+    }
+    wisp_vec3 last[12 * NODES];
+    memcpy( last, guide_points( f.world, f.ghosts ), sizeof( last ) );
+    guide_swing( &f );
+    assert_memory_equal( guide_points( f.world, f.ghosts ), last, sizeof( last ) );
+    wisp_world_destroy( f.world );
+}
+
+// ---- between steps ----
+
+static double3 velocity_of( const guide_oracle* hair, const double3* v, int ghost, int node )
+{
+    return v[hair->link[ghost] * hair->node_count + node];
+}
+
+static void places_between_steps_follow_the_oracle_and_meet_both_steps( void** state )
+{
+    (void)state;
+    for ( int nodes = 7; nodes <= NODES; nodes += NODES - 7 )
+    {
+        flock f = guide_flock( NULL, 3, 4, nodes );
+        wisp_ghosts_def def = wisp_default_ghosts_def();
+        def.frame = WISP_GHOST_FRAME_OFF;
+        def.between = true;
+        def.resample = nodes != NODES;
+        guide_follow( &f, def );
+        guide_oracle hair = oracle_of( &f, &def );
+        wisp_vec3 before[12 * NODES], points[12 * NODES];
+        double3 y[12 * NODES], v[3 * NODES];
+        const size_t bytes = (size_t)( 12 * nodes ) * sizeof( wisp_vec3 );
+        for ( int frame = 0; frame < 20; ++frame )
+        {
+            memcpy( before, guide_points( f.world, f.ghosts ), bytes );
+            memcpy( y, hair.y, (size_t)( 12 * nodes ) * sizeof( double3 ) );
+            memcpy( v, hair.v, (size_t)( 3 * nodes ) * sizeof( double3 ) );
+            guide_swing( &f );
+            step( &hair, f.x, f.v );
+            guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 1.0f, points ) );
+            assert_memory_equal( points, guide_points( f.world, f.ghosts ), bytes );
+            if ( frame > 0 )
+            {
+                guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.0f, points ) );
+                assert_memory_equal( points, before, bytes );
+            }
+            for ( int part = 1; part < 4 && frame > 0; ++part )
+            {
+                guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.25f * (float)part, points ) );
+                for ( int n = 0; n < 12 * nodes; ++n )
+                {
+                    const double3 expected = guide_oracle_between_frames(
+                        y[n], velocity_of( &hair, v, n / nodes, n % nodes ), hair.y[n],
+                        velocity_of( &hair, hair.v, n / nodes, n % nodes ), (double)FRAME, 0.25 * part );
+                    const double3 p = double3_make( (double)points[n].x, (double)points[n].y, (double)points[n].z );
+                    assert_at( p, expected, tolerance );
+                }
+            }
+        }
+        guide_oracle_destroy( &hair );
+        wisp_world_destroy( f.world );
+    }
+}
+
+static void places_between_steps_are_refused_by_name_and_nothing_is_written( void** state )
+{
+    (void)state;
+    flock f = guide_flock( NULL, 3, 4, NODES );
+    wisp_vec3 points[12 * NODES] = { { 0.0f, 0.0f, 0.0f } }, untouched[12 * NODES] = { { 0.0f, 0.0f, 0.0f } };
+    assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, 0.5f, points ), WISP_CONFLICT );
+    guide_follow( &f, wisp_default_ghosts_def() );
+    assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, 0.5f, points ), WISP_CONFLICT );
+    wisp_ghosts_def def = wisp_default_ghosts_def();
+    def.between = true;
+    guide_follow( &f, def );
+    const float wrong[] = { -0.1f, 1.1f, NAN };
+    for ( int n = 0; n < WISP_COUNT( wrong ); ++n )
+    {
+        assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, wrong[n], points ), WISP_BAD_INPUT );
+        assert_non_null( strstr( wisp_world_message( f.world ), "fraction" ) );
+    }
+    assert_memory_equal( points, untouched, sizeof( points ) );
+    wisp_world_destroy( f.world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( sixty_steps_of_feedback_follow_the_oracle ),
+        cmocka_unit_test( what_differs_adds_up_and_the_mean_stays_on_the_target ),
+        cmocka_unit_test( bits_do_not_depend_on_workers_or_the_instruction_set ),
+        cmocka_unit_test( a_restored_world_goes_on_with_the_same_bits ),
+        cmocka_unit_test( feedback_with_frames_or_several_targets_is_refused_and_changes_nothing ),
+        cmocka_unit_test( feedback_switched_off_again_leaves_nothing_behind ),
+        cmocka_unit_test( ghosts_that_feedback_drives_away_are_halted ),
+        cmocka_unit_test( places_between_steps_follow_the_oracle_and_meet_both_steps ),
+        cmocka_unit_test( places_between_steps_are_refused_by_name_and_nothing_is_written ),
+    };
+    return cmocka_run_group_tests_name( "guide hair, feedback", tests, NULL, NULL );
+}
