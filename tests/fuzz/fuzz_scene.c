@@ -72,7 +72,8 @@ static void demand_dynamics( const wisp_scene_strands* strands )
     {
         demand( d->vertex_masses[i] > 0.0f && isfinite( d->vertex_masses[i] ) );
     }
-    demand( strands->has_dynamics || !( strands->has_grid || strands->has_head || strands->has_collision ) );
+    demand( strands->has_dynamics || !( strands->has_grid || strands->has_head ) );
+    demand( strands->has_dynamics || strands->has_ghosts || !strands->has_collision );
     demand( !( strands->has_head && strands->on_surface >= 0 ) );
     demand_path( &strands->head );
 }

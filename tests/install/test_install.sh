@@ -72,10 +72,10 @@ echo "$headers headers compile by themselves"
 
 # ---- programs ----
 
-# build_and_run NAME SOURCE
+# build_and_run NAME SOURCE; a program may use the C library's mathematics, which the shared library does not hand on
 build_and_run()
 {
-    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${shared[@]}" -o "$folder/$1.shared" ||
+    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${shared[@]}" -lm -o "$folder/$1.shared" ||
         fail "$1 does not build against the shared library"
     "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${static[@]}" -o "$folder/$1.static" ||
         fail "$1 does not build against the static library"
