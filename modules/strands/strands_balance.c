@@ -233,12 +233,7 @@ bool strands_balance_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const strands_rows rows = {
-        .topology = wisp_frame_strands( frame, span->entity ),
-        .rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ),
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
-        .length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 ),
-    };
+    const strands_rows rows = strands_rows_in( frame, span->entity );
     const curve_job job = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),

@@ -24,6 +24,16 @@ strands_rows strands_rows_of( wisp_world* world, wisp_entity strands )
     };
 }
 
+strands_rows strands_rows_in( wisp_frame* frame, wisp_entity strands )
+{
+    return ( strands_rows ){
+        .topology = wisp_frame_strands( frame, strands ),
+        .rest = wisp_frame_column( frame, strands, WISP_STRAND_REST, 0 ),
+        .weight = wisp_frame_column( frame, strands, WISP_STRAND_WEIGHT, 0 ),
+        .length = wisp_frame_column( frame, strands, WISP_STRAND_LENGTH, 0 ),
+    };
+}
+
 // ---- lengths and masses ----
 
 static float segment_at_rest( const float* rest, int row, int lane )
@@ -458,12 +468,7 @@ bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const strands_rows rows = {
-        .topology = wisp_frame_strands( frame, span->entity ),
-        .rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ),
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
-        .length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 ),
-    };
+    const strands_rows rows = strands_rows_in( frame, span->entity );
     const factor_job job = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),

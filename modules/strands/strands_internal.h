@@ -67,10 +67,10 @@ typedef struct strands_grid
 #define STRANDS_BEND_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_TENSION( X ) X( float, tension, 16 ) /* N, of the segment to the next row */
 #define STRANDS_STRETCH_LINK( X )                                                                                    \
-    X( float, rest, 16 )   /* m, to the next row; negative: no link */                                               \
+    X( float, rest, 16 )   /* m, to the next row; 0 or less: no link */                                              \
     X( float, lambda, 16 ) /* N s^2, of the substep; only kept with several iterations */
 #define STRANDS_BEND_LINK( X )                                                                                       \
-    X( float, rest, 16 ) /* m, to the row after the next; negative: no link */                                       \
+    X( float, rest, 16 ) /* m, to the row after the next; 0 or less: no link */                                      \
     X( float, lambda, 16 )
 #define STRANDS_ROD( X )                                                                                             \
     X( float, inverse_length, 16 ) /* 1/m, of the segment to the next row; 0 where there is none */                  \
@@ -219,6 +219,8 @@ static inline float strands_norm( wisp_vec3 v )
 /// The module is registered, the entity alive, with strands that have dynamics.
 wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
 strands_rows strands_rows_of( wisp_world* world, wisp_entity strands );
+/// The same inside a pass.
+strands_rows strands_rows_in( wisp_frame* frame, wisp_entity strands );
 
 // ---- cooking (strands_cook.c) ----
 

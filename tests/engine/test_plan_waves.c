@@ -1,0 +1,245 @@
+// Which passes share a wave, which are fused, and which groups leave the substep loop for the item loop.
+#include "plan_fixture.h"
+
+#define GROUP WISP_DOMAIN_STRAND_GROUP
+#define ENTITY WISP_DOMAIN_ENTITY
+#define SHAPE WISP_STAGE_SHAPE
+
+static const fake_pass CHAIN[] = {
+    { "d", SHAPE, GROUP, .reads = "C", .writes = "D" },
+    { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
+    { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    { "a", SHAPE, GROUP, .writes = "A" },
+};
+
+static void passes_without_a_conflict_share_a_wave( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .reads = "N", .writes = "A" },
+        { "b", SHAPE, GROUP, .reads = "N", .writes = "B" },
+        { "c", SHAPE, ENTITY, .reads = "N", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "N" ), "ABC" );
+    assert_string_equal( plan_text( world ), "[after] a,b,c" );
+    wisp_world_destroy( world );
+}
+
+static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char *first_reads, *first_writes, *second_reads, *second_writes, *wishes, *plan;
+    } pairs[] = {
+        { NULL, "A", "A", "B", "B", "[after] a b" },  // read after write
+        { "A", "B", "A", "A", "AB", "[after] a b" },  // write after read
+        { NULL, "A", NULL, "A", "A", "[after] a b" }, // write after write
+        { "A", "B", "A", "C", "BC", "[after] a,b" },  // read beside read
+    };
+    for ( int i = 0; i < WISP_COUNT( pairs ); ++i )
+    {
+        const fake_pass passes[] = {
+            { "a", SHAPE, ENTITY, .reads = pairs[i].first_reads, .writes = pairs[i].first_writes },
+            { "b", SHAPE, ENTITY, .reads = pairs[i].second_reads, .writes = pairs[i].second_writes },
+        };
+        wisp_world* world = OPEN_WORLD( passes );
+        want( world, add_with( world, "A" ), pairs[i].wishes );
+        assert_string_equal( plan_text( world ), pairs[i].plan );
+        wisp_world_destroy( world );
+    }
+}
+
+static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, ENTITY, .writes = "A" },
+        { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
+        { "late", SHAPE, ENTITY, .reads = "B", .writes = "C" },
+        { "early", SHAPE, ENTITY, .reads = "A", .writes = "D" },
+        { "free", SHAPE, ENTITY, .writes = "E" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "CDE" );
+    assert_string_equal( plan_text( world ), "[after] a,free b,early late" );
+    wisp_world_destroy( world );
+}
+
+static void local_passes_over_the_same_groups_are_fused( void** state )
+{
+    (void)state;
+    wisp_world* world = OPEN_WORLD( CHAIN );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a+b+c" );
+    step( world );
+    assert_string_equal( trace_text(), "a1.0 b1.0 c1.0 a1.1 b1.1 c1.1 a1.2 b1.2 c1.2" );
+    wisp_world_destroy( world );
+}
+
+static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "whole", SHAPE, ENTITY, .reads = "A", .writes = "A" },
+        { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[after] a whole b" );
+    wisp_world_destroy( world );
+}
+
+static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "beside", SHAPE, ENTITY, .writes = "C" },
+        { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "BC" );
+    assert_string_equal( plan_text( world ), "[after] a+b,beside" );
+    wisp_world_destroy( world );
+}
+
+static void entity_passes_are_never_fused( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, ENTITY, .writes = "A" },
+        { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
+        { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a b c" );
+    wisp_world_destroy( world );
+}
+
+static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "a", SHAPE, GROUP, .writes = "A" },
+        { "b", SHAPE, GROUP, .writes = "B" },
+        { "c", SHAPE, GROUP, .reads = "AB", .writes = "C" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "C" );
+    assert_string_equal( plan_text( world ), "[after] a,b c" );
+    wisp_world_destroy( world );
+}
+
+static void passes_of_another_loop_are_not_fused( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, ENTITY, .writes = "A" },
+        { "contact", WISP_STAGE_CONTACT, GROUP, .reads = "A", .writes = "A" },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[substep] predict contact [iteration] project [after] shape" );
+    wisp_world_destroy( world );
+}
+
+static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "particles", WISP_STAGE_PREDICT, ENTITY, .reads = "C", .writes = "C" },
+        { "velocity", WISP_STAGE_VELOCITY, GROUP, .reads = "A", .writes = "A" },
+        { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "D", .writes = "A" },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+        { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "CD" ), "BC" );
+    assert_string_equal( plan_text( world ),
+                         "[substep] particles [item loop] predict+project+velocity [after] shape" );
+    wisp_world_destroy( world );
+}
+
+static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
+        { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "B" );
+    assert_string_equal( plan_text( world ), "[substep] predict sum" );
+    wisp_world_destroy( world );
+}
+
+static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "wind", WISP_STAGE_FORCE, ENTITY, .writes = "B" },
+        { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_string_equal( plan_text( world ), "[substep] wind predict" );
+    wisp_world_destroy( world );
+}
+
+static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop( void** state )
+{
+    (void)state;
+    static const fake_pass passes[] = {
+        { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A", .asks = true },
+        { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
+    };
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "" ), "A" );
+    assert_string_equal( plan_text( world ), "[substep] predict [iteration] project" );
+    wisp_world_destroy( world );
+}
+
+static void a_node_takes_only_so_many_passes( void** state )
+{
+    (void)state;
+    static char names[PLAN_MAX_FUSED + 1][4];
+    fake_pass passes[PLAN_MAX_FUSED + 1];
+    char expected[sizeof( names ) + 16] = "[after] ";
+    for ( int i = 0; i < WISP_COUNT( passes ); ++i )
+    {
+        snprintf( names[i], sizeof( names[i] ), "%d", i % 100 );
+        passes[i] = ( fake_pass ){ names[i], SHAPE, GROUP, .reads = "A", .writes = "A" };
+        strcat( strcat( expected, i == 0 ? "" : i < PLAN_MAX_FUSED ? "+" : " " ), names[i] );
+    }
+    wisp_world* world = OPEN_WORLD( passes );
+    want( world, add_with( world, "A" ), "A" );
+    assert_string_equal( plan_text( world ), expected );
+    wisp_world_destroy( world );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( passes_without_a_conflict_share_a_wave ),
+        cmocka_unit_test( any_pair_of_writes_or_of_a_read_and_a_write_conflicts ),
+        cmocka_unit_test( a_pass_moves_into_the_first_wave_behind_its_conflicts ),
+        cmocka_unit_test( local_passes_over_the_same_groups_are_fused ),
+        cmocka_unit_test( an_entity_pass_in_between_keeps_local_passes_apart ),
+        cmocka_unit_test( an_entity_pass_beside_does_not_keep_local_passes_apart ),
+        cmocka_unit_test( entity_passes_are_never_fused ),
+        cmocka_unit_test( a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them ),
+        cmocka_unit_test( passes_of_another_loop_are_not_fused ),
+        cmocka_unit_test( groups_run_their_substeps_item_by_item_behind_the_other_loops ),
+        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write ),
+        cmocka_unit_test( groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read ),
+        cmocka_unit_test( groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop ),
+        cmocka_unit_test( a_node_takes_only_so_many_passes ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
