@@ -205,6 +205,10 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
     {
         printf( "    %s\n", entry->has_cloth ? "cloth" : "balloon" );
     }
+    if ( entry->has_implicit )
+    {
+        printf( "    implicit cloth%s\n", entry->has_quad_links ? ", quad links" : "" );
+    }
 }
 
 static wisp_status info_surfaces( const wisp_scene* scene, wisp_error* error )

@@ -273,6 +273,48 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     row->has_hash = true;
 }
 
+// What went wrong now and then, and was answered for.
+static void add_warnings( results* out, const wisp_world* world )
+{
+    static const struct
+    {
+        wisp_counter counter;
+        const char* sentence;
+    } warnings[] = {
+        { WISP_COUNT_CAPPED, "neighbour queries ran into the limit, and the vertices beyond it were left out" },
+        { WISP_COUNT_UNSOLVED, "solves ended at their limit of iterations, short of their tolerance" },
+        { WISP_COUNT_INDEFINITE, "solves met negative curvature and stopped there" },
+        { WISP_COUNT_UNDIRECTED, "times a link between coincident vertices had no direction and gave no force" },
+    };
+    for ( int i = 0; i < WISP_COUNT( warnings ); ++i )
+    {
+        uint64_t count = wisp_world_counter( world, warnings[i].counter );
+        if ( count > 0 )
+        {
+            results_add_note( out, "%llu %s.", (unsigned long long)count, warnings[i].sentence );
+        }
+    }
+}
+
+// Of surfaces that are asked for them.
+static void add_solver_notes( results* out, const scene_world* world )
+{
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* entry = &world->scene->surfaces[i];
+        wisp_implicit_cloth_figures f;
+        if ( entry->has_implicit && entry->want_figures &&
+             wisp_read_implicit_cloth_figures( world->world, world->surfaces[i].entity, &f ) == WISP_OK )
+        {
+            results_add_note( out,
+                              "%s, last substep: %d iterations, residual %.1e; %d vertices stick, %d slide, %d land; "
+                              "energy of stretch %.3e J, of bending %.3e J.",
+                              entry->name, f.iterations, (double)f.residual, f.sticking, f.sliding, f.landing,
+                              f.stretch_energy, f.bend_energy );
+        }
+    }
+}
+
 static void add_notes( results* out, const scene_world* world, const run_record* record, stats_summary times )
 {
     const wisp_scene* scene = world->scene;
@@ -298,12 +340,8 @@ static void add_notes( results* out, const scene_world* world, const run_record*
         results_add_note( out, "%d of %d commands come after the last step and were not given.",
                           scene->command_count - world->next_command, scene->command_count );
     }
-    uint64_t capped = wisp_world_counter( world->world, WISP_COUNT_CAPPED );
-    if ( capped > 0 )
-    {
-        results_add_note( out, "%llu neighbour queries ran into the limit, and the vertices beyond it were left out.",
-                          (unsigned long long)capped );
-    }
+    add_solver_notes( out, world );
+    add_warnings( out, world->world );
     results_add_note( out, "Hash %016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
 

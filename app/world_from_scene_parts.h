@@ -33,6 +33,8 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
 void scene_surfaces_release( scene_world* world );
+/// Make a surface the implicit cloth that its entry tells, or begin it anew. On failure the sentence is the world's last one.
+wisp_status scene_implicit_set( scene_world* world, int surface );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
 

@@ -183,6 +183,16 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
+// BDF2 looks back on the substep before, which had another velocity: it begins anew.
+static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
+    const bool looks_back = entry->has_implicit && entry->implicit.integrator == WISP_IMPLICIT_BDF2;
+    wisp_entity entity = world->surfaces[e->surface].entity;
+    wisp_status status = wisp_set_velocity( world->world, entity, e->velocity, e->angular_velocity );
+    return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
+}
+
 // Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
@@ -203,7 +213,7 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     }
     if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity ) )
     {
-        status = wisp_set_velocity( world->world, s->entity, e->velocity, e->angular_velocity );
+        status = play_velocity( world, e );
     }
     return status;
 }

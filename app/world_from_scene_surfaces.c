@@ -1,6 +1,8 @@
 // Surfaces of a scene: meshes read or made, fabrics cooked with what their effects need and nothing else, effects set.
 #include "world_from_scene_parts.h"
 
+#include "wisp/module.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -227,6 +229,31 @@ static wisp_status add_particles( scene_world* world, int surface )
                              : status;
 }
 
+// Quad links take the place of the mesh's own; the surface copies them.
+wisp_status scene_implicit_set( scene_world* world, int surface )
+{
+    const wisp_scene_surface* entry = &world->scene->surfaces[surface];
+    const int source = entry->instance_of >= 0 ? entry->instance_of : surface;
+    const wisp_mesh_recipe* recipe = &world->scene->surfaces[source].mesh.recipe;
+    wisp_implicit_cloth_def def = entry->implicit;
+    wisp_quad_pairs pairs = { 0 };
+    wisp_error cause = { 0 };
+    if ( entry->has_quad_links && wisp_quad_pairs_make( recipe->columns, recipe->rows, &pairs, &cause ) != WISP_OK )
+    {
+        return wisp_world_fail( world->world, cause.status, "%s", cause.sentence );
+    }
+    if ( entry->has_quad_links )
+    {
+        def.stretch_pairs = pairs.stretch;
+        def.stretch_pair_count = pairs.stretch_count;
+        def.bend_pairs = pairs.bend;
+        def.bend_pair_count = pairs.bend_count;
+    }
+    wisp_status status = wisp_set_implicit_cloth( world->world, world->surfaces[surface].entity, &def );
+    wisp_quad_pairs_release( &pairs );
+    return status;
+}
+
 static wisp_status dress( scene_world* world, int surface, const wisp_balloon_def* balloon )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
@@ -239,6 +266,10 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     if ( status == WISP_OK && entry->has_balloon )
     {
         status = wisp_set_balloon( world->world, entity, balloon );
+    }
+    if ( status == WISP_OK && entry->has_implicit )
+    {
+        status = scene_implicit_set( world, surface );
     }
     if ( status == WISP_OK && entry->has_collision )
     {
@@ -267,7 +298,8 @@ static wisp_status wish( scene_world* world, int surface )
     }
     if ( status == WISP_OK && entry->want_figures )
     {
-        status = wisp_want_balloon_figures( world->world, entity, true );
+        status = entry->has_balloon ? wisp_want_balloon_figures( world->world, entity, true )
+                                    : wisp_want_implicit_cloth_figures( world->world, entity, true );
     }
     if ( status == WISP_OK && entry->want_contacts )
     {

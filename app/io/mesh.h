@@ -80,6 +80,8 @@ extern "C"
         WISP_MESH_PLANE_REGULAR,     ///< every diagonal from (i, j) to (i + 1, j + 1)
         WISP_MESH_PLANE_ALTERNATING, ///< so where i + j is even, the other diagonal where it is odd
         WISP_MESH_PLANE_IRREGULAR,   ///< shifted at random, then Delaunay
+        WISP_MESH_DELAUNAY,          ///< a rectangle by wisp_mesh_make_flat(): no rows, valences that differ
+        WISP_MESH_GARMENT,           ///< the front panel of a shirt by the same, denser at armholes and neckline
         WISP_MESH_ICOSPHERE,         ///< 10 * 4^level + 2 vertices
         WISP_MESH_UV_SPHERE,
         WISP_MESH_TORUS,
@@ -96,7 +98,7 @@ extern "C"
         int columns;         ///< >= 2, vertices of a plane along x
         int rows;            ///< >= 2, vertices of a plane along z; vertex (i, j) has the number j * columns + i
         int vertex_count;    ///< irregular plane: how many in all, spread over the rows, each at least 2; 0 is
-                             ///< columns * rows
+                             ///< columns * rows; Delaunay rectangle (>= 4) and garment (>= 64): how many in all
         int level;           ///< 0..10, of icosphere and pear
         int segments;        ///< >= 3, around the axis y of the round shapes
         int rings;           ///< from pole to pole of a UV sphere (>= 2), from pole to cylinder of a capsule (>= 1),
@@ -107,16 +109,58 @@ extern "C"
         float radius;      ///< m, > 0, of sphere, capsule and tube, of a torus's centre line, of the pear's icosphere
         float tube_radius; ///< m, > 0 and < radius, of a torus
         float length;      ///< m, > 0, of the cylinder of capsule and tube
-        uint64_t seed;     ///< of the shifts
+        float width;       ///< m, > 0, of Delaunay rectangle and garment along x
+        float depth;       ///< m, > 0, of the same along z, within a thousandth and a thousand times of the width
+        uint64_t seed;     ///< of the shifts, and of the vertices inside Delaunay rectangle and garment
     } wisp_mesh_recipe;
 
-    /// Planes of 32 x 32 vertices 2 cm apart; round shapes of radius 0.5 m with some thousand triangles.
+    /// Planes of 32 x 32 vertices 2 cm apart; round shapes of radius 0.5 m with some thousand triangles; Delaunay
+    /// pieces of 958 vertices in a square of 1 m x 1 m or a shirt of 0.55 m x 0.7 m.
     WISP_API wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape );
 
     /// Make a mesh around the origin. Planes lie in y = 0 and look along +y; closed shapes and the tube look
     /// outwards. The same recipe gives the same bits on every machine.
     /// @return WISP_BAD_INPUT the sentence names the recipe's value; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_make( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+
+    /// A corner of a flat piece, and the straight edge from there to the next one.
+    typedef struct wisp_mesh_corner
+    {
+        float x, z;    ///< m
+        float density; ///< 1..16, how many times closer than elsewhere the vertices on the edge are
+    } wisp_mesh_corner;
+
+    /// Make a flat piece of any outline in y = 0 that looks along +y, of exactly so many vertices: evenly along the
+    /// border and at random, well spaced, inside, joined by a Delaunay triangulation within the border. The border
+    /// comes first, corner 0 being vertex 0; the inside follows along Hilbert's curve. Where density asks the border
+    /// for more vertices than there are, all edges get fewer. The same call gives the same bits on every machine.
+    /// @param corners [corner_count] counter-clockwise seen from above, where +y points at the eye and x to the right
+    ///                z points down; not crossing or touching itself
+    /// @param corner_count >= 3
+    /// @param vertex_count >= corner_count
+    /// @return WISP_BAD_INPUT the sentence names the corner, or the value; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_make_flat( const wisp_mesh_corner* corners, int corner_count, int vertex_count,
+                                              uint64_t seed, wisp_mesh* out, wisp_error* error );
+
+    // ---- pairs ----
+
+    /// Pairs of vertices of a grid whose vertex (i, j) has the number j * columns + i, as in a plane: each pair once.
+    typedef struct wisp_quad_pairs
+    {
+        int32_t* stretch; ///< [stretch_count][2] first neighbours: horizontal, vertical and on both diagonals
+        int32_t* bend;    ///< [bend_count][2] second neighbours: two apart in the same directions
+        int stretch_count;
+        int bend_count; ///< 0 where both sides have two vertices
+    } wisp_quad_pairs;
+
+    /// The links of cloth made of quads (Choi and Ko), such as a plane as a grid of vertices without its triangles.
+    /// @param columns, rows each >= 2, at most WISP_MESH_VERTEX_CAP vertices
+    /// @param out receives the pairs, to be released; empty on failure
+    /// @return WISP_BAD_INPUT too few or too many vertices; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_quad_pairs_make( int columns, int rows, wisp_quad_pairs* out, wisp_error* error );
+
+    /// Null and zero pairs are allowed; the struct is zero afterwards.
+    WISP_API void wisp_quad_pairs_release( wisp_quad_pairs* pairs );
 
     // ---- the doctor ----
 

@@ -150,6 +150,7 @@ extern "C"
     /// All take a recipe that was checked.
     wisp_status mesh_make_plane( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_make_irregular( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_make_delaunay( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_make_icosphere( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_make_turned( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
 

@@ -9,19 +9,22 @@
 enum
 {
     MOST_LEVEL = 10,
+    LEAST_GARMENT = 64, // vertices: its corners alone are 21
 };
 
 static const float LARGEST_SIZE = 1e6f;   // m, as far as a groom may reach
 static const float SMALLEST_SIZE = 1e-6f; // m
 static const float MOST_JITTER = 0.2f;    // more can turn a triangle over before the flips begin
+static const float MOST_SLENDER = 1e3f;   // of one side of a Delaunay piece to the other
 
 wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape )
 {
-    bool is_torus = shape == WISP_MESH_TORUS;
+    bool is_torus = shape == WISP_MESH_TORUS, is_garment = shape == WISP_MESH_GARMENT;
     return ( wisp_mesh_recipe ){
         .shape = shape,
         .columns = 32,
         .rows = 32,
+        .vertex_count = is_garment || shape == WISP_MESH_DELAUNAY ? 958 : 0,
         .level = 4,
         .segments = is_torus ? 64 : 48,
         .rings = is_torus                     ? 32
@@ -33,6 +36,8 @@ wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape )
         .radius = 0.5f,
         .tube_radius = 0.2f,
         .length = 1.0f,
+        .width = is_garment ? 0.55f : 1.0f,
+        .depth = is_garment ? 0.7f : 1.0f,
         .seed = 1,
     };
 }
@@ -54,6 +59,11 @@ static bool is_plane( const wisp_mesh_recipe* r )
            r->shape == WISP_MESH_PLANE_IRREGULAR;
 }
 
+static bool is_delaunay( const wisp_mesh_recipe* r )
+{
+    return r->shape == WISP_MESH_DELAUNAY || r->shape == WISP_MESH_GARMENT;
+}
+
 static bool has_level( const wisp_mesh_recipe* r )
 {
     return r->shape == WISP_MESH_ICOSPHERE || r->shape == WISP_MESH_PEAR;
@@ -66,7 +76,9 @@ static bool has_length( const wisp_mesh_recipe* r )
 
 static wisp_status check_counts( const wisp_mesh_recipe* r, wisp_error* error )
 {
-    bool plane = is_plane( r ), turned = !plane && !has_level( r ), irregular = r->shape == WISP_MESH_PLANE_IRREGULAR;
+    bool plane = is_plane( r ), turned = !plane && !is_delaunay( r ) && !has_level( r );
+    bool counted = is_delaunay( r ) || ( r->shape == WISP_MESH_PLANE_IRREGULAR && r->vertex_count != 0 );
+    int least_vertices = r->shape == WISP_MESH_GARMENT ? LEAST_GARMENT : 4;
     int least_rings = r->shape == WISP_MESH_TORUS ? 3 : r->shape == WISP_MESH_UV_SPHERE ? 2 : 1;
     const struct
     {
@@ -76,7 +88,7 @@ static wisp_status check_counts( const wisp_mesh_recipe* r, wisp_error* error )
     } values[] = {
         { "columns", plane, r->columns, 2, WISP_MESH_VERTEX_CAP },
         { "rows", plane, r->rows, 2, WISP_MESH_VERTEX_CAP },
-        { "vertex count", irregular && r->vertex_count != 0, r->vertex_count, 4, WISP_MESH_VERTEX_CAP },
+        { "vertex count", counted, r->vertex_count, least_vertices, WISP_MESH_VERTEX_CAP },
         { "level", has_level( r ), r->level, 0, MOST_LEVEL },
         { "segments", turned, r->segments, 3, WISP_MESH_VERTEX_CAP },
         { "rings", turned && r->shape != WISP_MESH_TUBE, r->rings, least_rings, WISP_MESH_VERTEX_CAP },
@@ -96,11 +108,15 @@ static wisp_status check_counts( const wisp_mesh_recipe* r, wisp_error* error )
 // Products of counts that were checked one by one fit 64 bits.
 static wisp_status check_product( const wisp_mesh_recipe* r, wisp_error* error )
 {
+    if ( is_delaunay( r ) || has_level( r ) )
+    {
+        return WISP_OK;
+    }
     int64_t across = is_plane( r ) ? r->columns : r->segments;
     int64_t along = is_plane( r ) ? r->rows : r->rings;
     along += r->shape == WISP_MESH_CAPSULE ? (int64_t)r->rings + r->length_segments : 0;
     along = r->shape == WISP_MESH_TUBE ? (int64_t)r->length_segments + 1 : along;
-    if ( !has_level( r ) && across * along > WISP_MESH_VERTEX_CAP )
+    if ( across * along > WISP_MESH_VERTEX_CAP )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %lld times %lld vertices, more than %d",
                           (long long)across, (long long)along, WISP_MESH_VERTEX_CAP );
@@ -120,7 +136,9 @@ static wisp_status check_product( const wisp_mesh_recipe* r, wisp_error* error )
 
 static wisp_status check_sizes( const wisp_mesh_recipe* r, wisp_error* error )
 {
-    bool torus = r->shape == WISP_MESH_TORUS;
+    bool torus = r->shape == WISP_MESH_TORUS, delaunay = is_delaunay( r );
+    float shallowest = fmaxf( SMALLEST_SIZE, r->width / MOST_SLENDER );
+    float deepest = fminf( LARGEST_SIZE, r->width * MOST_SLENDER );
     const struct
     {
         const char* name;
@@ -129,9 +147,11 @@ static wisp_status check_sizes( const wisp_mesh_recipe* r, wisp_error* error )
     } values[] = {
         { "spacing", is_plane( r ), r->spacing, SMALLEST_SIZE, LARGEST_SIZE },
         { "jitter", r->shape == WISP_MESH_PLANE_IRREGULAR, r->jitter, 0.0f, MOST_JITTER },
-        { "radius", !is_plane( r ), r->radius, SMALLEST_SIZE, LARGEST_SIZE },
+        { "radius", !is_plane( r ) && !delaunay, r->radius, SMALLEST_SIZE, LARGEST_SIZE },
         { "tube radius", torus, r->tube_radius, SMALLEST_SIZE, 0.999f * r->radius },
         { "length", has_length( r ), r->length, SMALLEST_SIZE, LARGEST_SIZE },
+        { "width", delaunay, r->width, SMALLEST_SIZE, LARGEST_SIZE },
+        { "depth", delaunay, r->depth, shallowest, deepest },
     };
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
@@ -246,6 +266,10 @@ wisp_status wisp_mesh_make( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp
     if ( recipe->shape == WISP_MESH_PLANE_IRREGULAR )
     {
         return mesh_make_irregular( recipe, out, error );
+    }
+    if ( is_delaunay( recipe ) )
+    {
+        return mesh_make_delaunay( recipe, out, error );
     }
     if ( is_plane( recipe ) )
     {

@@ -10,6 +10,7 @@
 #include "collision/collision.h"
 #include "frozen_hair/frozen_hair.h"
 #include "guide_hair/guide_hair.h"
+#include "implicit_cloth/implicit_cloth.h"
 #include "strand_look/strand_look.h"
 #include "strands/strands.h"
 
@@ -153,9 +154,11 @@ extern "C"
         float damping;
         float strain_limit[2]; ///< 0 and infinity: none
 
-        bool has_cloth, has_balloon; ///< never both
-        wisp_cloth_def cloth;        ///< the defaults if the scene has none
+        bool has_cloth, has_balloon, has_implicit; ///< one of them at most
+        wisp_cloth_def cloth;                      ///< the defaults if the scene has none
         wisp_balloon_def balloon;
+        wisp_implicit_cloth_def implicit; ///< without pairs
+        bool has_quad_links;              ///< its pairs are those of wisp_quad_pairs_make() for the recipe's plane
         bool has_outlet_nearest;
         wisp_vec3 outlet_nearest;         ///< m, where the mesh starts
         float outlet_radius;              ///< m; besides the nearest vertex, those within it belong to the outlet
@@ -170,7 +173,7 @@ extern "C"
 
         bool want_points; ///< also if an output writes them
         bool want_normals, want_strain, want_speed, want_quality;
-        bool want_figures;  ///< of the balloon
+        bool want_figures;  ///< of the balloon, or of the implicit cloth
         bool want_contacts; ///< figures of the collision
     } wisp_scene_surface;
 

@@ -8,6 +8,7 @@
 #define DEF( member ) offsetof( wisp_scene_collider, def.member )
 
 static const char* const SHAPES[] = { "plane", "sphere", "capsule", "box", "mesh", NULL };
+static const char* const SEARCHES[] = { "tree", "voxels", NULL };
 
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
 #define COMMON_FIELDS                                                                                                \
@@ -44,6 +45,8 @@ static const scene_field MESH_FIELDS[] = {
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
     { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE },
     { "sheet", SCENE_SWITCH, .at = DEF( sheet ) },
+    { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES },
+    { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES },
 };
 
 #define BLOCK( fields )                                                                                              \
@@ -115,6 +118,11 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     {
         return scene_refuse_node( r, node, "has %s; a mesh is read or made",
                                   collider->mesh.is_made ? "both 'file' and 'make'" : "neither 'file' nor 'make'" );
+    }
+    const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
+    if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )
+    {
+        return scene_refuse_node( r, size, "'voxel_size' is of a mesh with 'search: voxels'" );
     }
     return status;
 }

@@ -14,10 +14,18 @@
 
 #define AT( member ) offsetof( wisp_mesh_recipe, member )
 
-static const char* const SHAPES[] = {
-    "plane", "alternating_plane", "irregular_plane", "icosphere", "uv_sphere", "torus", "capsule", "tube", "pear",
-    NULL
-};
+static const char* const SHAPES[] = { "plane",
+                                      "alternating_plane",
+                                      "irregular_plane",
+                                      "delaunay",
+                                      "garment",
+                                      "icosphere",
+                                      "uv_sphere",
+                                      "torus",
+                                      "capsule",
+                                      "tube",
+                                      "pear",
+                                      NULL };
 
 #define SHAPE_FIELD                                                                                                  \
     {                                                                                                                \
@@ -56,16 +64,29 @@ static const char* const SHAPES[] = {
         "length", SCENE_NUMBER, .at = AT( length ), .range = SIZE, .unit = METRES                                    \
     }
 
+#define SIDE_FIELD( key, member )                                                                                    \
+    {                                                                                                                \
+        key, SCENE_NUMBER, .at = AT( member ), .range = SIZE, .unit = METRES                                         \
+    }
+#define VERTICES_FIELD( least )                                                                                      \
+    {                                                                                                                \
+        "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( least )                                   \
+    }
+#define SEED_FIELD                                                                                                   \
+    {                                                                                                                \
+        "seed", SCENE_SEED, .at = AT( seed )                                                                         \
+    }
+
 static const scene_field PLANE_FIELDS[] = { SHAPE_FIELD, COLUMNS_FIELD, ROWS_FIELD, SPACING_FIELD };
 static const scene_field IRREGULAR_FIELDS[] = {
-    SHAPE_FIELD,
-    COLUMNS_FIELD,
-    ROWS_FIELD,
-    SPACING_FIELD,
-    { "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( 4 ) },
-    { "jitter", SCENE_NUMBER, .at = AT( jitter ), .range = RANGE( 0, 0.2 ) },
-    { "seed", SCENE_SEED, .at = AT( seed ) },
+    SHAPE_FIELD,   COLUMNS_FIELD,       ROWS_FIELD,
+    SPACING_FIELD, VERTICES_FIELD( 4 ), { "jitter", SCENE_NUMBER, .at = AT( jitter ), .range = RANGE( 0, 0.2 ) },
+    SEED_FIELD,
 };
+static const scene_field DELAUNAY_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width ),
+                                               SIDE_FIELD( "depth", depth ), VERTICES_FIELD( 4 ), SEED_FIELD };
+static const scene_field GARMENT_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width ), SIDE_FIELD( "depth", depth ),
+                                              VERTICES_FIELD( 64 ), SEED_FIELD };
 static const scene_field LEVEL_FIELDS[] = {
     SHAPE_FIELD,
     { "level", SCENE_WHOLE, .at = AT( level ), .range = RANGE( 0, 10 ) },
@@ -92,6 +113,8 @@ static const scene_block SHAPE_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
     [WISP_MESH_PLANE_REGULAR] = BLOCK( PLANE_FIELDS ),
     [WISP_MESH_PLANE_ALTERNATING] = BLOCK( PLANE_FIELDS ),
     [WISP_MESH_PLANE_IRREGULAR] = BLOCK( IRREGULAR_FIELDS ),
+    [WISP_MESH_DELAUNAY] = BLOCK( DELAUNAY_FIELDS ),
+    [WISP_MESH_GARMENT] = BLOCK( GARMENT_FIELDS ),
     [WISP_MESH_ICOSPHERE] = BLOCK( LEVEL_FIELDS ),
     [WISP_MESH_UV_SPHERE] = BLOCK( SPHERE_FIELDS ),
     [WISP_MESH_TORUS] = BLOCK( TORUS_FIELDS ),
@@ -125,6 +148,9 @@ int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe )
     {
         case WISP_MESH_PLANE_IRREGULAR:
             return recipe->vertex_count ? recipe->vertex_count : columns * recipe->rows;
+        case WISP_MESH_DELAUNAY:
+        case WISP_MESH_GARMENT:
+            return recipe->vertex_count;
         case WISP_MESH_ICOSPHERE:
         case WISP_MESH_PEAR:
             return 10 * ( (int64_t)1 << ( 2 * recipe->level ) ) + 2;
@@ -153,6 +179,13 @@ static wisp_status check_recipe( scene_reader* r, const scene_node* node, const 
     {
         return scene_refuse_node( r, node, "tube_radius %g is not below radius %g", (double)recipe->tube_radius,
                                   (double)recipe->radius );
+    }
+    bool is_delaunay = recipe->shape == WISP_MESH_DELAUNAY || recipe->shape == WISP_MESH_GARMENT;
+    // As the maker asks it, in the same arithmetic.
+    if ( is_delaunay && !( recipe->depth >= recipe->width / 1e3f && recipe->depth <= recipe->width * 1e3f ) )
+    {
+        return scene_refuse_node( r, node, "depth %g is not within a thousandth and a thousand times of width %g",
+                                  (double)recipe->depth, (double)recipe->width );
     }
     int64_t grid = (int64_t)recipe->columns * recipe->rows;
     if ( recipe->shape == WISP_MESH_PLANE_IRREGULAR && recipe->vertex_count != 0 &&

@@ -42,4 +42,5 @@
 #define COMPLIANCES "compliances are plain numbers in m/N"
 #define STIFFNESSES "stiffnesses are plain numbers in N/m"
 #define RIGIDITIES "rigidities are plain numbers in N m"
+#define LINK_DAMPINGS "dampings of a link are plain numbers in N s/m"
 #define ROD_RIGIDITIES "rigidities of a rod are plain numbers in N m^2"

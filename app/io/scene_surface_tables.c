@@ -86,6 +86,41 @@ static const scene_field BALLOON_FIELDS[] = {
 };
 static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
 
+// ---- implicit ----
+
+#define IMPLICIT( member ) offsetof( wisp_scene_surface, implicit.member )
+#define ANY_STIFFNESS RANGE( 0, 1e9 )
+
+static const char* const STIFFNESS_OF[] = { "link", "sheet", NULL };
+static const char* const WEIGHTS[] = { "effective", "none", "pair", NULL };
+static const char* const DAMPING_FORMS[] = { "isotropic", "axial", NULL };
+static const char* const JACOBIANS[] = { "dropped", "full", NULL };
+static const char* const INTEGRATORS[] = { "euler", "bdf2", NULL };
+static const char* const LINKS[] = { "mesh", "quad", NULL };
+
+static const scene_field IMPLICIT_FIELDS[] = {
+    { "stiffness", SCENE_CHOICE, .at = IMPLICIT( stiffness ), .choices = STIFFNESS_OF },
+    { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
+      .unit = STIFFNESSES },
+    { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
+      .unit = ROD_RIGIDITIES },
+    { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES },
+    { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
+      .unit = STIFFNESSES },
+    { "damping", SCENE_NUMBER, .at = IMPLICIT( damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS },
+    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS },
+    { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS },
+    { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS },
+    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS },
+    { "newton_repeats", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ) },
+    { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ) },
+    { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ) },
+    { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ) },
+    { "look_ahead", SCENE_SWITCH, .at = IMPLICIT( look_ahead ) },
+    { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS },
+};
+static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );
+
 // ---- a surface ----
 
 static const scene_field TRANSFORM_FIELDS[] = {
@@ -131,6 +166,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "strain_limit", SCENE_CUSTOM, .at = AT( strain_limit ), .read = scene_read_strain_limit },
     { "cloth", SCENE_BLOCK, .at = AT( has_cloth ), .block = &CLOTH_BLOCK },
     { "balloon", SCENE_BLOCK, .at = AT( has_balloon ), .block = &BALLOON_BLOCK },
+    { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK },
     { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ) },
     { "sweep", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size },

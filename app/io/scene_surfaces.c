@@ -253,9 +253,10 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
         {
             return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
         }
-        if ( !status && wants[word] == &s->want_figures && !s->has_balloon )
+        if ( !status && wants[word] == &s->want_figures && !s->has_balloon && !s->has_implicit )
         {
-            return scene_refuse_node( r, item, "'figures' are a balloon's, but this surface has no key 'balloon'" );
+            return scene_refuse_node(
+                r, item, "'figures' need the key 'balloon' or 'implicit', but this surface has none of them" );
         }
         if ( !status && wants[word] == &s->want_contacts && !s->has_collision )
         {
@@ -353,6 +354,36 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
     return WISP_OK;
 }
 
+// What is refused of a plane is not what an instance shares: that is known once its source is.
+static wisp_status check_quad_links( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
+{
+    return mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR
+               ? WISP_OK
+               : scene_refuse_node( r, node,
+                                    "implicit.links are 'quad', which a mesh of 'make: { shape: plane }' alone has" );
+}
+
+static wisp_status check_implicit( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
+{
+    const bool instance = scene_child( r, node, "instance_of" ) != NULL;
+    if ( s->has_cloth || s->has_balloon )
+    {
+        return scene_refuse_node( r, node, "has both '%s' and 'implicit'; a surface is one or the other",
+                                  s->has_cloth ? "cloth" : "balloon" );
+    }
+    if ( s->strain_limit[0] > 0.0f || s->strain_limit[1] < INFINITY )
+    {
+        return scene_refuse_node( r, node, "has both 'strain_limit' and 'implicit', which knows no such limits" );
+    }
+    if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
+    {
+        return scene_refuse_node( r, node,
+                                  "implicit.stiffness is of the 'sheet', which needs the links of the mesh, but "
+                                  "implicit.links are 'quad'" );
+    }
+    return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;
+}
+
 static wisp_status check_entry( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     const bool pinned = s->pin_count > 0 || s->pin_box_count > 0 || s->pin_nearest_count > 0;
@@ -378,7 +409,8 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "'levels' are used by cloth alone, and there is no key 'cloth'" );
     }
-    status = s->has_cloth ? check_cloth( r, node, s ) : WISP_OK;
+    status = s->has_implicit ? check_implicit( r, node, s ) : WISP_OK;
+    status = status || !s->has_cloth ? status : check_cloth( r, node, s );
     return status || !s->has_balloon ? status : check_balloon( r, node, s );
 }
 
@@ -397,6 +429,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
         .strain_limit = { 0.0f, INFINITY },
         .cloth = wisp_default_cloth_def(),
         .balloon = wisp_default_balloon_def(),
+        .implicit = wisp_default_implicit_cloth_def(),
         .sweep = wisp_default_fabric_def().sweep,
         .collision = wisp_default_collision_def(),
     };
@@ -434,7 +467,7 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     {
         return scene_refuse_node( r, node, "cloth.tethers reach to the pins of '%s', which has none", source->name );
     }
-    return WISP_OK;
+    return surface->has_quad_links ? check_quad_links( r, node, &source->mesh ) : WISP_OK;
 }
 
 static wisp_status find_sources( scene_reader* r, const scene_node* node )

@@ -50,3 +50,7 @@ void KERNEL( strand_ghost )( const wisp_strand_ghost_job* job, int begin, int en
 void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end );
 void KERNEL( strand_curve )( const wisp_strand_curve_job* job, int begin, int end );
 void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end );
+int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end );
+double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int end );
+double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end );
+void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end );

@@ -41,5 +41,9 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_ghost = KERNEL( strand_ghost ),
     .strand_ghost_blend = KERNEL( strand_ghost_blend ),
     .strand_curve = KERNEL( strand_curve ),
+    .spring_assemble = KERNEL( spring_assemble ),
+    .spring_product = KERNEL( spring_product ),
+    .conjugate_advance = KERNEL( conjugate_advance ),
+    .conjugate_turn = KERNEL( conjugate_turn ),
     .prolong = KERNEL( prolong ),
 };

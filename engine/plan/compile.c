@@ -16,7 +16,7 @@ bool plan_lists( const wisp_component* uses, wisp_component component )
     return false;
 }
 
-static store_mask mask_of( const wisp_component* uses )
+store_mask plan_mask( const wisp_component* uses )
 {
     store_mask mask = 0;
     for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
@@ -28,8 +28,8 @@ static store_mask mask_of( const wisp_component* uses )
 
 static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask a_writes = mask_of( a->writes ), b_writes = mask_of( b->writes );
-    return ( a_writes & ( b_writes | mask_of( b->reads ) ) ) != 0 || ( b_writes & mask_of( a->reads ) ) != 0;
+    store_mask a_writes = plan_mask( a->writes ), b_writes = plan_mask( b->writes );
+    return ( a_writes & ( b_writes | plan_mask( b->reads ) ) ) != 0 || ( b_writes & plan_mask( a->reads ) ) != 0;
 }
 
 // ---- demand: which passes live for one entity ----
@@ -45,12 +45,13 @@ static store_mask live_passes( const wisp_registry* r, const store_entity* e )
         for ( int i = 0; i < r->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + i;
-            store_mask needs = mask_of( pass->needs );
+            store_mask needs = plan_mask( pass->needs );
             bool lives = ( live >> i & 1 ) != 0;
-            if ( lives == false && ( needs & ~components ) == 0 && ( mask_of( pass->writes ) & wanted ) != 0 )
+            bool fits = ( needs & ~components ) == 0 && ( plan_mask( pass->lacks ) & components ) == 0;
+            if ( lives == false && fits && ( plan_mask( pass->writes ) & wanted ) != 0 )
             {
                 live |= store_bit( i );
-                wanted |= mask_of( pass->reads );
+                wanted |= plan_mask( pass->reads );
                 grew = true;
             }
         }
@@ -65,7 +66,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     store_mask supplied = e->components & ~e->derived;
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        supplied |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].writes ) : 0;
+        supplied |= ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].writes ) : 0;
     }
     for ( int c = 1; c < r->store->component_count; ++c )
     {
@@ -77,7 +78,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     }
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        store_mask missing = ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) & ~supplied : 0;
+        store_mask missing = ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].reads ) & ~supplied : 0;
         for ( int c = 1; c < r->store->component_count; ++c )
         {
             if ( ( missing & store_bit( c ) ) != 0 )
@@ -96,9 +97,9 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
 // a only produces what b consumes, so it goes first whatever the order of declaration.
 static bool must_precede( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask produced = mask_of( a->writes ) & ~mask_of( a->reads );
-    store_mask produced_by_b = mask_of( b->writes ) & ~mask_of( b->reads );
-    return ( produced & mask_of( b->reads ) & ~produced_by_b ) != 0;
+    store_mask produced = plan_mask( a->writes ) & ~plan_mask( a->reads );
+    store_mask produced_by_b = plan_mask( b->writes ) & ~plan_mask( b->reads );
+    return ( produced & plan_mask( b->reads ) & ~produced_by_b ) != 0;
 }
 
 static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_stage stage, int* order, int* count,
@@ -189,8 +190,8 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
              section < PLAN_ITEM_LOOP )
         {
             loop |= store_bit( i );
-            writes |= mask_of( pass->writes );
-            reads |= mask_of( pass->reads );
+            writes |= plan_mask( pass->writes );
+            reads |= plan_mask( pass->reads );
             possible = possible && pass->is_due == NULL && pass->on_change == 0;
             count += 1;
         }
@@ -201,8 +202,8 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
         const plan_section section = plan_section_of( pass->stage );
         if ( ( live & ~loop & store_bit( i ) ) != 0 && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
         {
-            possible = possible && ( mask_of( pass->writes ) & ( writes | reads ) ) == 0 &&
-                       ( mask_of( pass->reads ) & writes ) == 0;
+            possible = possible && ( plan_mask( pass->writes ) & ( writes | reads ) ) == 0 &&
+                       ( plan_mask( pass->reads ) & writes ) == 0;
         }
     }
     return possible && count <= PLAN_MAX_FUSED ? loop : 0;
@@ -381,7 +382,7 @@ static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slo
     store_mask used = 0;
     for ( int i = 0; i < r->pass_count; ++i )
     {
-        used |= ( live >> i & 1 ) != 0 ? mask_of( r->passes[i].reads ) | mask_of( r->passes[i].writes ) : 0;
+        used |= ( live >> i & 1 ) != 0 ? plan_mask( r->passes[i].reads ) | plan_mask( r->passes[i].writes ) : 0;
     }
     for ( int c = 1; c < s->component_count; ++c )
     {

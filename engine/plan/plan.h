@@ -15,7 +15,7 @@
 enum
 {
     PLAN_MAX_PASSES = 128, // one bit each in a mask
-    PLAN_MAX_FUSED = 32, // one bit each in a mask
+    PLAN_MAX_FUSED = 32,   // one bit each in a mask
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
 };
@@ -128,6 +128,8 @@ int plan_item_count( const store_entity* e, wisp_domain domain );
 
 /// Is the component in a zero-terminated list?
 bool plan_lists( const wisp_component* uses, wisp_component component );
+/// A zero-terminated list as a set.
+store_mask plan_mask( const wisp_component* uses );
 
 // execute.c
 

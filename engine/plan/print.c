@@ -111,6 +111,24 @@ static bool anybody_has( const wisp_registry* r, wisp_component c )
     return r->store->components[c].entity_count > 0;
 }
 
+// Does every entity that has all it needs have something that it must not have?
+static bool is_kept_out( const wisp_registry* r, const wisp_pass* pass )
+{
+    const store_mask needs = plan_mask( pass->needs ), lacks = plan_mask( pass->lacks );
+    bool kept_out = false;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        const store_entity* e = r->store->entities + slot;
+        const bool suits = e->alive && ( needs & ~e->components ) == 0;
+        if ( suits && ( lacks & e->components ) == 0 )
+        {
+            return false;
+        }
+        kept_out = kept_out || suits;
+    }
+    return kept_out;
+}
+
 static void print_absent( print_line* line, const wisp_registry* r, const wisp_pass* pass )
 {
     char head[160];
@@ -126,6 +144,13 @@ static void print_absent( print_line* line, const wisp_registry* r, const wisp_p
             flush( line );
             return;
         }
+    }
+    if ( is_kept_out( r, pass ) )
+    {
+        append( line, "only without " );
+        append( line, name_of( r, pass->lacks[0] ) );
+        flush( line );
+        return;
     }
     append( line, "nobody wants " );
     append( line, name_of( r, pass->writes[0] ) );

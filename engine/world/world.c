@@ -262,8 +262,17 @@ uint64_t wisp_world_counter( const wisp_world* world, wisp_counter counter )
 const char* wisp_counter_name( wisp_counter counter )
 {
     static const char* const NAMES[WISP_COUNTER_COUNT] = {
-        "steps",           "plans", "neighbours", "capped neighbour lists", "coarse grids", "neighbour searches",
-        "halted entities", "strands laid out",
+        "steps",
+        "plans",
+        "neighbours",
+        "capped neighbour lists",
+        "coarse grids",
+        "neighbour searches",
+        "halted entities",
+        "strands laid out",
+        "unconverged solves",
+        "indefinite solves",
+        "links without direction",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

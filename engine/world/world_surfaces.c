@@ -345,6 +345,12 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
             (double)maximum );
     }
     bool wanted = minimum > 0.0f || maximum < INFINITY;
+    if ( wanted && wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "entity %u is moved by a solver of velocities, which knows no strain limits",
+                                surface.index );
+    }
     wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, wanted );
     float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 0 );
     if ( status == WISP_OK && column != NULL )

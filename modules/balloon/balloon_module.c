@@ -511,11 +511,20 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
     return status;
 }
 
+static wisp_status check_alone( wisp_world* world, wisp_entity surface )
+{
+    return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
+               ? wisp_world_fail( world, WISP_CONFLICT, "balloon: another solver moves entity %u already",
+                                  surface.index )
+               : WISP_OK;
+}
+
 wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def )
 {
     WISP_ASSERT( def->made_by_default == BALLOON_DEF_MADE );
     const balloon_state* state;
     wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_alone( world, surface ) : status;
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_outlet( world, wisp_world_fabric( world, surface ), def ) : status;
     status = status == WISP_OK ? check_skin( world, surface, def, state ) : status;

@@ -59,7 +59,7 @@ typedef struct wisp_cloth_def
 WISP_API wisp_cloth_def wisp_default_cloth_def( void );
 
 /// Make a surface a cloth, or change the cloth it is.
-/// @return WISP_CONFLICT the module is not registered, the entity is not a surface, or its fabric lacks what the
+/// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what the
 ///         definition asks for; WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 

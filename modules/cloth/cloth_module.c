@@ -149,6 +149,14 @@ static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const 
     return WISP_OK;
 }
 
+static wisp_status check_alone( wisp_world* world, wisp_entity surface )
+{
+    return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
+               ? wisp_world_fail( world, WISP_CONFLICT, "cloth: another solver moves entity %u already",
+                                  surface.index )
+               : WISP_OK;
+}
+
 // ---- components ----
 
 typedef struct wanted_component
@@ -256,6 +264,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     WISP_ASSERT( def->made_by_default == CLOTH_DEF_MADE );
     const cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_alone( world, surface ) : status;
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;

@@ -26,7 +26,7 @@ wisp_collider_def wisp_default_collider_def( void )
 static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
 {
     const bool round = d->kind == WISP_COLLIDER_SPHERE || d->kind == WISP_COLLIDER_CAPSULE;
-    const bool box = d->kind == WISP_COLLIDER_BOX;
+    const bool box = d->kind == WISP_COLLIDER_BOX, mesh = d->kind == WISP_COLLIDER_MESH;
     const struct
     {
         const char* name;
@@ -39,6 +39,8 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
         { "half_extent.x", d->half_extent.x, 1e-6f, 1e6f, box },
         { "half_extent.y", d->half_extent.y, 1e-6f, 1e6f, box },
         { "half_extent.z", d->half_extent.z, 1e-6f, 1e6f, box },
+        { "search", (float)d->search, 0.0f, (float)( WISP_MESH_SEARCH_COUNT - 1 ), mesh },
+        { "voxel_size", d->voxel_size, 0.0f, 1e6f, mesh },
         { "static_friction", d->static_friction, 0.0f, 1e6f, true },
         { "kinetic_friction", d->kinetic_friction, 0.0f, d->static_friction, true },
         { "thickness", d->thickness, 0.0f, 1e6f, true },
@@ -145,6 +147,8 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         .triangles = d->triangles,
         .point_count = d->point_count,
         .triangle_count = d->triangle_count,
+        .search = d->search,
+        .voxel_size = d->voxel_size,
     };
     wisp_error error = { 0 };
     status = wisp_mesh_tree_create( &def, wisp_world_allocator( world ), &body->tree, &error );

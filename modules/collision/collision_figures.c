@@ -78,6 +78,19 @@ static void count_contacts( const measure_loop* loop, int begin, int end, wisp_c
     }
 }
 
+static void add_free_slots( measure_batch* batch, const collision_view* view, const wisp_fabric* fabric,
+                            const float* position, int begin, int end )
+{
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float* quad = position + (size_t)slot * 4;
+        if ( quad[3] > 0.0f )
+        {
+            add_vertex( batch, view, fabric->slot_vertex[slot], collision_load( quad ) );
+        }
+    }
+}
+
 static void measure_slots( void* context, int begin, int end, int worker )
 {
     measure_loop* loop = context;
@@ -88,17 +101,47 @@ static void measure_slots( void* context, int begin, int end, int worker )
     collision_view view;
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
-        for ( int slot = begin; slot < end; ++slot )
-        {
-            const float* quad = position + (size_t)slot * 4;
-            if ( quad[3] > 0.0f )
-            {
-                add_vertex( &batch, &view, fabric->slot_vertex[slot], collision_load( quad ) );
-            }
-        }
+        add_free_slots( &batch, &view, fabric, position, begin, end );
         measure_batch_of( &batch, &view, loop->figures + worker );
     }
     count_contacts( loop, begin, end, loop->figures + worker );
+}
+
+// ---- surfaces that are solved for ----
+
+// They are held within the thickness, so that is no depth: only what is behind the surface itself.
+static void measure_touches_of( measure_batch* batch, const collision_view* view, bool* touches,
+                                wisp_collision_figures* f )
+{
+    collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        const float distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;
+        take_depth( f, -distance, view->thickness, batch->vertices[i] );
+        touches[i] = touches[i] || distance < view->thickness;
+    }
+    batch->count = 0;
+}
+
+static void measure_solved_slots( void* context, int begin, int end, int worker )
+{
+    measure_loop* loop = context;
+    const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
+    const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
+    wisp_collision_figures* f = loop->figures + worker;
+    bool touches[CHUNK] = { false }; // by the free vertices of the chunk
+    measure_batch batch;
+    batch.count = 0;
+    collision_view view;
+    for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
+    {
+        add_free_slots( &batch, &view, fabric, position, begin, end );
+        measure_touches_of( &batch, &view, touches, f );
+    }
+    for ( int i = 0; i < CHUNK; ++i )
+    {
+        f->contacts += touches[i] ? 1 : 0;
+    }
 }
 
 // ---- strands ----
@@ -207,6 +250,13 @@ void collision_measure( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count, CHUNK,
              measure_slots );
+}
+
+void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    measure( ( measure_loop ){ .frame = frame, .span = span, .state = user }, fabric->vertex_count, CHUNK,
+             measure_solved_slots );
 }
 
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user )

@@ -36,11 +36,6 @@ typedef struct find_loop
     bool is_near[CHUNK];
 } find_loop;
 
-static bool is_finite( wisp_vec3 v )
-{
-    return fabsf( v.x ) <= 1e9f && fabsf( v.y ) <= 1e9f && fabsf( v.z ) <= 1e9f;
-}
-
 static void begin_chunk( find_loop* loop, int begin, int end )
 {
     loop->slot_count = 0;
@@ -54,7 +49,7 @@ static void begin_chunk( find_loop* loop, int begin, int end )
         loop->count[slot] = 0;
         collision_store( found, p );
         found[3] = INFINITY;
-        if ( quad[3] > 0.0f && is_finite( p ) && is_finite( old ) )
+        if ( quad[3] > 0.0f && collision_is_finite( p ) && collision_is_finite( old ) )
         {
             loop->slots[loop->slot_count++] = slot;
             collision_widen( &loop->low, &loop->high, p );

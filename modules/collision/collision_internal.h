@@ -27,6 +27,7 @@ typedef struct collision_state
 {
     wisp_component settings;       // collision_settings: the surface, or the strands, collide
     wisp_component contact;        // rows of particles; only while there is a body to touch
+    wisp_component active;         // a mark on surfaces, likewise: also on those that need no contacts of ours
     wisp_component strand_contact; // rows of strands, likewise
     wisp_component carried;        // rows of strands that others carry, likewise
     wisp_component figures;        // wisp_collision_figures
@@ -102,7 +103,9 @@ float collision_start_gap( const collision_view* view, const wisp_surface_point*
 
 void collision_find( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_sense( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_measure( wisp_frame* frame, const wisp_span* span, void* user );
+void collision_measure_touch( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_measure_strands( wisp_frame* frame, const wisp_span* span, void* user );
 void collision_keep_out( wisp_frame* frame, const wisp_span* span, void* user );
@@ -153,6 +156,12 @@ static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
 static inline float collision_length( wisp_vec3 a )
 {
     return sqrtf( collision_dot( a, a ) );
+}
+
+/// Within what bodies can be asked about.
+static inline bool collision_is_finite( wisp_vec3 v )
+{
+    return fabsf( v.x ) <= 1e9f && fabsf( v.y ) <= 1e9f && fabsf( v.z ) <= 1e9f;
 }
 
 /// One lane of a row of sixteen vertices.

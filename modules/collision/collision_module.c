@@ -10,6 +10,7 @@ static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
     X( int32_t, count, 1 ) /* contacts met; so many or WISP_COLLISION_CONTACTS are kept */                           \
     X( float, found, 4 )   /* m, where they were looked for, and how far from there nothing else is met */           \
     X( collision_contact, contact, WISP_COLLISION_CONTACTS )
+#define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
 #define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
     X( float, pushed, 16 ) /* m, by bodies in this substep */                                                        \
     X( float, depth, 16 )  /* m, how much nearer than the thickness a vertex may be in this iteration */             \
@@ -21,6 +22,7 @@ static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def FIGURES_COLUMNS[] = { COLLISION_FIGURES_COLUMNS( WISP_COLUMN_DEF ) };
@@ -82,6 +84,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
     const wisp_component_def contact = { "collision.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS,
                                          WISP_COUNT( CONTACT_COLUMNS ) };
+    const wisp_component_def active = { "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS, 1 };
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
     const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
@@ -90,6 +93,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
     state->contact = wisp_declare_component( r, &contact );
+    state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
     state->carried = wisp_declare_component( r, &carried );
     state->figures = wisp_declare_component( r, &figures );
@@ -116,6 +120,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .stage = WISP_STAGE_CONTACT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .needs = { state->settings, state->contact },
+            .lacks = { WISP_PARTICLE_SOLVED },
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = collision_find,
@@ -126,6 +131,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .needs = { state->settings, state->contact },
+            .lacks = { WISP_PARTICLE_SOLVED },
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION },
             .run = collision_project,
@@ -136,9 +142,30 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .needs = { state->settings, state->contact },
+            .lacks = { WISP_PARTICLE_SOLVED },
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
             .writes = { state->figures },
             .run = collision_measure,
+            .user = state,
+        },
+        {
+            .name = "collision.sense",
+            .stage = WISP_STAGE_FORCE,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .needs = { state->settings, state->active, WISP_PARTICLE_SOLVED, WISP_PARTICLE_TOUCH },
+            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .writes = { WISP_PARTICLE_TOUCH },
+            .run = collision_sense,
+            .user = state,
+        },
+        {
+            .name = "collision.touch_figures",
+            .stage = WISP_STAGE_OBSERVE,
+            .domain = WISP_DOMAIN_ENTITY,
+            .needs = { state->settings, state->active, WISP_PARTICLE_SOLVED },
+            .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
+            .writes = { state->figures },
+            .run = collision_measure_touch,
             .user = state,
         },
         {
@@ -240,22 +267,35 @@ bool collision_reserve( wisp_world* world, void** array, int* capacity, int coun
     return true;
 }
 
-static wisp_component contact_of( wisp_world* world, const collision_state* state, wisp_entity guest )
+// Who solves for velocities senses bodies and has no use for contacts. What was sensed is not true for ever: without a
+// body nobody writes it anew.
+static wisp_status dress_surface( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
 {
-    if ( wisp_world_strands( world, guest ) == NULL )
+    const bool touches = active && wisp_world_has( world, guest, WISP_PARTICLE_SOLVED ) == false;
+    wisp_status status =
+        active ? wisp_world_attach( world, guest, state->active ) : wisp_world_detach( world, guest, state->active );
+    if ( status == WISP_OK )
     {
-        return state->contact;
+        status = touches ? wisp_world_attach( world, guest, state->contact )
+                         : wisp_world_detach( world, guest, state->contact );
     }
-    return wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) ? state->strand_contact : state->carried;
+    int32_t* body = active ? NULL : wisp_world_column( world, guest, WISP_PARTICLE_TOUCH, 0 );
+    if ( body != NULL )
+    {
+        const int slots = wisp_world_fabric( world, guest )->slot_count;
+        memset( body, 0, (size_t)slots * WISP_TOUCHES * sizeof( int32_t ) );
+    }
+    return status;
 }
 
 // Strands that were carried when they came and have dynamics now change their dress.
-static wisp_status dress_one( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
+static wisp_status dress_strands( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
 {
-    const wisp_component contact = contact_of( world, state, guest );
+    const bool moves = wisp_world_has( world, guest, WISP_STRAND_WEIGHT );
+    const wisp_component contact = moves ? state->strand_contact : state->carried;
     const wisp_status status =
         active ? wisp_world_attach( world, guest, contact ) : wisp_world_detach( world, guest, contact );
-    if ( status == WISP_OK && contact == state->strand_contact && wisp_world_has( world, guest, state->carried ) )
+    if ( status == WISP_OK && moves && wisp_world_has( world, guest, state->carried ) )
     {
         return wisp_world_detach( world, guest, state->carried );
     }
@@ -273,7 +313,8 @@ static wisp_status dress( wisp_world* world, const collision_state* state, wisp_
     }
     if ( status == WISP_OK )
     {
-        status = dress_one( world, state, guest, active );
+        status = wisp_world_strands( world, guest ) == NULL ? dress_surface( world, state, guest, active )
+                                                            : dress_strands( world, state, guest, active );
     }
     return status == WISP_OK && figures ? wisp_want( world, guest, state->figures ) : status;
 }

@@ -9,3 +9,5 @@ typedef struct bad_scene
 
 extern const bad_scene BAD_SCENES_MOTION[];
 extern const int BAD_SCENES_MOTION_COUNT;
+extern const bad_scene BAD_SCENES_IMPLICIT[];
+extern const int BAD_SCENES_IMPLICIT_COUNT;

@@ -96,10 +96,20 @@ static const bad_scene BAD_SCENES[] = {
       ":4:42: colliders[0].radius: 0 is out of range, must be in [1e-06, 1000000]" },
     { "collider_same_name.yaml",
       ":5:5: colliders[1]: the name 'a' is taken by the collider in line 4" },
+    { "collider_search_near.yaml",
+      ":4:53: colliders[0].search: must be one of tree, voxels, not 'voxel', did you mean 'voxels'?" },
+    { "collider_search_of_sphere.yaml",
+      ":4:34: colliders[0]: unknown key 'search', known are name, shape, position, rotation, keyframes, friction, thickness, layers, radius" },
     { "collider_shape_missing.yaml",
       ":4:5: colliders[0]: key 'shape' is missing" },
     { "collider_shape_near.yaml",
       ":4:26: colliders[0].shape: must be one of plane, sphere, capsule, box, mesh, not 'shpere', did you mean 'sphere'?" },
+    { "collider_voxel_size_of_tree.yaml",
+      ":4:57: colliders[0]: 'voxel_size' is of a mesh with 'search: voxels'" },
+    { "collider_voxel_size_unit.yaml",
+      ":4:73: colliders[0].voxel_size: '2cm' has a unit; lengths are plain numbers in metres" },
+    { "collider_voxel_size_zero.yaml",
+      ":4:73: colliders[0].voxel_size: 0 is out of range, must be in [1e-06, 1000000]" },
     { "collision_layer.yaml",
       ":6:30: surfaces[0].collision.layers[1]: 32 is out of range, must be in [0, 31]" },
     { "collision_layer_twice.yaml",
@@ -230,6 +240,22 @@ static const bad_scene BAD_SCENES[] = {
       ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" },
     { "long_number.yaml",
       ":2:8: steps: must be a whole number, not '11111111111111111111111111111111111111111111...'" },
+    { "make_delaunay_few.yaml",
+      ":4:55: surfaces[0].make.vertices: 3 is out of range, must be in [4, 16777216]" },
+    { "make_delaunay_many.yaml",
+      ":4:55: surfaces[0].make.vertices: 16777217 is out of range, must be in [4, 16777216]" },
+    { "make_delaunay_seed.yaml",
+      ":4:51: surfaces[0].make.seed: must be a whole number in [0, 18446744073709551615], not '-1'" },
+    { "make_delaunay_slender.yaml",
+      ":4:26: surfaces[0].make: depth 0.001 is not within a thousandth and a thousand times of width 2" },
+    { "make_delaunay_spacing.yaml",
+      ":4:45: surfaces[0].make: unknown key 'spacing', known are shape, width, depth, vertices, seed" },
+    { "make_delaunay_width.yaml",
+      ":4:52: surfaces[0].make.width: 0 is out of range, must be in [1e-06, 1000000]" },
+    { "make_garment_few.yaml",
+      ":4:54: surfaces[0].make.vertices: 63 is out of range, must be in [64, 16777216]" },
+    { "make_garment_metres.yaml",
+      ":4:51: surfaces[0].make.depth: '70cm' has a unit; lengths are plain numbers in metres" },
     { "make_is_text.yaml",
       ":4:26: surfaces[0].make: must be a mapping with the key 'shape', not 'plane'" },
     { "make_level_eleven.yaml",
@@ -241,7 +267,7 @@ static const bad_scene BAD_SCENES[] = {
     { "make_shape_missing.yaml",
       ":4:26: surfaces[0].make: key 'shape' is missing" },
     { "make_shape_near.yaml",
-      ":4:35: surfaces[0].make.shape: must be one of plane, alternating_plane, irregular_plane, icosphere, uv_sphere, torus, capsule, tube, pear, not 'icospere', did you mean 'icosphere'?" },
+      ":4:35: surfaces[0].make.shape: must be one of plane, alternating_plane, irregular_plane, delaunay, garment, icosphere, uv_sphere, torus, capsule, tube, pear, not 'icospere', did you mean 'icosphere'?" },
     { "make_torus_fat.yaml",
       ":4:25: surfaces[0].make: tube_radius 0.3 is not below radius 0.2" },
     { "make_vertices_few.yaml",
@@ -417,9 +443,9 @@ static const bad_scene BAD_SCENES[] = {
     { "surface_two_sources.yaml",
       ":4:5: surfaces[0]: has more than one of 'file', 'make' and 'instance_of'" },
     { "surface_unknown_key.yaml",
-      ":6:5: surfaces[0]: unknown key 'gravitation', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, levels, sweep, tile_size, collision, want" },
+      ":6:5: surfaces[0]: unknown key 'gravitation', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, want" },
     { "surface_unknown_key_far.yaml",
-      ":6:5: surfaces[0]: unknown key 'colour', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, levels, sweep, tile_size, collision, want" },
+      ":6:5: surfaces[0]: unknown key 'colour', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, want" },
     { "surfaces_mapping.yaml",
       ":3:11: surfaces: must be a list of surfaces, not a mapping" },
     { "surfaces_too_many_vertices.yaml",
@@ -475,7 +501,7 @@ static const bad_scene BAD_SCENES[] = {
     { "want_contacts_without_collision.yaml",
       ":6:12: surfaces[0].want[0]: 'contacts' come from a collision, but this surface has no key 'collision'" },
     { "want_figures_of_cloth.yaml",
-      ":6:20: surfaces[0].want[1]: 'figures' are a balloon's, but this surface has no key 'balloon'" },
+      ":6:20: surfaces[0].want[1]: 'figures' need the key 'balloon' or 'implicit', but this surface has none of them" },
     { "want_text.yaml",
       ":5:11: strands[0].want: must be a list of words, not 'points'" },
     { "want_twice.yaml",
@@ -497,12 +523,13 @@ static const bad_scene BAD_SCENES[] = {
 
 static int scene_count( void )
 {
-    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT;
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT;
 }
 
 static const bad_scene* scene_at( int i )
 {
-    return i < WISP_COUNT( BAD_SCENES ) ? &BAD_SCENES[i] : &BAD_SCENES_MOTION[i - WISP_COUNT( BAD_SCENES )];
+    const int motion = i - WISP_COUNT( BAD_SCENES ), implicit = motion - BAD_SCENES_MOTION_COUNT;
+    return motion < 0 ? &BAD_SCENES[i] : implicit < 0 ? &BAD_SCENES_MOTION[motion] : &BAD_SCENES_IMPLICIT[implicit];
 }
 
 static const bad_scene* find( const char* file )

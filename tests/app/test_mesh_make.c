@@ -315,7 +315,7 @@ static void a_recipe_that_cannot_be_made_is_refused_by_the_name_of_its_value( vo
 {
     (void)state;
     wisp_mesh_recipe plane = wisp_default_mesh_recipe( WISP_MESH_PLANE_IRREGULAR ), r = plane;
-    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape 9" );
+    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape 11" );
     r = plane, r.columns = 1, demand_refusal( r, "columns is 1" );
     r = plane, r.rows = -5, demand_refusal( r, "rows is -5" );
     r = plane, r.columns = r.rows = 1 << 20, demand_refusal( r, "1048576 times 1048576 vertices" );

@@ -9,6 +9,7 @@
 #include "wisp/random.h"
 #include "wisp/shapes.h"
 #include "wisp/space.h"
+#include "wisp/springs.h"
 #include "wisp/wisp.h"
 
 #include "balloon.h"
@@ -17,6 +18,7 @@
 #include "collision.h"
 #include "frozen_hair.h"
 #include "guide_hair.h"
+#include "implicit_cloth.h"
 #include "strand_look.h"
 #include "strands.h"
 

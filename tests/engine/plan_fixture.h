@@ -17,7 +17,7 @@ typedef struct fake_pass
     const char* name; // as the plan prints it
     wisp_stage stage;
     wisp_domain domain;
-    const char *needs, *reads, *writes; // letters; null for none
+    const char *needs, *lacks, *reads, *writes; // letters; null for none
     char on_change;                     // a letter, or 0
     bool asks;                          // is_due answers what fake.due says
     int grain;
@@ -101,6 +101,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
             .grain = f->grain,
         };
         fill_uses( pass.needs, f->needs );
+        fill_uses( pass.lacks, f->lacks );
         fill_uses( pass.reads, f->reads );
         fill_uses( pass.writes, f->writes );
         status = wisp_declare_pass( r, &pass );

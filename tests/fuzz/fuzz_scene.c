@@ -117,6 +117,31 @@ static void demand_balloon( const wisp_scene_surface* s )
     }
 }
 
+static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* s )
+{
+    const wisp_implicit_cloth_def* d = &s->implicit;
+    const float values[] = { d->stretch_stiffness, d->bend_stiffness, d->bend_rigidity, d->compression_stiffness,
+                             d->damping };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        demand( values[i] >= 0.0f && isfinite( values[i] ) );
+    }
+    demand( d->stiffness >= 0 && d->stiffness < WISP_IMPLICIT_STIFFNESS_COUNT );
+    demand( d->weights >= 0 && d->weights < WISP_IMPLICIT_WEIGHTS_COUNT );
+    demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
+    demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
+    demand( d->integrator >= 0 && d->integrator < WISP_IMPLICIT_INTEGRATOR_COUNT );
+    demand( d->newton_repeats >= 1 && d->newton_repeats <= 64 );
+    demand( d->tolerance >= 1e-7f && d->tolerance <= 0.1f );
+    demand( d->max_iterations >= 0 && d->max_iterations <= 1000000 );
+    demand( !d->stretch_pairs && !d->bend_pairs && d->stretch_pair_count == 0 && d->bend_pair_count == 0 );
+    demand( s->has_implicit || !s->has_quad_links );
+    demand( !s->has_implicit || ( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) ) );
+    const wisp_scene_mesh* mesh = s->instance_of < 0 ? &s->mesh : &scene->surfaces[s->instance_of].mesh;
+    demand( !s->has_quad_links || ( mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR ) );
+    demand( !s->has_quad_links || d->stiffness == WISP_IMPLICIT_STIFFNESS_LINK );
+}
+
 static void demand_surface( const wisp_scene* scene, int i )
 {
     const wisp_scene_surface* s = &scene->surfaces[i];
@@ -124,7 +149,9 @@ static void demand_surface( const wisp_scene* scene, int i )
     demand( s->instance_of < i && s->instance_of >= -1 );
     demand( s->instance_of < 0 || scene->surfaces[s->instance_of].instance_of < 0 );
     demand_mesh( &s->mesh, s->instance_of < 0 );
-    demand( !( s->has_cloth && s->has_balloon ) && isfinite( s->gravity.y ) && s->damping >= 0.0f );
+    demand( s->has_cloth + s->has_balloon + s->has_implicit <= 1 );
+    demand( isfinite( s->gravity.y ) && s->damping >= 0.0f );
+    demand( !s->want_figures || s->has_balloon || s->has_implicit );
     demand( s->strain_limit[0] <= 1.0f && s->strain_limit[1] >= 1.0f );
     demand( s->tile_size == 0 || ( s->tile_size >= 64 && s->tile_size % 8 == 0 ) );
     demand( s->pin_path.count == 0 || s->pin_count + s->pin_box_count + s->pin_nearest_count > 0 );
@@ -138,6 +165,7 @@ static void demand_surface( const wisp_scene* scene, int i )
     }
     demand_path( &s->pin_path );
     demand_balloon( s );
+    demand_implicit( scene, s );
 }
 
 static void demand_collider( const wisp_scene_collider* c )
@@ -145,6 +173,8 @@ static void demand_collider( const wisp_scene_collider* c )
     demand( c->name && c->def.kind >= 0 && c->def.kind < WISP_COLLIDER_COUNT );
     demand( c->def.kinetic_friction <= c->def.static_friction && c->def.kinetic_friction >= 0.0f );
     demand( c->def.radius > 0.0f && c->def.half_length >= 0.0f && c->def.half_extent.z > 0.0f );
+    demand( c->def.search >= 0 && c->def.search < WISP_MESH_SEARCH_COUNT && c->def.voxel_size >= 0.0f );
+    demand( c->def.voxel_size == 0.0f || c->def.search == WISP_MESH_SEARCH_VOXELS );
     demand_mesh( &c->mesh, c->def.kind == WISP_COLLIDER_MESH );
     demand_path( &c->path );
 }

@@ -16,7 +16,7 @@ static const engine_room engine_rooms[] = {
     { "base", 0, " base.h " },
     { "math", 1, " base.h random.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
-    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h " },
+    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h " },
     { "space", 3, " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },

@@ -3,6 +3,9 @@
 
 #include "wisp/wisp.h"
 
+/// So many bodies a particle can touch at once in particle.touch.
+#define WISP_TOUCHES 2
+
 /// One line a component: X( enumerator, "name", table, column list )
 #define WISP_SHARED_COMPONENTS( X )                                                                                  \
     X( STRAND_REST, "strand.rest", WISP_TABLE_STRAND_ROW )                                                           \
@@ -25,6 +28,8 @@
     X( PARTICLE_MASS, "particle.mass", WISP_TABLE_ENTITY )                                                           \
     X( PARTICLE_GRAVITY, "particle.gravity", WISP_TABLE_ENTITY )                                                     \
     X( PARTICLE_DAMPING, "particle.damping", WISP_TABLE_ENTITY )                                                     \
+    X( PARTICLE_SOLVED, "particle.solved", WISP_TABLE_ENTITY )                                                       \
+    X( PARTICLE_TOUCH, "particle.touch", WISP_TABLE_PARTICLE )                                                       \
     X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
     X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
@@ -74,7 +79,15 @@
     X( float, vertex_mass, 1 )                                        /* kg, above 0 it counts instead */
 #define WISP_PARTICLE_GRAVITY_COLUMNS( X ) X( wisp_vec3, gravity, 1 ) /* m/s^2 */
 #define WISP_PARTICLE_DAMPING_COLUMNS( X ) X( float, rate, 1 )        /* 1/s: v <- v / (1 + rate dt) */
-#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )     /* pbd, share of the error, in [0, 1] */
+#define WISP_PARTICLE_SOLVED_COLUMNS( X )                                                                            \
+    X( int32_t, solved, 1 ) /* 1: a module moves the particles: gravity, targets and velocities are its business */
+// Bodies that a solver of velocities must know of: the nearest, whoever they are, for one substep.
+#define WISP_PARTICLE_TOUCH_COLUMNS( X )                                                                             \
+    X( int32_t, body, WISP_TOUCHES )       /* a name that stays from step to step, 0: none from here on */           \
+    X( float, plane, 4 * WISP_TOUCHES )    /* unit normal out of the body; m, gap when the substep begins */         \
+    X( float, motion, 4 * WISP_TOUCHES )   /* m/s, of the body's surface there; m, margin in which it touches */     \
+    X( float, friction, 3 * WISP_TOUCHES ) /* static, kinetic; m/s, how fast depth is undone at most */
+#define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, share of the error, in [0, 1] */
 #define WISP_LINK_COMPLIANCE_COLUMNS( X )                                                                            \
     X( float, compliance, 1 ) /* xpbd, m/N */                                                                        \
     X( float, lambda, 1 )     /* N s^2, of the substep; only kept with several iterations */

@@ -4,6 +4,7 @@
 
 #include "wisp/random.h"
 #include "wisp/shapes.h"
+#include "wisp/springs.h"
 
 WISP_BEGIN_C
 
@@ -475,6 +476,13 @@ typedef struct wisp_kernels
     void ( *strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end );
     void ( *strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end ); ///< of several targets
     void ( *strand_curve )( const wisp_strand_curve_job* job, int begin, int end );
+    // slices of eight rows
+    /// @return links without a direction, counted at either end
+    int ( *spring_assemble )( const wisp_spring_job* job, int begin, int end );
+    double ( *spring_product )( const wisp_conjugate_job* job, int begin, int end ); ///< q = A c; @return c . q
+    /// dv += step c, r -= step q, s = S P S r; @return r . s
+    double ( *conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end );
+    void ( *conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end ); ///< c = s + share c
     // slices of eight children
     void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;

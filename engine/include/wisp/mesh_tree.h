@@ -1,6 +1,6 @@
 /// Triangle meshes to collide with: the closest point within a radius, with a sign that tells inside from outside, and
-/// the first triangle that a path crosses. Answers are a pure function of mesh and query: they do not depend on how the
-/// tree was built, refitted, or walked, nor on the thread that asks. Needs Embree.
+/// the first triangle that a path crosses. Answers are a pure function of mesh and query: they do not depend on what
+/// searches, on how that was built, refitted, or walked, nor on the thread that asks.
 #pragma once
 
 #include "wisp/base.h"
@@ -10,8 +10,16 @@ WISP_BEGIN_C
 /// Coordinates of a mesh, and of what is asked about it, may be so large and no larger, m.
 #define WISP_MESH_TREE_REACH 1e9f
 
-/// Opaque: a mesh and the tree over its triangles.
+/// Opaque: a mesh and what searches its triangles.
 typedef struct wisp_mesh_tree wisp_mesh_tree;
+
+/// What finds the triangles that an answer may depend on. All give the same answers to the last bit.
+typedef enum wisp_mesh_search
+{
+    WISP_MESH_SEARCH_TREE,   ///< a bounding volume tree; needs Embree
+    WISP_MESH_SEARCH_VOXELS, ///< a grid of cubes, each with a list of the triangles that touch it (Zhang and Yuen 2000)
+    WISP_MESH_SEARCH_COUNT,
+} wisp_mesh_search;
 
 /// A mesh. Copied; may die after the call. Points that coincide are different points: a surface is closed where its
 /// triangles share indices.
@@ -22,15 +30,21 @@ typedef struct wisp_mesh_tree_def
     int point_count;
     int triangle_count; ///< >= 1. Triangles without area are allowed: they are found by distance, but never crossed
     bool deforms;       ///< points will move against each other; without it the mesh moves as a rigid body, if at all
-    size_t memory_limit; ///< bytes that Embree may take beside the host's allocator; 0: no limit
+    size_t memory_limit; ///< bytes that Embree may take beside the host's allocator, or that the voxels may take from
+                         ///< it; 0: no limit. Voxels become larger to keep it
+    wisp_mesh_search search; ///< default the tree
+    float
+        voxel_size; ///< m, > 0, the edge of a voxel; 0: the mean edge of the triangles. Voxels are larger where there
+                    ///< would be more than 16 of them, or 64 places in their lists, a triangle
 } wisp_mesh_tree_def;
 
-/// Build a tree. A rigid mesh is queried in its own frame (wisp_rigid_to_body()) and its tree never changes.
+/// Build a tree, or voxels. A rigid mesh is queried in its own frame (wisp_rigid_to_body()) and its tree never changes.
 /// @param allocator may be null; copied. Embree takes its nodes elsewhere: see memory_limit and wisp_mesh_tree_bytes()
 /// @param tree receives the tree, null on failure
 /// @param error may be null
-/// @return WISP_BAD_INPUT a point or an index is wrong (the sentence names the first); WISP_NO_MEMORY; WISP_CONFLICT
-///         the library was built without Embree, or with one that cannot do what is needed
+/// @return WISP_BAD_INPUT a point, an index, the search or the size of voxels is wrong (the sentence names the first);
+///         WISP_NO_MEMORY; WISP_CONFLICT a tree in a library that was built without Embree, or with one that cannot do
+///         what is needed
 WISP_API wisp_status wisp_mesh_tree_create( const wisp_mesh_tree_def* def, const wisp_allocator* allocator,
                                             wisp_mesh_tree** tree, wisp_error* error );
 
@@ -38,15 +52,16 @@ WISP_API wisp_status wisp_mesh_tree_create( const wisp_mesh_tree_def* def, const
 WISP_API void wisp_mesh_tree_release( wisp_mesh_tree* tree );
 
 /// Move the points of a mesh that deforms. The tree is refitted; when the queries since the last update found it to
-/// have decayed (half again as many triangles looked at for an answer as when it was new), it is built again.
+/// have decayed (half again as many triangles looked at for an answer as when it was new), it is built again. Voxels
+/// always are.
 /// @param points [point_count] m. All are checked first: a wrong one leaves everything as it was
 /// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid; WISP_NO_MEMORY
-///         Embree could not build again: points are where they were, but should there be no memory for their tree
+///         it could not be built again: points are where they were, but should Embree have no memory for their tree
 ///         either, queries are refused until an update succeeds
 /// @note Not while queries run.
 WISP_API wisp_status wisp_mesh_tree_update( wisp_mesh_tree* tree, const wisp_vec3* points, wisp_error* error );
 
-/// Bytes that the tree holds, Embree's included.
+/// Bytes that the tree or the voxels hold, Embree's included.
 WISP_API size_t wisp_mesh_tree_bytes( const wisp_mesh_tree* tree );
 
 /// What is worth telling a user about a mesh and its tree.
@@ -56,6 +71,10 @@ typedef struct wisp_mesh_tree_facts
                          ///< the mesh is closed and has an inside
     int flat_triangle_count; ///< triangles without area
     int build_count, refit_count;
+    wisp_mesh_search search;
+    float voxel_size; ///< m, as it came to be; 0: no voxels
+    int voxel_count;
+    bool coarse; ///< voxels are larger than what was asked for
 } wisp_mesh_tree_facts;
 
 WISP_API wisp_mesh_tree_facts wisp_mesh_tree_get_facts( const wisp_mesh_tree* tree );

@@ -93,6 +93,7 @@ typedef struct wisp_pass
     wisp_stage stage;
     wisp_domain domain;
     wisp_component needs[WISP_MAX_USES];  ///< zero-terminated: the entity must have all, or the pass does not exist
+    wisp_component lacks[WISP_MAX_USES];  ///< zero-terminated: the entity must have none, or the pass does not exist
     wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
     wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
     wisp_pass_fn* run;

@@ -37,6 +37,8 @@ enum
     WISP_PARTICLE_MASS,
     WISP_PARTICLE_GRAVITY,
     WISP_PARTICLE_DAMPING,
+    WISP_PARTICLE_SOLVED,
+    WISP_PARTICLE_TOUCH,
     WISP_LINK_STIFFNESS,
     WISP_LINK_COMPLIANCE,
     WISP_LINK_LIMIT,
@@ -231,6 +233,9 @@ typedef enum wisp_counter
     WISP_COUNT_SEARCHES,     ///< neighbour searches
     WISP_COUNT_HALTED,       ///< entities put back to their last good state and halted
     WISP_COUNT_LAID,         ///< strands too far from their rest lengths to be solved for, laid out from the root
+    WISP_COUNT_UNSOLVED,     ///< linear solves that ended at their limit of iterations
+    WISP_COUNT_INDEFINITE,   ///< linear solves that met negative curvature
+    WISP_COUNT_UNDIRECTED,   ///< links between coincident vertices, which pull nowhere, each time they were met
     WISP_COUNTER_COUNT,
 } wisp_counter;
 

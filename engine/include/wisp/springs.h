@@ -1,0 +1,60 @@
+/// Springs between particles, linearised, and conjugate gradients over them without a matrix. Jobs of kernels.h.
+///
+/// Particles stand in *rows*, eight rows a slice; row_count is padded to 8 by rows without links. A row lists the other ends of its
+/// links as entries of eight, one a lane, so each link is there once for either end: nothing is scattered, and a sum has
+/// the order of the list whatever the lanes.
+#pragma once
+
+#include "wisp/base.h"
+
+WISP_BEGIN_C
+
+/// Links of rows. Immutable while they are solved for.
+typedef struct wisp_spring_links
+{
+    const int32_t*
+        begin; ///< [2 slice_count + 1] first entry of a slice's links that stretch, of those that bend, ...
+    const int32_t ( *other4 )[8]; ///< [entry] rows times 4; a lane's own row pads
+    const float ( *rest )[8];     ///< [entry] m, > 0; 0 pads
+    const float ( *load )[8];     ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
+    const float ( *ramp )[8];     ///< [entry] c of a link that bends, N/m
+    const float ( *damping )[8];  ///< [entry] k_d, N s/m
+} wisp_spring_links;
+
+/// Forces and their derivatives at a state, and the linear system of an implicit step (TRI eq. 5-18):
+///
+///   A dv = b,  A_ij = -( K2 I + e e' ),  A_ii = m I - sum A_ij
+///   b = m ( v_start - v ) + s f + drag,  drag = s f_damping in a repeat, -( A - M ) v in the first solve
+typedef struct wisp_spring_job
+{
+    wisp_spring_links links;
+    const float* position; ///< [row][4] m; mass, kg > 0
+    const float* velocity; ///< [row][4] m/s; any
+    const float* start;    ///< [row][4] m/s, what a repeat comes back to; not read in the first solve
+    float seconds;         ///< s of the equations above
+    bool repeat;
+    bool axial_damping;       ///< along links only
+    bool full_jacobian;       ///< with the negative term of bending across links
+    float ( *axis )[4][8];    ///< [entry] e in sqrt(kg), K2 in kg
+    float ( *rhs )[3][8];     ///< [slice] b, kg m/s
+    float ( *inverse )[6][8]; ///< [slice] inverse of A_ii, 1/kg: xx, xy, xz, yy, yz, zz
+} wisp_spring_job;
+
+/// Vectors of conjugate gradients over the springs. Directions stand in quads because neighbours are reached through an
+/// index; everything else is streamed.
+typedef struct wisp_conjugate_job
+{
+    wisp_spring_links links;
+    const float ( *axis )[4][8];
+    const float* position;          ///< [row][4], of which only the mass is read
+    const float ( *inverse )[6][8]; ///< the preconditioner P
+    const float ( *filter )[6][8];  ///< [slice] S, what a row is free to do, as `inverse`
+    const uint8_t* filtered;        ///< [slice] 0: S is the identity, and `filter` is not read
+    float* direction;               ///< [row][4] c
+    float ( *product )[3][8];       ///< [slice] q = A c
+    float ( *residual )[3][8];      ///< [slice] r, never filtered
+    float ( *solution )[3][8];      ///< [slice] dv
+    float ( *search )[3][8];        ///< [slice] S P S r
+} wisp_conjugate_job;
+
+WISP_END_C

@@ -1,0 +1,62 @@
+// The vectors of filtered conjugate gradients (TRI section 4). Sums of a range are sums of blocks of 64 slices, in
+// order from its begin: whoever cuts rows at the same places and adds in order gets the same bits for any number of
+// workers.
+#include "kernel_isa.h"
+
+enum
+{
+    BLOCK = 64, // slices summed in floats before they go into a double
+};
+
+LANE_INLINE lane8v multiply( const float matrix[6][8], lane8v v )
+{
+    const lane8 xx = lane8_load( matrix[0] ), xy = lane8_load( matrix[1] ), xz = lane8_load( matrix[2] );
+    const lane8 yy = lane8_load( matrix[3] ), yz = lane8_load( matrix[4] ), zz = lane8_load( matrix[5] );
+    return ( lane8v ){
+        lane8_mul_add( xz, v.z, lane8_mul_add( xy, v.y, lane8_mul( xx, v.x ) ) ),
+        lane8_mul_add( yz, v.z, lane8_mul_add( yy, v.y, lane8_mul( xy, v.x ) ) ),
+        lane8_mul_add( zz, v.z, lane8_mul_add( yz, v.y, lane8_mul( xz, v.x ) ) ),
+    };
+}
+
+double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end )
+{
+    const lane8 a = lane8_set1( step );
+    double sum = 0.0;
+    for ( int block = begin; block < end; block += BLOCK )
+    {
+        lane8 dot = lane8_zero();
+        for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
+        {
+            lane8v c;
+            lane8 unused;
+            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &c.x, &c.y, &c.z, &unused );
+            lane8v_store( job->solution[slice][0], lane8v_mul_add( lane8v_load( job->solution[slice][0] ), a, c ) );
+            const lane8v q = lane8v_scale( lane8v_load( job->product[slice][0] ), a );
+            lane8v r = lane8v_sub( lane8v_load( job->residual[slice][0] ), q );
+            lane8v_store( job->residual[slice][0], r );
+            const bool filtered = job->filtered[slice] != 0;
+            r = filtered ? multiply( job->filter[slice], r ) : r;
+            lane8v s = multiply( job->inverse[slice], r );
+            s = filtered ? multiply( job->filter[slice], s ) : s;
+            lane8v_store( job->search[slice][0], s );
+            dot = lane8_add( dot, lane8v_dot( r, s ) );
+        }
+        sum += (double)lane8_sum_ordered( dot );
+    }
+    return sum;
+}
+
+void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end )
+{
+    const lane8 b = lane8_set1( share );
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        float* quads = job->direction + (size_t)slice * 32;
+        lane8v c;
+        lane8 unused;
+        lane8_load_xyzw_contiguous( quads, &c.x, &c.y, &c.z, &unused );
+        c = lane8v_mul_add( lane8v_load( job->search[slice][0] ), b, c );
+        lane8_store_xyzw_contiguous( quads, c.x, c.y, c.z, lane8_zero() );
+    }
+}

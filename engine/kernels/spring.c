@@ -1,0 +1,239 @@
+// Springs of a triangle mesh as rows of links: forces, derivatives, and the product with the matrix that is never
+// assembled (TRI eq. 5-18; the product of one-ring slices was measured to be a third faster than stored blocks).
+//
+// A link between i and j contributes K2 I + e e' to A_ii and its negative to A_ij, with e along the link and
+// |e|^2 = K1 - K2: four numbers instead of nine, and the same ones for both ends up to the sign of e.
+#include "kernel_isa.h"
+
+enum
+{
+    BLOCK = 64, // slices summed in floats before they go into a double
+};
+
+// The load of an arc over its chord (TRI eq. 11). F(y) = 4 u^2 / ( cos u - y ), y = sin u / u, has a pole where y is least,
+// at y = -0.217: times s = sqrt( y + 0.217 ) it is as smooth as can be, and this polynomial in s, fitted at Chebyshev's
+// points, is F s within 3e-9 and gives F' within 6e-7 on [0, 1].
+static const float ARC_POLE = 0.217233628f, ARC_MIDDLE = 0.784683199f, ARC_SCALE = 3.1387328f;
+static const float ARC[9] = {
+    -15.327869f,    2.48091183f,      -0.471176067f,   0.095088968f,     -0.0198170092f,
+    0.00419485958f, -0.000902768393f, 0.000220892204f, -4.91110683e-05f,
+};
+
+typedef struct arc_load
+{
+    lane8 load, slope; // F and dF/dy
+} arc_load;
+
+LANE_INLINE arc_load load_arc( lane8 y )
+{
+    const lane8 s = lane8_sqrt( lane8_add( y, lane8_set1( ARC_POLE ) ) );
+    const lane8 t = lane8_mul( lane8_sub( s, lane8_set1( ARC_MIDDLE ) ), lane8_set1( ARC_SCALE ) );
+    lane8 p = lane8_set1( ARC[8] ), dp = lane8_zero();
+    for ( int i = 7; i >= 0; --i )
+    {
+        dp = lane8_mul_add( dp, t, p );
+        p = lane8_mul_add( p, t, lane8_set1( ARC[i] ) );
+    }
+    const lane8 inverse = lane8_div( lane8_set1( 1.0f ), s );
+    const lane8 load = lane8_mul( p, inverse );
+    const lane8 along = lane8_sub( lane8_mul( dp, lane8_set1( ARC_SCALE ) ), load ); // s dF/ds
+    return ( arc_load ){ load, lane8_mul( lane8_mul( along, lane8_set1( 0.5f ) ), lane8_mul( inverse, inverse ) ) };
+}
+
+// ---- assembly ----
+
+typedef struct row_lanes
+{
+    lane8v point, velocity;
+    lane8v force;     // N
+    lane8v drag;      // kg m/s
+    lane8 matrix[6];  // of the links, kg: xx, xy, xz, yy, yz, zz
+    lane8 undirected; // how many links have no direction
+} row_lanes;
+
+typedef struct link_lanes
+{
+    lane8v direction; // unit, towards the other end; 0 if there is none
+    lane8v closing;   // velocity of the row less that of the other end
+    lane8 length, inverse_length, rest, load;
+    lane8m directed;
+} link_lanes;
+
+LANE_INLINE link_lanes load_link( const wisp_spring_job* job, row_lanes* row, int entry )
+{
+    const int32_t* other4 = job->links.other4[entry];
+    lane8v there, moves;
+    lane8_load_xyz( job->position, other4, &there.x, &there.y, &there.z );
+    lane8_load_xyz( job->velocity, other4, &moves.x, &moves.y, &moves.z );
+    const lane8v across = lane8v_sub( there, row->point );
+    const lane8 one = lane8_set1( 1.0f ), squared = lane8v_dot( across, across );
+    link_lanes l = { .closing = lane8v_sub( row->velocity, moves ) };
+    l.directed = lane8_ge( squared, lane8_set1( FLT_MIN ) );
+    l.length = lane8_sqrt( squared );
+    l.inverse_length = lane8_div( one, lane8_select( l.directed, l.length, one ) );
+    l.direction = lane8v_scale( across, lane8_select( l.directed, l.inverse_length, lane8_zero() ) );
+    l.rest = lane8_load( job->links.rest[entry] );
+    l.load = lane8_load( job->links.load[entry] );
+    const lane8m lost = lane8m_and_not( lane8_gt( l.rest, lane8_zero() ), l.directed );
+    row->undirected = lane8_add( row->undirected, lane8_select( lost, one, lane8_zero() ) );
+    return l;
+}
+
+// What the link adds to its row: a pull along it in N, and stiffness along and across it in N/m.
+LANE_INLINE void add_link( const wisp_spring_job* job, row_lanes* row, int entry, const link_lanes* l, lane8 pull,
+                           lane8 along, lane8 across )
+{
+    const lane8 h = lane8_set1( job->seconds ), h2 = lane8_mul( h, h );
+    const lane8 damping = lane8_mul( h, lane8_load( job->links.damping[entry] ) );
+    const lane8 damping_across = job->axial_damping ? lane8_zero() : damping;
+    const lane8 k1 = lane8_mul_add( h2, along, damping ), k2 = lane8_mul_add( h2, across, damping_across );
+    const lane8 root = lane8_sqrt( lane8_max( lane8_sub( k1, k2 ), lane8_zero() ) );
+    const lane8v e = lane8v_scale( l->direction, root );
+    lane8_store( job->axis[entry][0], e.x );
+    lane8_store( job->axis[entry][1], e.y );
+    lane8_store( job->axis[entry][2], e.z );
+    lane8_store( job->axis[entry][3], k2 );
+    row->force = lane8v_mul_add( row->force, pull, l->direction );
+
+    // the first solve is at v, with all of A; a repeat has the stiffness in its forces and lacks the damping alone
+    const lane8v axis = job->repeat ? l->direction : e;
+    const lane8 on_axis = job->repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
+    const lane8 everywhere = job->repeat ? damping_across : k2;
+    const lane8 closing = lane8_mul( on_axis, lane8v_dot( axis, l->closing ) );
+    row->drag = lane8v_sub( row->drag, lane8v_mul_add( lane8v_scale( l->closing, everywhere ), closing, axis ) );
+
+    row->matrix[0] = lane8_add( row->matrix[0], lane8_mul_add( e.x, e.x, k2 ) );
+    row->matrix[1] = lane8_mul_add( e.x, e.y, row->matrix[1] );
+    row->matrix[2] = lane8_mul_add( e.x, e.z, row->matrix[2] );
+    row->matrix[3] = lane8_add( row->matrix[3], lane8_mul_add( e.y, e.y, k2 ) );
+    row->matrix[4] = lane8_mul_add( e.y, e.z, row->matrix[4] );
+    row->matrix[5] = lane8_add( row->matrix[5], lane8_mul_add( e.z, e.z, k2 ) );
+}
+
+// Only beyond its rest length (TRI eq. 6 and 8).
+LANE_INLINE void stretch( const wisp_spring_job* job, row_lanes* row, int entry )
+{
+    const link_lanes l = load_link( job, row, entry );
+    const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
+    const lane8 along = lane8_select( taut, l.load, lane8_zero() );
+    const lane8 pull = lane8_mul( along, lane8_sub( l.length, l.rest ) );
+    add_link( job, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
+}
+
+// Only below it: the load of an arc, reached over a ramp (TRI eq. 11-13).
+LANE_INLINE void bend( const wisp_spring_job* job, row_lanes* row, int entry )
+{
+    const link_lanes l = load_link( job, row, entry );
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const lane8m slack = lane8m_and( lane8_lt( l.length, l.rest ), l.directed );
+    const lane8 inverse_rest = lane8_div( one, lane8_select( slack, l.rest, one ) );
+    const arc_load arc = load_arc( lane8_min( lane8_mul( l.length, inverse_rest ), one ) );
+    const lane8 ramp = lane8_load( job->links.ramp[entry] );
+    const lane8 buckled = lane8_mul( l.load, arc.load ), straight = lane8_mul( ramp, lane8_sub( l.length, l.rest ) );
+    const lane8m ramps = lane8_lt( buckled, straight );
+    const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );
+    const lane8 slope = lane8_mul( lane8_mul( l.load, inverse_rest ), arc.slope );
+    const lane8 along = lane8_select( slack, lane8_select( ramps, ramp, slope ), zero );
+    add_link( job, row, entry, &l, pull, along, job->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
+}
+
+// The inverse of a symmetric matrix by its adjugate, scaled by the trace so that a cube neither overflows nor vanishes.
+LANE_INLINE void invert( const lane8 matrix[6], float out[6][8] )
+{
+    const lane8 scale = lane8_div( lane8_set1( 1.0f ), lane8_add( lane8_add( matrix[0], matrix[3] ), matrix[5] ) );
+    const lane8 xx = lane8_mul( matrix[0], scale ), xy = lane8_mul( matrix[1], scale );
+    const lane8 xz = lane8_mul( matrix[2], scale ), yy = lane8_mul( matrix[3], scale );
+    const lane8 yz = lane8_mul( matrix[4], scale ), zz = lane8_mul( matrix[5], scale );
+    const lane8 a = lane8_sub( lane8_mul( yy, zz ), lane8_mul( yz, yz ) );
+    const lane8 b = lane8_sub( lane8_mul( xz, yz ), lane8_mul( xy, zz ) );
+    const lane8 c = lane8_sub( lane8_mul( xy, yz ), lane8_mul( xz, yy ) );
+    const lane8 determinant = lane8_mul_add( xz, c, lane8_mul_add( xy, b, lane8_mul( xx, a ) ) );
+    const lane8 back = lane8_div( scale, determinant );
+    lane8_store( out[0], lane8_mul( a, back ) );
+    lane8_store( out[1], lane8_mul( b, back ) );
+    lane8_store( out[2], lane8_mul( c, back ) );
+    lane8_store( out[3], lane8_mul( lane8_sub( lane8_mul( xx, zz ), lane8_mul( xz, xz ) ), back ) );
+    lane8_store( out[4], lane8_mul( lane8_sub( lane8_mul( xy, xz ), lane8_mul( xx, yz ) ), back ) );
+    lane8_store( out[5], lane8_mul( lane8_sub( lane8_mul( xx, yy ), lane8_mul( xy, xy ) ), back ) );
+}
+
+LANE_INLINE void finish_row( const wisp_spring_job* job, row_lanes* row, int slice, lane8 mass )
+{
+    lane8v rhs = lane8v_mul_add( row->drag, lane8_set1( job->seconds ), row->force );
+    if ( job->repeat )
+    {
+        lane8v start;
+        lane8 unused;
+        lane8_load_xyzw_contiguous( job->start + (size_t)slice * 32, &start.x, &start.y, &start.z, &unused );
+        rhs = lane8v_mul_add( rhs, mass, lane8v_sub( start, row->velocity ) );
+    }
+    lane8v_store( job->rhs[slice][0], rhs );
+    row->matrix[0] = lane8_add( row->matrix[0], mass );
+    row->matrix[3] = lane8_add( row->matrix[3], mass );
+    row->matrix[5] = lane8_add( row->matrix[5], mass );
+    invert( row->matrix, job->inverse[slice] );
+}
+
+int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )
+{
+    int undirected = 0;
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        const lane8 zero = lane8_zero();
+        const lane8v none = { zero, zero, zero };
+        row_lanes row = { .force = none, .drag = none, .undirected = zero };
+        lane8 mass, unused;
+        for ( int i = 0; i < 6; ++i )
+        {
+            row.matrix[i] = zero;
+        }
+        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &row.point.x, &row.point.y, &row.point.z,
+                                    &mass );
+        lane8_load_xyzw_contiguous( job->velocity + (size_t)slice * 32, &row.velocity.x, &row.velocity.y,
+                                    &row.velocity.z, &unused );
+        const int32_t* parts = job->links.begin + 2 * (size_t)slice;
+        for ( int entry = parts[0]; entry < parts[1]; ++entry )
+        {
+            stretch( job, &row, entry );
+        }
+        for ( int entry = parts[1]; entry < parts[2]; ++entry )
+        {
+            bend( job, &row, entry );
+        }
+        finish_row( job, &row, slice, mass );
+        undirected += (int)lane8_sum_ordered( row.undirected );
+    }
+    return undirected;
+}
+
+// ---- the product ----
+
+double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int end )
+{
+    double sum = 0.0;
+    for ( int block = begin; block < end; block += BLOCK )
+    {
+        lane8 dot = lane8_zero();
+        for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
+        {
+            lane8v own, unused;
+            lane8 nothing, mass;
+            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &own.x, &own.y, &own.z, &nothing );
+            lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &unused.x, &unused.y, &unused.z, &mass );
+            lane8v product = lane8v_scale( own, mass );
+            const int last = job->links.begin[2 * (size_t)slice + 2];
+            for ( int entry = job->links.begin[2 * (size_t)slice]; entry < last; ++entry )
+            {
+                lane8v other;
+                lane8_load_xyz( job->direction, job->links.other4[entry], &other.x, &other.y, &other.z );
+                const lane8v u = lane8v_sub( own, other ), e = lane8v_load( job->axis[entry][0] );
+                product = lane8v_mul_add( product, lane8_load( job->axis[entry][3] ), u );
+                product = lane8v_mul_add( product, lane8v_dot( e, u ), e );
+            }
+            lane8v_store( job->product[slice][0], product );
+            dot = lane8_add( dot, lane8v_dot( own, product ) );
+        }
+        sum += (double)lane8_sum_ordered( dot );
+    }
+    return sum;
+}

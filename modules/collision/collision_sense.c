@@ -1,0 +1,302 @@
+// Once a substep, for who solves for velocities: which bodies each particle may touch, as half spaces that move.
+//
+// Everything is seen from the body: a particle is at b0 while the body is at its old pose, and would get to b1, where
+// gravity alone takes it, while the body gets to its new one. Nothing is moved here; what counts is what the solver must
+// not walk into. So the half space is
+//
+//   the tangent plane where the path enters the body,
+//   else the plane of the closest point to b0, if that is within the margin or behind the surface,
+//   else, the path passing by, a plane between the path and the body: the solver takes a half space for the body,
+//   and would stop at the plane of the closest point to b0 what only goes round the corner.
+//
+// The gap is that of b0 from the plane. The solver holds what is nearer than the margin, so a particle that is not must
+// never be told of a gap below it, although the plane where a flat path enters may be that near.
+#include "collision_internal.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum
+{
+    CHUNK = WISP_PARTICLE_BLOCK,
+};
+
+// One half space of one particle.
+typedef struct sense_touch
+{
+    float rank; // m, how near the path comes, less the margin: the lowest are kept
+    int32_t body;
+    float plane[4], motion[4], friction[3]; // as in the columns
+} sense_touch;
+
+typedef struct sense_loop
+{
+    const float *position, *velocity;
+    wisp_vec3 gravity; // m/s^2
+    float seconds, recovery;
+    int32_t ( *body )[WISP_TOUCHES];
+    float ( *plane )[4 * WISP_TOUCHES];
+    float ( *motion )[4 * WISP_TOUCHES];
+    float ( *friction )[3 * WISP_TOUCHES];
+    // of the chunk
+    int begin;
+    wisp_vec3 low, high;          // m, of all paths
+    float longest;                // m, of all paths
+    int slots[CHUNK], slot_count; // that move, and are finite
+    wisp_vec3 start[CHUNK];       // m, of each of them
+    wisp_vec3 end[CHUNK];         // m, of each of them
+    int count[CHUNK];             // touches of each particle of the chunk
+    sense_touch touch[CHUNK][WISP_TOUCHES];
+    // of one body
+    int asked_count;
+    int asked[CHUNK]; // particles of the chunk
+    wisp_vec3 to[CHUNK];
+    wisp_mesh_query queries[CHUNK]; // from where the path begins
+    wisp_surface_point nearest[CHUNK];
+    bool is_near[CHUNK];
+} sense_loop;
+
+static void begin_chunk( sense_loop* loop, int begin, int end )
+{
+    loop->begin = begin;
+    loop->slot_count = 0;
+    loop->longest = 0.0f;
+    loop->low = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
+    loop->high = ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY };
+    memset( loop->count, 0, sizeof( loop->count ) );
+    memset( loop->touch, 0, sizeof( loop->touch ) );
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float* quad = loop->position + (size_t)slot * 4;
+        const wisp_vec3 p = collision_load( quad );
+        const wisp_vec3 v =
+            collision_add_scaled( collision_load( loop->velocity + (size_t)slot * 4 ), loop->seconds, loop->gravity );
+        const wisp_vec3 after = collision_add_scaled( p, loop->seconds, v );
+        if ( quad[3] > 0.0f && collision_is_finite( p ) && collision_is_finite( after ) )
+        {
+            loop->start[loop->slot_count] = p;
+            loop->end[loop->slot_count] = after;
+            loop->slots[loop->slot_count++] = slot;
+            loop->longest = fmaxf( loop->longest, collision_length( collision_sub( after, p ) ) );
+            collision_widen( &loop->low, &loop->high, p );
+            collision_widen( &loop->low, &loop->high, after );
+        }
+    }
+}
+
+// ---- what is too far away ----
+
+// Is the body beyond the margin and the path of every particle, as the body sees it?
+static bool is_far( const sense_loop* loop, const collision_view* view )
+{
+    const wisp_vec3 carried = collision_sub( wisp_rigid_to_world( view->after, view->body->centre ),
+                                             wisp_rigid_to_world( view->before, view->body->centre ) );
+    const float reach = view->thickness + loop->longest + collision_length( carried );
+    return collision_ball_distance( view, loop->low, loop->high ) > reach;
+}
+
+static void ask( sense_loop* loop, const collision_view* view )
+{
+    loop->asked_count = 0;
+    for ( int i = 0; i < loop->slot_count; ++i )
+    {
+        const wisp_vec3 from = wisp_rigid_to_body( view->before, loop->start[i] );
+        const wisp_vec3 to = wisp_rigid_to_body( view->after, loop->end[i] );
+        const float reach = view->thickness + collision_length( collision_sub( to, from ) );
+        if ( collision_box_distance( view->body, from ) <= reach )
+        {
+            const int n = loop->asked_count++;
+            loop->asked[n] = loop->slots[i] - loop->begin;
+            loop->to[n] = to;
+            loop->queries[n] = ( wisp_mesh_query ){ from, reach };
+        }
+    }
+    collision_closest( view->body, loop->queries, loop->asked_count, loop->nearest, loop->is_near );
+}
+
+// ---- which half space ----
+
+// How far in front of a plane a point is.
+static float in_front( const wisp_surface_point* plane, wisp_vec3 p )
+{
+    return collision_dot( plane->normal, collision_sub( p, plane->point ) );
+}
+
+// The plane of the closest point to where the path is nearest to the body has both ends of it in front, and a convex
+// body behind it. Distance along a path falls and then rises, so the place is found by halving; most often an end will do.
+// @return false if there is none to be found: the path is free, but winds through a body that is not convex
+static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* plane )
+{
+    enum
+    {
+        HALVINGS = 12, // what comes nearer than 2^-12 of its path is left to the next substep
+    };
+    const wisp_vec3 way = collision_sub( to, from );
+    const float radius = plane->distance + collision_length( way );
+    float before = 0.0f, behind = 1.0f;
+    bool is_between = in_front( plane, to ) >= 0.0f;
+    for ( int i = 0; i <= HALVINGS && is_between == false; ++i )
+    {
+        const float time = i == 0 ? 1.0f : 0.5f * ( before + behind );
+        const wisp_mesh_query query = { collision_add_scaled( from, time, way ), radius };
+        bool is_near;
+        collision_closest( view->body, &query, 1, plane, &is_near );
+        if ( is_near == false )
+        {
+            return false;
+        }
+        const bool falls = collision_dot( plane->normal, way ) < 0.0f;
+        before = falls ? time : before;
+        behind = falls ? behind : time;
+        is_between = in_front( plane, from ) >= 0.0f && in_front( plane, to ) >= 0.0f;
+    }
+    plane->distance = fmaxf( view->thickness, in_front( plane, from ) );
+    return is_between;
+}
+
+// Turn a plane about a point of it, as little as it takes, so that a place farther from the point than the margin is a
+// margin in front.
+static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
+{
+    const wisp_vec3 way = collision_sub( from, plane->point );
+    const float length = collision_length( way ), share = fminf( 1.0f, margin / length );
+    const wisp_vec3 w = { way.x / length, way.y / length, way.z / length };
+    const wisp_vec3 across = collision_add_scaled( plane->normal, -collision_dot( plane->normal, w ), w );
+    const float rest = sqrtf( 1.0f - share * share ) / fmaxf( collision_length( across ), FLT_MIN );
+    plane->normal =
+        ( wisp_vec3 ){ share * w.x + rest * across.x, share * w.y + rest * across.y, share * w.z + rest * across.z };
+    plane->distance = margin;
+}
+
+// @param plane the closest point to `from`, with its distance; receives the plane, with the gap
+static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* plane )
+{
+    const float path = collision_length( collision_sub( to, from ) );
+    const bool touches = plane->distance < view->thickness;
+    wisp_surface_point hit;
+    if ( fabsf( plane->distance ) <= path && collision_sweep( view->body, from, to, &hit ) )
+    {
+        *plane = hit;
+        plane->distance = fmaxf( 0.0f, in_front( plane, from ) );
+        if ( touches == false && plane->distance < view->thickness )
+        {
+            tilt( plane, from, view->thickness );
+        }
+        return true;
+    }
+    return touches || pass_by( view, from, to, plane );
+}
+
+// ---- one particle, one body ----
+
+// Stays from step to step, is not 0, and differs between a million entities.
+static int32_t name_of( wisp_entity entity )
+{
+    const uint32_t name = ( entity.index + ( entity.generation << 20 ) ) & INT32_MAX;
+    return name != 0 ? (int32_t)name : 1;
+}
+
+// Of equals the body that was added first goes first.
+static void keep( sense_loop* loop, int particle, const sense_touch* found )
+{
+    sense_touch* all = loop->touch[particle];
+    int place = loop->count[particle];
+    while ( place > 0 && found->rank < all[place - 1].rank )
+    {
+        place -= 1;
+    }
+    if ( place == WISP_TOUCHES )
+    {
+        return;
+    }
+    loop->count[particle] += loop->count[particle] < WISP_TOUCHES ? 1 : 0;
+    for ( int i = loop->count[particle] - 1; i > place; --i )
+    {
+        all[i] = all[i - 1];
+    }
+    all[place] = *found;
+}
+
+static void touch( sense_loop* loop, const collision_view* view, int i )
+{
+    const wisp_vec3 from = loop->queries[i].point, to = loop->to[i];
+    wisp_surface_point plane = loop->nearest[i];
+    if ( find_plane( view, from, to, &plane ) == false )
+    {
+        return;
+    }
+    const float end = plane.distance + collision_dot( plane.normal, collision_sub( to, from ) );
+    sense_touch found = {
+        .rank = fminf( plane.distance, end ) - view->thickness,
+        .body = name_of( view->body->entity ),
+        .friction = { view->static_friction, view->kinetic_friction, loop->recovery },
+    };
+    collision_store( found.plane, wisp_quat_turn( view->before.rotation, plane.normal ) );
+    found.plane[3] = plane.distance;
+    collision_store( found.motion, wisp_rigid_velocity( view->before, view->after, loop->seconds, plane.point ) );
+    found.motion[3] = view->thickness;
+    keep( loop, loop->asked[i], &found );
+}
+
+// ---- the pass ----
+
+static void write_rows( const sense_loop* loop, int end )
+{
+    for ( int slot = loop->begin; slot < end; ++slot )
+    {
+        for ( int k = 0; k < WISP_TOUCHES; ++k )
+        {
+            const sense_touch* t = &loop->touch[slot - loop->begin][k];
+            loop->body[slot][k] = t->body;
+            memcpy( loop->plane[slot] + 4 * k, t->plane, sizeof( t->plane ) );
+            memcpy( loop->motion[slot] + 4 * k, t->motion, sizeof( t->motion ) );
+            memcpy( loop->friction[slot] + 3 * k, t->friction, sizeof( t->friction ) );
+        }
+    }
+}
+
+static void sense_chunk( wisp_frame* frame, const wisp_span* span, const collision_state* state, sense_loop* loop )
+{
+    collision_view view;
+    for ( int next = 0; loop->slot_count > 0 && collision_next( frame, span, state, &next, &view ); )
+    {
+        if ( is_far( loop, &view ) )
+        {
+            continue;
+        }
+        ask( loop, &view );
+        for ( int i = 0; i < loop->asked_count; ++i )
+        {
+            if ( loop->is_near[i] )
+            {
+                touch( loop, &view, i );
+            }
+        }
+    }
+}
+
+void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const collision_state* state = user;
+    const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    sense_loop loop;
+    loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    loop.velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    loop.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    loop.seconds = wisp_frame_seconds( frame );
+    loop.recovery = settings->recovery_speed;
+    loop.body = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 0 );
+    loop.plane = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 1 );
+    loop.motion = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 2 );
+    loop.friction = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 3 );
+    const wisp_span particles = wisp_frame_particles( frame, span );
+    for ( int begin = particles.begin; begin < particles.end; begin += CHUNK )
+    {
+        const int end = particles.end - begin < CHUNK ? particles.end : begin + CHUNK;
+        begin_chunk( &loop, begin, end );
+        sense_chunk( frame, span, state, &loop );
+        write_rows( &loop, end );
+    }
+}

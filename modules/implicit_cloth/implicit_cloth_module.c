@@ -1,0 +1,384 @@
+#include "implicit_internal.h"
+
+#include <string.h>
+
+static const uint32_t IMPLICIT_DEF_MADE = 0x494d5043;
+
+#define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
+#define TALLY_COLUMNS_LIST( X ) X( implicit_tally, tally, 1 )
+#define CONTACT_COLUMNS_LIST( X ) X( implicit_contact, contact, 1 )
+#define CHANGE_COLUMNS_LIST( X ) X( float, change, 3 ) /* m/s, of the last substep's solve */
+#define HISTORY_COLUMNS_LIST( X )                                                                                    \
+    X( float, position, 4 ) /* m, when the substep before began; inverse mass */                                     \
+    X( float, velocity, 4 ) /* m/s */
+#define FIGURES_COLUMNS_LIST( X ) X( wisp_implicit_cloth_figures, figures, 1 )
+
+static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def TALLY_COLUMNS[] = { TALLY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def CONTACT_COLUMNS[] = { CONTACT_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def FIGURES_COLUMNS[] = { FIGURES_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+
+wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
+{
+    return ( wisp_implicit_cloth_def ){
+        .stretch_stiffness = 200.0f,
+        .bend_stiffness = 1e-6f,
+        .bend_rigidity = 5e-6f,
+        .damping = 0.02f,
+        .newton_repeats = 1,
+        .tolerance = 1e-4f,
+        .warm_start = true,
+        .look_ahead = true,
+        .made_by_default = IMPLICIT_DEF_MADE,
+    };
+}
+
+// ---- the module's state ----
+
+static int find_index( const implicit_state* state, wisp_entity entity )
+{
+    for ( int i = 0; i < state->link_count; ++i )
+    {
+        const wisp_entity e = state->links[i]->entity;
+        if ( e.index == entity.index && e.generation == entity.generation )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity )
+{
+    const int i = find_index( state, entity );
+    return i >= 0 ? state->links[i] : NULL;
+}
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    implicit_state* state = memory;
+    for ( int i = 0; i < state->link_count; ++i )
+    {
+        implicit_links_release( state->links[i], allocator );
+    }
+    if ( state->links != NULL )
+    {
+        allocator->release( allocator->user, state->links, (size_t)state->link_capacity * sizeof( *state->links ) );
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    implicit_state* state = memory;
+    const int i = find_index( state, entity );
+    if ( i >= 0 )
+    {
+        implicit_links_release( state->links[i], wisp_world_allocator( world ) );
+        state->links[i] = state->links[--state->link_count];
+    }
+}
+
+// Room for one surface more. @return false without memory
+static bool reserve( wisp_world* world, implicit_state* state )
+{
+    if ( state->link_count < state->link_capacity )
+    {
+        return true;
+    }
+    const wisp_allocator* a = wisp_world_allocator( world );
+    const int more = state->link_capacity > 0 ? 2 * state->link_capacity : 4;
+    implicit_links** grown = a->allocate( a->user, (size_t)more * sizeof( *grown ), 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    if ( state->links != NULL )
+    {
+        memcpy( grown, state->links, (size_t)state->link_count * sizeof( *grown ) );
+        a->release( a->user, state->links, (size_t)state->link_capacity * sizeof( *grown ) );
+    }
+    state->links = grown;
+    state->link_capacity = more;
+    return true;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    const struct
+    {
+        wisp_component* component;
+        wisp_component_def def;
+    } components[] = {
+        { &state->material, { "implicit_cloth.material", WISP_TABLE_ENTITY, MATERIAL_COLUMNS, 1 } },
+        { &state->tally, { "implicit_cloth.tally", WISP_TABLE_ENTITY, TALLY_COLUMNS, 1 } },
+        { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
+        { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
+        { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
+        { &state->figures, { "implicit_cloth.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
+    };
+    for ( int i = 0; i < WISP_COUNT( components ); ++i )
+    {
+        *components[i].component = wisp_declare_component( r, &components[i].def );
+    }
+    wisp_status status = wisp_declare_pass(
+        r, &( wisp_pass ){
+               .name = "implicit_cloth.step",
+               .stage = WISP_STAGE_PREDICT,
+               .domain = WISP_DOMAIN_ENTITY,
+               .needs = { state->material, WISP_PARTICLE_SOLVED, WISP_PARTICLE_TOUCH, state->contact },
+               .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TOUCH,
+                          state->contact },
+               .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TOUCH, state->contact,
+                           state->material, state->tally },
+               .run = implicit_step,
+               .user = state,
+           } );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     .name = "implicit_cloth.figures",
+                                     .stage = WISP_STAGE_OBSERVE,
+                                     .domain = WISP_DOMAIN_ENTITY,
+                                     .needs = { state->material, state->tally },
+                                     .reads = { state->tally, WISP_PARTICLE_POSITION },
+                                     .writes = { state->figures },
+                                     .run = implicit_measure,
+                                     .user = state,
+                                 } );
+}
+
+const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .declare = declare };
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1e9f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1e9f },
+        { "bend_rigidity", d->bend_rigidity, 0.0f, 1e9f },
+        { "compression_stiffness", d->compression_stiffness, 0.0f, 1e9f },
+        { "damping", d->damping, 0.0f, 1e9f },
+        { "tolerance", d->tolerance, 1e-7f, 0.1f },
+        { "newton_repeats", (float)d->newton_repeats, 1.0f, 64.0f },
+        { "max_iterations", (float)d->max_iterations, 0.0f, 1e6f },
+        { "stiffness", (float)d->stiffness, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
+        { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
+        { "damping_form", (float)d->damping_form, 0.0f, (float)( WISP_IMPLICIT_DAMPING_COUNT - 1 ) },
+        { "jacobian", (float)d->jacobian, 0.0f, (float)( WISP_IMPLICIT_JACOBIAN_COUNT - 1 ) },
+        { "integrator", (float)d->integrator, 0.0f, (float)( WISP_IMPLICIT_INTEGRATOR_COUNT - 1 ) },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "implicit cloth: %s is %g, it must be %g to %g",
+                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].low,
+                                    (double)ranges[i].high );
+        }
+    }
+    const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
+    if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
+    {
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "implicit cloth: pairs given by hand have no area, so their stiffness is of the link" );
+    }
+    return WISP_OK;
+}
+
+// Two solvers would both move it.
+static wisp_status check_alone( wisp_world* world, wisp_entity surface, const implicit_state* state )
+{
+    const wisp_component others[] = { WISP_LINK_STIFFNESS,   WISP_LINK_COMPLIANCE, WISP_HINGE_STIFFNESS,
+                                      WISP_HINGE_COMPLIANCE, WISP_SURFACE_TETHERS, WISP_SURFACE_LEVELS,
+                                      WISP_LINK_LIMIT };
+    for ( int i = 0; i < WISP_COUNT( others ); ++i )
+    {
+        if ( wisp_world_has( world, surface, others[i] ) )
+        {
+            return wisp_world_fail(
+                world, WISP_CONFLICT,
+                "implicit cloth: constraints move entity %u already: it is a cloth, a balloon, or has "
+                "strain limits",
+                surface.index );
+        }
+    }
+    if ( wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) &&
+         wisp_world_has( world, surface, state->material ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "implicit cloth: another solver moves entity %u already",
+                                surface.index );
+    }
+    return WISP_OK;
+}
+
+// ---- components ----
+
+enum
+{
+    COMPONENT_COUNT = 7,
+};
+
+static void list_components( const implicit_state* state, const wisp_implicit_cloth_def* d,
+                             wisp_component component[COMPONENT_COUNT], bool wanted[COMPONENT_COUNT] )
+{
+    const wisp_component all[COMPONENT_COUNT] = { state->material,     state->tally,   WISP_PARTICLE_SOLVED,
+                                                  WISP_PARTICLE_TOUCH, state->contact, state->change,
+                                                  state->history };
+    for ( int i = 0; i < COMPONENT_COUNT; ++i )
+    {
+        component[i] = all[i];
+        wanted[i] = true;
+    }
+    wanted[5] = d->warm_start;
+    wanted[6] = d->integrator == WISP_IMPLICIT_BDF2;
+}
+
+// All that is missing comes before anything goes, so that without memory the surface is what it was.
+static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit_state* state,
+                          const wisp_implicit_cloth_def* d )
+{
+    wisp_component component[COMPONENT_COUNT];
+    bool wanted[COMPONENT_COUNT], came[COMPONENT_COUNT] = { false };
+    list_components( state, d, component, wanted );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
+    {
+        if ( wanted[i] && wisp_world_has( world, surface, component[i] ) == false )
+        {
+            status = wisp_world_attach( world, surface, component[i] );
+            came[i] = status == WISP_OK;
+        }
+    }
+    for ( int i = 0; i < COMPONENT_COUNT; ++i )
+    {
+        if ( status == WISP_OK ? wanted[i] == false : came[i] )
+        {
+            (void)wisp_world_detach( world, surface, component[i] ); // gives memory back, asks for none
+        }
+    }
+    return status;
+}
+
+static void fill( wisp_world* world, wisp_entity surface, const implicit_state* state,
+                  const wisp_implicit_cloth_def* d )
+{
+    implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
+    *m = ( implicit_material ){
+        .axial_damping = d->damping_form == WISP_IMPLICIT_DAMPING_AXIAL,
+        .full_jacobian = d->jacobian == WISP_IMPLICIT_JACOBIAN_FULL,
+        .bdf2 = d->integrator == WISP_IMPLICIT_BDF2,
+        .newton_repeats = d->newton_repeats,
+        .max_iterations = d->max_iterations,
+        .warm_start = d->warm_start,
+        .look_ahead = d->look_ahead,
+        .wants_figures = m->wants_figures,
+        .tolerance = d->tolerance,
+    };
+    *(int32_t*)wisp_world_column( world, surface, WISP_PARTICLE_SOLVED, 0 ) = 1;
+}
+
+// ---- the public face ----
+
+static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_state** out )
+{
+    void* state;
+    wisp_status status = wisp_world_surface_state( world, "implicit_cloth", surface, &state );
+    *out = state;
+    return status;
+}
+
+wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def )
+{
+    WISP_ASSERT( def->made_by_default == IMPLICIT_DEF_MADE );
+    implicit_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    status = status == WISP_OK ? check_alone( world, surface, state ) : status;
+    if ( status == WISP_OK && reserve( world, state ) == false )
+    {
+        status = wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d implicit cloths", state->link_count + 1 );
+    }
+    implicit_links* links = NULL;
+    status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
+    status = status == WISP_OK ? dress( world, surface, state, def ) : status;
+    if ( status != WISP_OK )
+    {
+        implicit_links_release( links, wisp_world_allocator( world ) );
+        return status;
+    }
+    const int place = find_index( state, surface );
+    if ( place >= 0 )
+    {
+        implicit_links_release( state->links[place], wisp_world_allocator( world ) );
+        state->links[place] = links;
+    }
+    else
+    {
+        state->links[state->link_count++] = links;
+    }
+    fill( world, surface, state, def );
+    return WISP_OK;
+}
+
+static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_state** out )
+{
+    wisp_status status = find_state( world, surface, out );
+    if ( status == WISP_OK && wisp_world_has( world, surface, ( *out )->material ) == false )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is no implicit cloth", surface.index );
+    }
+    return status;
+}
+
+wisp_status wisp_want_implicit_cloth_figures( wisp_world* world, wisp_entity surface, bool wanted )
+{
+    implicit_state* state;
+    wisp_status status = find_cloth( world, surface, &state );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wanted ? wisp_want( world, surface, state->figures ) : wisp_unwant( world, surface, state->figures );
+    if ( status == WISP_OK )
+    {
+        implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
+        m->wants_figures = wanted ? 1 : 0;
+    }
+    return status;
+}
+
+wisp_status wisp_read_implicit_cloth_figures( wisp_world* world, wisp_entity surface,
+                                              wisp_implicit_cloth_figures* out )
+{
+    implicit_state* state;
+    wisp_status status = find_cloth( world, surface, &state );
+    const wisp_implicit_cloth_figures* figures =
+        status == WISP_OK ? wisp_world_column( world, surface, state->figures, 0 ) : NULL;
+    if ( status == WISP_OK && ( figures == NULL || figures->repeats == 0 ) )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "entity %u has no figures of implicit cloth: ask for them before a step",
+                                surface.index );
+    }
+    if ( status == WISP_OK )
+    {
+        *out = *figures;
+    }
+    return status;
+}

@@ -1,0 +1,444 @@
+// Contact inside the solver (TRI section 5, C1 to C4; the rules with their reasons are in README.md): who is held, lands,
+// sticks or slides, and what that leaves a row free to do.
+#include "implicit_internal.h"
+
+#include <string.h>
+
+enum
+{
+    LANES = 8,
+};
+
+// A contact that counts in this substep.
+typedef struct touch
+{
+    int place; // in particle.touch
+    wisp_vec3 normal, motion;
+    float gap, margin, static_friction, kinetic_friction, recovery;
+    bool held, is_new; // not held: it lands
+    float pressed;     // kg m/s, of the last solve
+} touch;
+
+static wisp_vec3 load( const float* p )
+{
+    return ( wisp_vec3 ){ p[0], p[1], p[2] };
+}
+
+static wisp_vec3 subtract( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+static wisp_vec3 add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static float dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static float length( wisp_vec3 a )
+{
+    return sqrtf( dot( a, a ) );
+}
+
+static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+// ---- filters ----
+
+static void write_filter( const implicit_system* s, int row, const float filter[6] )
+{
+    float* to = s->filter_floats + (size_t)( row / LANES ) * 6 * LANES + row % LANES;
+    for ( int i = 0; i < 6; ++i )
+    {
+        to[i * LANES] = filter[i];
+    }
+}
+
+static wisp_vec3 read_lanes( const float ( *vectors )[3][LANES], int row )
+{
+    const float( *v )[LANES] = vectors[row / LANES];
+    const int lane = row % LANES;
+    return ( wisp_vec3 ){ v[0][lane], v[1][lane], v[2][lane] };
+}
+
+// S v of a row.
+static wisp_vec3 filtered( const implicit_system* s, int row, wisp_vec3 v )
+{
+    const float* f = s->filter_floats + (size_t)( row / LANES ) * 6 * LANES + row % LANES;
+    const float xx = f[0], xy = f[LANES], xz = f[2 * LANES], yy = f[3 * LANES], yz = f[4 * LANES], zz = f[5 * LANES];
+    return ( wisp_vec3 ){ xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z,
+                          xz * v.x + yz * v.y + zz * v.z };
+}
+
+// The first row of a slice that is held gives all its rows the identity.
+static void open_slice( const implicit_system* s, int slice )
+{
+    static const float IDENTITY[6] = { 1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 1.0f };
+    if ( s->filtered[slice] == 0 )
+    {
+        s->filtered[slice] = 1;
+        for ( int lane = 0; lane < LANES; ++lane )
+        {
+            write_filter( s, slice * LANES + lane, IDENTITY );
+        }
+    }
+}
+
+// A row whose velocity shall be `goal` as far as the filter takes its freedom away.
+static void hold_row( const implicit_system* s, int row, const float filter[6], wisp_vec3 goal )
+{
+    open_slice( s, row / LANES );
+    write_filter( s, row, filter );
+    float* to = s->goal + (size_t)row * 4;
+    to[0] = goal.x;
+    to[1] = goal.y;
+    to[2] = goal.z;
+    to[3] = 1.0f;
+}
+
+static const float NOTHING[6] = { 0.0f };
+
+// ---- pins ----
+
+static void hold_pin( const implicit_system* s, const implicit_feeler* f, int row, int slot )
+{
+    const wisp_vec3 x = load( f->position + (size_t)slot * 4 );
+    wisp_vec3 there = x;
+    if ( f->target != NULL && f->target[(size_t)slot * 4 + 3] != 0.0f )
+    {
+        const wisp_vec3 target = load( f->target + (size_t)slot * 4 );
+        there = f->target_share >= 1.0f ? target : add_scaled( x, f->target_share, subtract( target, x ) );
+    }
+    const wisp_vec3 way = subtract( there, load( s->place + (size_t)row * 4 ) );
+    const float rate = 1.0f / s->spring.seconds;
+    hold_row( s, row, NOTHING, ( wisp_vec3 ){ rate * way.x, rate * way.y, rate * way.z } );
+    f->contact[slot] = ( implicit_contact ){ .slides = 0 };
+}
+
+// ---- who is held ----
+
+static touch read_touch( const implicit_feeler* f, int slot, int place )
+{
+    const size_t at = (size_t)slot * WISP_TOUCHES + (size_t)place;
+    const float *plane = f->plane + 4 * at, *motion = f->motion + 4 * at, *friction = f->friction + 3 * at;
+    return ( touch ){
+        .place = place,
+        .normal = load( plane ),
+        .motion = load( motion ),
+        .gap = plane[3],
+        .margin = motion[3],
+        .static_friction = friction[0],
+        .kinetic_friction = friction[1],
+        .recovery = friction[2],
+    };
+}
+
+// Is the contact that the particle has now one that was held, and how hard was it pressed?
+static bool was_held( const implicit_contact* before, int32_t body, float* pressed )
+{
+    for ( int i = 0; i < WISP_TOUCHES; ++i )
+    {
+        if ( before->body[i] == body )
+        {
+            *pressed = before->pressed[i];
+            return true;
+        }
+    }
+    return false;
+}
+
+// Rules 1 to 3. @return whether the contact counts
+static bool judge( const implicit_system* s, const implicit_feeler* f, int row, int slot, touch* t,
+                   implicit_tally* tally )
+{
+    const float mass = s->place[(size_t)row * 4 + 3];
+    const wisp_vec3 v = load( f->velocity + (size_t)slot * 4 );
+    const float leaving = dot( subtract( v, t->motion ), t->normal );
+    const bool known =
+        was_held( f->contact + slot, f->body[(size_t)slot * WISP_TOUCHES + (size_t)t->place], &t->pressed );
+    // what is being moved out of a body has to be stopped before it is let go
+    if ( known && t->pressed < -( f->hysteresis + fmaxf( 0.0f, leaving ) ) * mass )
+    {
+        tally->released += 1;
+        return false;
+    }
+    t->held = t->gap < t->margin && ( known || leaving <= 0.0f );
+    t->is_new = t->held && known == false;
+    if ( t->held )
+    {
+        return true;
+    }
+    const wisp_vec3 x = load( f->position + (size_t)slot * 4 ), place = load( s->place + (size_t)row * 4 );
+    const wisp_vec3 there = add_scaled( place, s->spring.seconds, load( s->start + (size_t)row * 4 ) );
+    const wisp_vec3 way = add_scaled( subtract( there, x ), -f->seconds, t->motion );
+    return f->look_ahead && t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
+}
+
+// ---- the normals of a row ----
+
+// Normals that hardly differ are one: who holds goes before who lands, then the deeper. The deeper comes first.
+static int merge( touch* touches, int count )
+{
+    if ( count < 2 )
+    {
+        return count;
+    }
+    const wisp_vec3 t = cross( touches[0].normal, touches[1].normal );
+    const bool is_one = dot( t, t ) < 1e-6f, alike = is_one == false || touches[0].held == touches[1].held;
+    const bool second = alike ? touches[1].gap < touches[0].gap : touches[1].held;
+    if ( second )
+    {
+        const touch first = touches[0];
+        touches[0] = touches[1];
+        touches[1] = first;
+    }
+    return is_one ? 1 : 2;
+}
+
+// The vector in the span of the normals that has the given products with them.
+static wisp_vec3 spanned( const touch* touches, int count, const float products[WISP_TOUCHES] )
+{
+    const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, n = touches[0].normal;
+    if ( count == 1 )
+    {
+        return add_scaled( none, products[0], n );
+    }
+    const wisp_vec3 m = touches[1].normal, t = cross( n, m );
+    const float cosine = dot( n, m ), sine2 = dot( t, t );
+    const wisp_vec3 first = add_scaled( none, ( products[0] - cosine * products[1] ) / sine2, n );
+    return add_scaled( first, ( products[1] - cosine * products[0] ) / sine2, m );
+}
+
+static wisp_vec3 across( const touch* touches, int count, wisp_vec3 v )
+{
+    const float products[WISP_TOUCHES] = { dot( v, touches[0].normal ), dot( v, touches[count - 1].normal ) };
+    return subtract( v, spanned( touches, count, products ) );
+}
+
+// What is free of a row that slides.
+static void free_across( const touch* touches, int count, float filter[6] )
+{
+    const wisp_vec3 n = touches[0].normal;
+    const float one[6] = { 1.0f - n.x * n.x, -n.x * n.y, -n.x * n.z, 1.0f - n.y * n.y, -n.y * n.z, 1.0f - n.z * n.z };
+    memcpy( filter, one, sizeof( one ) );
+    if ( count == 2 )
+    {
+        const wisp_vec3 t = cross( n, touches[1].normal );
+        const float scale = 1.0f / dot( t, t );
+        const float two[6] = { scale * t.x * t.x, scale * t.x * t.y, scale * t.x * t.z,
+                               scale * t.y * t.y, scale * t.y * t.z, scale * t.z * t.z };
+        memcpy( filter, two, sizeof( two ) );
+    }
+}
+
+// ---- what that means for the row ----
+
+// The velocity with which the row goes along with a surface that moves so: x^ may have gone some of the way.
+static wisp_vec3 velocity_with( const implicit_system* s, const implicit_feeler* f, int row, int slot,
+                                wisp_vec3 motion )
+{
+    const wisp_vec3 back = subtract( load( f->position + (size_t)slot * 4 ), load( s->place + (size_t)row * 4 ) );
+    const float rate = 1.0f / s->spring.seconds;
+    return add_scaled( add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, rate, back ), rate * f->seconds, motion );
+}
+
+// Rules 3 and 5: how far the contact takes the particle out of the body, m.
+static float way_out( const implicit_feeler* f, const touch* t )
+{
+    return t->held ? fminf( fmaxf( 0.0f, -t->gap ), f->seconds * t->recovery ) : 0.5f * t->margin - t->gap;
+}
+
+static void prescribe( const implicit_system* s, const implicit_feeler* f, int row, int slot, const touch* touches,
+                       int count, bool sticks )
+{
+    float products[WISP_TOUCHES] = { 0.0f }, filter[6] = { 0.0f };
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_vec3 v = velocity_with( s, f, row, slot, touches[i].motion );
+        products[i] = dot( v, touches[i].normal ) + way_out( f, touches + i ) / s->spring.seconds;
+    }
+    wisp_vec3 goal = spanned( touches, count, products );
+    if ( sticks )
+    {
+        const wisp_vec3 v = velocity_with( s, f, row, slot, touches[0].motion );
+        goal = add_scaled( goal, 1.0f, across( touches, count, v ) );
+    }
+    else
+    {
+        free_across( touches, count, filter );
+    }
+    hold_row( s, row, filter, goal );
+}
+
+// Against the sliding, and never so much that it turns round.
+static void rub( const implicit_system* s, int row, wisp_vec3 slip, float impulse )
+{
+    const float speed = length( slip ), mass = s->place[(size_t)row * 4 + 3];
+    float* to = s->rubbing + (size_t)row * 4;
+    if ( speed > 0.0f )
+    {
+        const float share = -fminf( impulse, mass * speed ) / speed;
+        to[0] = share * slip.x;
+        to[1] = share * slip.y;
+        to[2] = share * slip.z;
+    }
+}
+
+typedef struct grip
+{
+    float holds, brakes; // kg m/s: mu_s and mu_k times what presses
+    bool is_new, lands;
+} grip;
+
+static grip grip_of( const touch* touches, int count )
+{
+    grip g = { .is_new = false };
+    for ( int i = 0; i < count; ++i )
+    {
+        const float pressed = touches[i].held ? fmaxf( 0.0f, touches[i].pressed ) : 0.0f;
+        g.holds += touches[i].static_friction * pressed;
+        g.brakes += touches[i].kinetic_friction * pressed;
+        g.is_new = g.is_new || touches[i].is_new;
+        g.lands = g.lands || touches[i].held == false;
+    }
+    return g;
+}
+
+// Rule 4.
+static void answer( const implicit_system* s, const implicit_feeler* f, int row, int slot, touch* touches, int count,
+                    implicit_tally* tally )
+{
+    const implicit_contact before = f->contact[slot];
+    implicit_contact now = { .slides = 1 };
+    for ( int i = 0; i < count; ++i )
+    {
+        now.body[touches[i].place] = f->body[(size_t)slot * WISP_TOUCHES + (size_t)touches[i].place];
+    }
+    count = merge( touches, count );
+    const grip g = grip_of( touches, count );
+    const wisp_vec3 slip =
+        across( touches, count, subtract( load( s->start + (size_t)row * 4 ), touches[0].motion ) );
+    const float momentum = s->place[(size_t)row * 4 + 3] * length( slip );
+    const bool grips = before.slides != 0 ? momentum <= g.brakes : before.rubbed <= g.holds;
+    const bool sticks = g.lands == false && ( g.is_new || grips );
+    prescribe( s, f, row, slot, touches, count, sticks );
+    if ( sticks == false && g.lands == false )
+    {
+        rub( s, row, slip, g.brakes );
+    }
+    now.slides = sticks ? 0 : 1;
+    f->contact[slot] = now;
+    tally->landing += g.lands ? 1 : 0;
+    tally->sticking += sticks ? 1 : 0;
+    tally->sliding += sticks == false && g.lands == false ? 1 : 0;
+}
+
+void implicit_touch_row( const implicit_system* s, const implicit_feeler* f, int row, implicit_tally* tally )
+{
+    const int slot = s->links->row_slot[row];
+    memset( s->goal + (size_t)row * 4, 0, 4 * sizeof( float ) );
+    memset( s->rubbing + (size_t)row * 4, 0, 4 * sizeof( float ) );
+    if ( slot < 0 )
+    {
+        return;
+    }
+    if ( f->position[(size_t)slot * 4 + 3] == 0.0f )
+    {
+        hold_pin( s, f, row, slot );
+        return;
+    }
+    touch touches[WISP_TOUCHES];
+    int count = 0;
+    for ( int place = 0; place < WISP_TOUCHES; ++place )
+    {
+        if ( f->body[(size_t)slot * WISP_TOUCHES + (size_t)place] != 0 )
+        {
+            touches[count] = read_touch( f, slot, place );
+            count += judge( s, f, row, slot, touches + count, tally ) ? 1 : 0;
+        }
+    }
+    if ( count > 0 )
+    {
+        answer( s, f, row, slot, touches, count, tally );
+    }
+    else
+    {
+        f->contact[slot] = ( implicit_contact ){ .slides = 0 };
+    }
+}
+
+// The contacts of the last solve, once more.
+static int held_touches( const implicit_feeler* f, int slot, touch touches[WISP_TOUCHES] )
+{
+    int count = 0;
+    for ( int place = 0; place < WISP_TOUCHES; ++place )
+    {
+        if ( f->contact[slot].body[place] != 0 )
+        {
+            touches[count] = read_touch( f, slot, place );
+            touches[count++].held = true;
+        }
+    }
+    return count;
+}
+
+// J = -(I - S) r, split by the normals. Where two count as one, each has all of it.
+void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int row )
+{
+    const int slot = s->links->row_slot[row];
+    touch touches[WISP_TOUCHES];
+    const int found = slot >= 0 ? held_touches( f, slot, touches ) : 0;
+    if ( found == 0 )
+    {
+        return;
+    }
+    implicit_contact* contact = f->contact + slot;
+    const wisp_vec3 left = read_lanes( (const float( * )[3][LANES])s->conjugate.residual, row );
+    const wisp_vec3 impulse = subtract( filtered( s, row, left ), left );
+    const int count = merge( touches, found );
+    for ( int i = 0; i < found; ++i )
+    {
+        contact->pressed[touches[i].place] = dot( impulse, touches[i].normal );
+    }
+    if ( count == 2 )
+    {
+        const wisp_vec3 n = touches[0].normal, m = touches[1].normal, t = cross( n, m );
+        const float along = dot( impulse, n ), other = dot( impulse, m ), cosine = dot( n, m ), sine2 = dot( t, t );
+        contact->pressed[touches[0].place] = ( along - cosine * other ) / sine2;
+        contact->pressed[touches[1].place] = ( other - cosine * along ) / sine2;
+    }
+    contact->rubbed = length( across( touches, count, impulse ) );
+}
+
+// An impact is no motion to go on with: BDF2 would take it for a velocity of the substep before. What contact holds has moved
+// with its body, as far as it is held.
+void implicit_settle_row( const implicit_feeler* f, int slot, float* x, float* v, float* x_before, float* v_before )
+{
+    touch touches[WISP_TOUCHES];
+    int count = held_touches( f, slot, touches );
+    if ( count == 0 )
+    {
+        return;
+    }
+    count = merge( touches, count );
+    const wisp_vec3 surface = touches[0].motion, now = load( x ), was = load( x_before );
+    const float products[WISP_TOUCHES] = { dot( surface, touches[0].normal ),
+                                           dot( touches[count - 1].motion, touches[count - 1].normal ) };
+    const bool sticks = f->contact[slot].slides == 0;
+    const wisp_vec3 along = spanned( touches, count, products ), none = { 0.0f, 0.0f, 0.0f };
+    const wisp_vec3 gone = sticks ? add_scaled( none, f->seconds, surface ) : subtract( now, was );
+    const wisp_vec3 speed = sticks ? surface : load( v ), speed_before = sticks ? surface : load( v_before );
+    const wisp_vec3 way = add_scaled( across( touches, count, gone ), f->seconds, along );
+    const wisp_vec3 from = subtract( now, way );
+    const wisp_vec3 to = add_scaled( along, 1.0f, across( touches, count, speed ) );
+    const wisp_vec3 to_before = add_scaled( along, 1.0f, across( touches, count, speed_before ) );
+    memcpy( x_before, &from, sizeof( from ) );
+    memcpy( v, &to, sizeof( to ) );
+    memcpy( v_before, &to_before, sizeof( to_before ) );
+}

@@ -1,0 +1,141 @@
+/// What the files of this folder share.
+#pragma once
+
+#include "implicit_cloth.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+#include <math.h>
+
+/// What a surface is made of, without its links. A row of the entity.
+typedef struct implicit_material
+{
+    int32_t axial_damping, full_jacobian, bdf2;
+    int32_t newton_repeats, max_iterations, warm_start, look_ahead, wants_figures;
+    float tolerance;
+    float before; ///< s, length of the substep before; 0: there was none
+} implicit_material;
+
+/// What the last substep did. A row of the entity.
+typedef struct implicit_tally
+{
+    int32_t iterations, repeats;
+    float residual, newton_residual;
+    int32_t sticking, sliding, landing, released;
+} implicit_tally;
+
+/// Links of a surface in rows of their own, and the way between rows and the fabric's slots. One block of memory.
+typedef struct implicit_links
+{
+    wisp_entity entity;
+    int row_count; ///< vertices, padded to a multiple of 8
+    int slice_count;
+    int stretch_count, bend_count, most_neighbours;
+    int32_t* row_slot; ///< [row_count] slot of the fabric, -1 pads
+    float* share;      ///< [row_count] what part of a vertex's mass its row has: 1 over the weight of its forces
+    wisp_spring_links springs;
+    size_t bytes;
+} implicit_links;
+
+typedef struct implicit_state
+{
+    wisp_component material; ///< implicit_material
+    wisp_component tally;    ///< implicit_tally
+    wisp_component contact;  ///< rows of particles: implicit_contact
+    wisp_component change;   ///< rows of particles: the last change of velocity, to start from
+    wisp_component history;  ///< rows of particles: the substep before, for BDF2
+    wisp_component figures;  ///< wisp_implicit_cloth_figures
+    implicit_links** links;  ///< [link_count] one a surface
+    int link_count, link_capacity;
+} implicit_state;
+
+/// What a particle remembers of its contacts from substep to substep.
+typedef struct implicit_contact
+{
+    int32_t body[WISP_TOUCHES];  ///< held; 0: none
+    float pressed[WISP_TOUCHES]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
+    float rubbed;                ///< kg m/s, impulse across
+    int32_t slides;
+} implicit_contact;
+
+/// One substep of a surface: its state in rows, and the linear system, all in scratch memory.
+typedef struct implicit_system
+{
+    const implicit_links* links;
+    const implicit_material* material;
+    const wisp_kernels* kernels;
+    const wisp_parallel* parallel;
+    wisp_spring_job spring;
+    wisp_conjugate_job conjugate;
+    int grain, block_count; ///< blocks of slices, the same for any number of workers
+    double* sums;           ///< [block_count]
+    int limit;              ///< iterations of a solve
+    bool guessed;           ///< conjugate.direction is not zero
+    double floor;           ///< kg m^2/s^2, what is left of a right side that floats cannot tell from nothing
+    float *place, *start;   ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
+    float* goal;    ///< [row][4] m/s, what a held row's velocity shall be as far as its filter holds it; 1: held
+    float* rubbing; ///< [row][4] kg m/s, impulse of sliding friction
+    float* filter_floats; ///< the filter of conjugate, to be written
+    uint8_t* filtered;    ///< [slice], as that of conjugate, to be written
+} implicit_system;
+
+/// What contact looks at, slot by slot.
+typedef struct implicit_feeler
+{
+    const int32_t* body;                    ///< [slot][WISP_TOUCHES], these four as in particle.touch
+    const float *plane, *motion, *friction; ///< [slot][WISP_TOUCHES][4], [4], [3]
+    implicit_contact* contact;              ///< [slot]
+    const float *position, *velocity;       ///< [slot][4] when the substep begins
+    const float* target;                    ///< [slot][4] of pins; null: they stay
+    float seconds;                          ///< h, of the substep
+    float hysteresis;                       ///< m/s: so much pull a mass is not let go for
+    float target_share;                     ///< of the way to a target, in this substep
+    bool look_ahead;
+} implicit_feeler;
+
+/// What a solve came to.
+typedef struct implicit_outcome
+{
+    int iterations;
+    float residual; ///< over that of standing still
+    bool unsolved, indefinite;
+} implicit_outcome;
+
+// ---- implicit_cloth_module.c ----
+
+/// @return null for an entity that is no implicit cloth
+implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity );
+
+// ---- implicit_links.c ----
+
+/// Cook the links of a surface. @param out receives them, null on failure
+wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def,
+                                   implicit_links** out );
+/// Null is allowed.
+void implicit_links_release( implicit_links* links, const wisp_allocator* allocator );
+
+// ---- implicit_solve.c ----
+
+/// Solve for the change of velocity. Reads the right side from conjugate.residual and the first guess from
+/// conjugate.direction; the answer is in conjugate.solution, and what is left of the right side, which contact has to give,
+/// in conjugate.residual.
+implicit_outcome implicit_solve( implicit_system* system );
+/// Run a range function over the slices, with the system as its context.
+void implicit_for_slices( implicit_system* system, wisp_range_fn* run );
+
+// ---- implicit_contact.c ----
+
+/// What a row may do in this substep: its filter, its goal and its friction. Needs its place and start.
+void implicit_touch_row( const implicit_system* system, const implicit_feeler* feeler, int row,
+                         implicit_tally* tally );
+/// What contact has cost a row: splits the impulse that the last solve left.
+void implicit_press_row( const implicit_system* system, const implicit_feeler* feeler, int row );
+/// BDF2: what a slot in contact remembers of the substep. All are [3] and may change; x and v are new.
+void implicit_settle_row( const implicit_feeler* feeler, int slot, float* x, float* v, float* x_before,
+                          float* v_before );
+
+// ---- passes ----
+
+void implicit_step( wisp_frame* frame, const wisp_span* span, void* user );
+void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user );

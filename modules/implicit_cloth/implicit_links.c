@@ -1,0 +1,254 @@
+// Rows of links: who stands in which row, and the entries of each slice of eight.
+#include "implicit_pairs.h"
+
+#include <string.h>
+
+enum
+{
+    LANES = 8,
+    WINDOW = 256, // slots that may change places for the sake of less padding; near enough to stay in the near caches
+};
+
+typedef struct row_cook
+{
+    implicit_cook* cook;
+    int32_t* degree;   // [vertex_count][2] links that stretch, that bend, by slot
+    int32_t* slot_row; // [vertex_count]
+    int32_t* filled;   // [row_count][2] entries written
+} row_cook;
+
+static void count_degrees( row_cook* r )
+{
+    for ( int list = 0; list < 2; ++list )
+    {
+        const implicit_pair* pairs = list == 1 ? r->cook->bend : r->cook->stretch;
+        for ( int i = 0; i < ( list == 1 ? r->cook->bend_count : r->cook->stretch_count ); ++i )
+        {
+            r->degree[2 * (size_t)pairs[i].a + (size_t)list] += 1;
+            r->degree[2 * (size_t)pairs[i].b + (size_t)list] += 1;
+        }
+    }
+}
+
+// Within a window by falling number of links, equals in the fabric's order: an insertion sort, so it is stable.
+static void order_window( const row_cook* r, int32_t* slots, int count )
+{
+    for ( int i = 1; i < count; ++i )
+    {
+        const int32_t slot = slots[i], *d = r->degree + 2 * (size_t)slot;
+        int k = i;
+        for ( ; k > 0; --k )
+        {
+            const int32_t* before = r->degree + 2 * (size_t)slots[k - 1];
+            if ( before[0] > d[0] || ( before[0] == d[0] && before[1] >= d[1] ) )
+            {
+                break;
+            }
+            slots[k] = slots[k - 1];
+        }
+        slots[k] = slot;
+    }
+}
+
+static void order_rows( row_cook* r, int32_t* row_slot, int row_count )
+{
+    const int count = r->cook->fabric->vertex_count;
+    for ( int row = 0; row < row_count; ++row )
+    {
+        row_slot[row] = row < count ? row : -1;
+    }
+    for ( int first = 0; first < count; first += WINDOW )
+    {
+        order_window( r, row_slot + first, count - first < WINDOW ? count - first : WINDOW );
+    }
+    for ( int row = 0; row < count; ++row )
+    {
+        r->slot_row[row_slot[row]] = row;
+    }
+}
+
+// As many entries as the row of the slice that has most.
+static size_t place_entries( const row_cook* r, const int32_t* row_slot, int slice_count, int32_t* begin )
+{
+    size_t entry = 0;
+    for ( int slice = 0; slice < slice_count; ++slice )
+    {
+        for ( size_t list = 0; list < 2; ++list )
+        {
+            int32_t most = 0;
+            for ( int lane = 0; lane < LANES; ++lane )
+            {
+                const int32_t slot = row_slot[slice * LANES + lane];
+                const int32_t degree = slot >= 0 ? r->degree[2 * (size_t)slot + list] : 0;
+                most = degree > most ? degree : most;
+            }
+            begin[2 * (size_t)slice + list] = (int32_t)entry;
+            entry += (size_t)most;
+        }
+    }
+    begin[2 * (size_t)slice_count] = (int32_t)entry;
+    return entry;
+}
+
+// The arrays behind wisp_spring_links, to be written.
+typedef struct entry_arrays
+{
+    int32_t ( *other4 )[LANES];
+    float ( *rest )[LANES], ( *load )[LANES], ( *ramp )[LANES], ( *damping )[LANES];
+} entry_arrays;
+
+static void write_end( row_cook* r, const int32_t* begin, const entry_arrays* out, const implicit_pair* pair,
+                       int list, int32_t own, int32_t other )
+{
+    const int32_t row = r->slot_row[own];
+    const int32_t entry = begin[2 * ( row / LANES ) + list] + r->filled[2 * (size_t)row + (size_t)list]++;
+    const int lane = row % LANES;
+    out->other4[entry][lane] = 4 * r->slot_row[other];
+    out->rest[entry][lane] = pair->rest;
+    out->load[entry][lane] = pair->load;
+    out->ramp[entry][lane] = pair->ramp;
+    out->damping[entry][lane] = pair->damping;
+}
+
+static void write_entries( row_cook* r, const int32_t* begin, int slice_count, const entry_arrays* out )
+{
+    for ( int slice = 0; slice < slice_count; ++slice )
+    {
+        for ( int entry = begin[2 * slice]; entry < begin[2 * slice + 2]; ++entry )
+        {
+            for ( int lane = 0; lane < LANES; ++lane )
+            {
+                out->other4[entry][lane] = 4 * ( slice * LANES + lane );
+            }
+        }
+    }
+    for ( int list = 0; list < 2; ++list )
+    {
+        const implicit_pair* pairs = list == 1 ? r->cook->bend : r->cook->stretch;
+        for ( int i = 0; i < ( list == 1 ? r->cook->bend_count : r->cook->stretch_count ); ++i )
+        {
+            write_end( r, begin, out, pairs + i, list, pairs[i].a, pairs[i].b );
+            write_end( r, begin, out, pairs + i, list, pairs[i].b, pairs[i].a );
+        }
+    }
+}
+
+// One block of memory: a header, then arrays on lines of their own.
+static size_t reserve( size_t* at, size_t count, size_t size )
+{
+    const size_t offset = *at;
+    *at += ( count * size + 63 ) & ~(size_t)63;
+    return offset;
+}
+
+static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def, const int32_t* row_slot,
+                                 int row_count, const int32_t* begin, size_t entry_count )
+{
+    const implicit_cook* cook = r->cook;
+    const size_t lanes = LANES * sizeof( float ), slices = (size_t)row_count / LANES;
+    size_t bytes = 0;
+    reserve( &bytes, 1, sizeof( implicit_links ) );
+    const size_t slot_at = reserve( &bytes, (size_t)row_count, sizeof( int32_t ) );
+    const size_t share_at = reserve( &bytes, (size_t)row_count, sizeof( float ) );
+    const size_t begin_at = reserve( &bytes, 2 * slices + 1, sizeof( int32_t ) );
+    size_t at[5];
+    for ( int i = 0; i < 5; ++i )
+    {
+        at[i] = reserve( &bytes, entry_count, lanes );
+    }
+    char* memory = cook->allocator->allocate( cook->allocator->user, bytes, 64 );
+    if ( memory == NULL )
+    {
+        return NULL;
+    }
+    memset( memory, 0, bytes );
+    const entry_arrays out = {
+        .other4 = ( int32_t( * )[LANES] )(void*)( memory + at[0] ),
+        .rest = ( float( * )[LANES] )(void*)( memory + at[1] ),
+        .load = ( float( * )[LANES] )(void*)( memory + at[2] ),
+        .ramp = ( float( * )[LANES] )(void*)( memory + at[3] ),
+        .damping = ( float( * )[LANES] )(void*)( memory + at[4] ),
+    };
+    implicit_links* links = (implicit_links*)(void*)memory;
+    *links = ( implicit_links ){
+        .row_count = row_count,
+        .slice_count = row_count / LANES,
+        .stretch_count = cook->stretch_count,
+        .bend_count = cook->bend_count,
+        .most_neighbours = cook->most_neighbours,
+        .row_slot = (int32_t*)(void*)( memory + slot_at ),
+        .share = (float*)(void*)( memory + share_at ),
+        .bytes = bytes,
+    };
+    memcpy( memory + slot_at, row_slot, (size_t)row_count * sizeof( int32_t ) );
+    memcpy( memory + begin_at, begin, ( 2 * slices + 1 ) * sizeof( int32_t ) );
+    for ( int row = 0; row < row_count; ++row )
+    {
+        links->share[row] = row_slot[row] >= 0 ? implicit_mass_share( cook, def, row_slot[row] ) : 1.0f;
+    }
+    write_entries( r, begin, links->slice_count, &out );
+    links->springs = ( wisp_spring_links ){
+        .begin = (const int32_t*)(void*)( memory + begin_at ),
+        .other4 = (const int32_t( * )[LANES])out.other4,
+        .rest = (const float( * )[LANES])out.rest,
+        .load = (const float( * )[LANES])out.load,
+        .ramp = (const float( * )[LANES])out.ramp,
+        .damping = (const float( * )[LANES])out.damping,
+    };
+    return links;
+}
+
+static implicit_links* cook_rows( implicit_cook* cook, const wisp_implicit_cloth_def* def )
+{
+    const size_t vertices = (size_t)cook->fabric->vertex_count, rows = ( vertices + LANES - 1 ) / LANES * LANES;
+    row_cook r = {
+        .cook = cook,
+        .degree = implicit_cook_push( cook, 2 * vertices, sizeof( int32_t ) ),
+        .slot_row = implicit_cook_push( cook, vertices, sizeof( int32_t ) ),
+        .filled = implicit_cook_push( cook, 2 * rows, sizeof( int32_t ) ),
+    };
+    int32_t* row_slot = implicit_cook_push( cook, rows, sizeof( int32_t ) );
+    int32_t* begin = implicit_cook_push( cook, 2 * rows / LANES + 1, sizeof( int32_t ) );
+    if ( r.degree == NULL || r.slot_row == NULL || r.filled == NULL || row_slot == NULL || begin == NULL )
+    {
+        return NULL;
+    }
+    count_degrees( &r );
+    order_rows( &r, row_slot, (int)rows );
+    const size_t entries = place_entries( &r, row_slot, (int)( rows / LANES ), begin );
+    return assemble( &r, def, row_slot, (int)rows, begin, entries );
+}
+
+wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def,
+                                   implicit_links** out )
+{
+    *out = NULL;
+    implicit_cook cook = {
+        .world = world,
+        .allocator = wisp_world_allocator( world ),
+        .fabric = wisp_world_fabric( world, surface ),
+    };
+    wisp_status status = implicit_list_pairs( &cook, def );
+    if ( status == WISP_OK )
+    {
+        *out = cook_rows( &cook, def );
+        status = *out != NULL ? WISP_OK
+                              : wisp_world_fail( world, WISP_NO_MEMORY,
+                                                 "implicit cloth: no memory for the rows of %d vertices",
+                                                 cook.fabric->vertex_count );
+    }
+    implicit_cook_release( &cook );
+    if ( *out != NULL )
+    {
+        ( *out )->entity = surface;
+    }
+    return status;
+}
+
+void implicit_links_release( implicit_links* links, const wisp_allocator* allocator )
+{
+    if ( links != NULL )
+    {
+        allocator->release( allocator->user, links, links->bytes );
+    }
+}

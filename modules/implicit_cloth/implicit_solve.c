@@ -1,0 +1,109 @@
+// Filtered conjugate gradients (Baraff and Witkin 1998, with the filter of Ascher and Boxerman; TRI section 4) over rows
+// of springs. The loops of an iteration are cut at the same places whoever runs them, and their sums are added in order,
+// so the answer is the same bits for any number of workers.
+#include "implicit_internal.h"
+
+typedef struct slice_loop
+{
+    implicit_system* system;
+    float factor;
+} slice_loop;
+
+void implicit_for_slices( implicit_system* system, wisp_range_fn* run )
+{
+    wisp_parallel_for( system->parallel, system->links->slice_count, system->grain, run, system );
+}
+
+static double add_up( const implicit_system* system )
+{
+    double sum = 0.0;
+    for ( int block = 0; block < system->block_count; ++block )
+    {
+        sum += system->sums[block];
+    }
+    return sum;
+}
+
+static void multiply( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    implicit_system* s = context;
+    s->sums[begin / s->grain] = s->kernels->spring_product( &s->conjugate, begin, end );
+}
+
+static void advance_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const slice_loop* loop = context;
+    implicit_system* s = loop->system;
+    s->sums[begin / s->grain] = s->kernels->conjugate_advance( &s->conjugate, loop->factor, begin, end );
+}
+
+static void turn_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const slice_loop* loop = context;
+    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->factor, begin, end );
+}
+
+static double product( implicit_system* s )
+{
+    implicit_for_slices( s, multiply );
+    return add_up( s );
+}
+
+static double advance( implicit_system* s, float step )
+{
+    slice_loop loop = { .system = s, .factor = step };
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, advance_slices, &loop );
+    return add_up( s );
+}
+
+static void turn( implicit_system* s, float share )
+{
+    slice_loop loop = { .system = s, .factor = share };
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, turn_slices, &loop );
+}
+
+// A share of what standing still leaves; the guess may have made it smaller before the first iteration.
+static implicit_outcome end_at( int iterations, double delta, double delta_0 )
+{
+    return ( implicit_outcome ){
+        .iterations = iterations,
+        .residual = delta_0 > 0.0 && delta > 0.0 ? (float)sqrt( delta / delta_0 ) : 0.0f,
+    };
+}
+
+implicit_outcome implicit_solve( implicit_system* s )
+{
+    // standing still leaves ( S b )' P ( S b ), the guess r' S P S r
+    double delta_0 = advance( s, 0.0f ), delta = delta_0;
+    if ( s->guessed )
+    {
+        product( s );
+        delta = advance( s, 1.0f );
+        delta_0 = delta_0 > 0.0 ? delta_0 : delta;
+    }
+    const double tolerance = (double)s->material->tolerance;
+    const double least = fmax( tolerance * tolerance * delta_0, s->floor );
+    turn( s, 0.0f );
+
+    int iteration = 0;
+    while ( delta > least && iteration < s->limit )
+    {
+        const double curvature = product( s );
+        if ( !( curvature > 0.0 ) )
+        {
+            implicit_outcome outcome = end_at( iteration, delta, delta_0 );
+            outcome.indefinite = true;
+            return outcome;
+        }
+        const double next = advance( s, (float)( delta / curvature ) );
+        turn( s, (float)( next / delta ) );
+        delta = next;
+        ++iteration;
+    }
+    implicit_outcome outcome = end_at( iteration, delta, delta_0 );
+    outcome.unsolved = iteration == s->limit && delta > least;
+    return outcome;
+}

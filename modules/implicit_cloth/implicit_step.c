@@ -1,0 +1,478 @@
+// One substep: what the surface is and what touches it goes into rows, forces are linearised and solved for, once or
+// several times, and the new velocities go back with the places they lead to. Equations and their order: README.md.
+#include "implicit_internal.h"
+
+#include <float.h>
+#include <string.h>
+
+enum
+{
+    LANES = 8,
+    ONE_BLOCK = 256, // slices; a smaller surface is solved by one worker, for waking another costs more
+    GRAIN = 64,      // slices a block of a larger one
+};
+
+// The surface's columns, all by slot.
+typedef struct step_columns
+{
+    float *position, *velocity;
+    float* change;                            // [slot][3] m/s; null: solves start from nothing
+    float *before_position, *before_velocity; // [slot][4]; null: Euler
+    int32_t* body;                            // of particle.touch
+} step_columns;
+
+typedef struct step
+{
+    implicit_system system;
+    implicit_feeler feeler;
+    step_columns columns;
+    wisp_vec3 gravity;
+    float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
+    float *point, *velocity; // [row][4] where forces are asked, and the velocity that goes with it
+    implicit_tally* tallies; // [block]
+    int* undirected;         // [block]
+    double* motion;          // [block] kg m^2/s^2, sum of m v^2
+    bool* guesses;           // [block] somebody begins elsewhere than at 0
+    float* worst;            // [block] m/s, of the nonlinear step
+} step;
+
+// ---- into rows ----
+
+static void extrapolate( const step* s, const float* now, const float* before, float out[3] )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        out[k] = before != NULL ? s->recent * now[k] - s->older * before[k] : now[k];
+    }
+}
+
+static void gather_row( step* s, int row )
+{
+    const implicit_system* system = &s->system;
+    const int slot = system->links->row_slot[row];
+    float *place = system->place + (size_t)row * 4, *start = system->start + (size_t)row * 4;
+    memset( place, 0, 4 * sizeof( float ) );
+    memset( start, 0, 4 * sizeof( float ) );
+    place[3] = 1.0f;
+    if ( slot < 0 )
+    {
+        return;
+    }
+    const step_columns* c = &s->columns;
+    const size_t quad = (size_t)slot * 4;
+    const float weight = c->position[quad + 3];
+    extrapolate( s, c->position + quad, c->before_position != NULL ? c->before_position + quad : NULL, place );
+    extrapolate( s, c->velocity + quad, c->before_velocity != NULL ? c->before_velocity + quad : NULL, start );
+    if ( weight > 0.0f )
+    {
+        const float fall = system->spring.seconds;
+        place[3] = system->links->share[row] / weight;
+        start[0] += fall * s->gravity.x;
+        start[1] += fall * s->gravity.y;
+        start[2] += fall * s->gravity.z;
+    }
+}
+
+static void gather_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    step* s = context;
+    implicit_tally* tally = s->tallies + begin / s->system.grain;
+    *tally = ( implicit_tally ){ 0 };
+    double motion = 0.0;
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        s->system.filtered[slice] = 0;
+        for ( int row = slice * LANES; row < ( slice + 1 ) * LANES; ++row )
+        {
+            gather_row( s, row );
+            implicit_touch_row( &s->system, &s->feeler, row, tally );
+            const float* v = s->system.start + (size_t)row * 4;
+            motion += (double)s->system.place[(size_t)row * 4 + 3] *
+                      ( (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2] );
+        }
+    }
+    s->motion[begin / s->system.grain] = motion;
+    const size_t first = (size_t)begin * LANES * 4, bytes = (size_t)( end - begin ) * LANES * 4 * sizeof( float );
+    memcpy( s->point + first, s->system.place + first, bytes );
+    memcpy( s->velocity + first, s->system.start + first, bytes );
+}
+
+// ---- a solve ----
+
+static void assemble_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    step* s = context;
+    s->undirected[begin / s->system.grain] = s->system.kernels->spring_assemble( &s->system.spring, begin, end );
+}
+
+// (I - S)( goal - v ) of a held row and S times what the last substep's solve came to: where the solve begins.
+static bool guess_row( step* s, int row )
+{
+    const implicit_system* system = &s->system;
+    const int slot = system->links->row_slot[row], lane = row % LANES;
+    const bool warm = s->columns.change != NULL && system->spring.repeat == false && slot >= 0;
+    const float *goal = system->goal + (size_t)row * 4, *v = s->velocity + (size_t)row * 4;
+    float free[3] = { 0.0f }, held[3] = { 0.0f };
+    for ( int k = 0; k < 3; ++k )
+    {
+        free[k] = warm ? s->columns.change[(size_t)slot * 3 + (size_t)k] : 0.0f;
+        held[k] = goal[3] != 0.0f ? goal[k] - v[k] : 0.0f;
+    }
+    float* guess = system->conjugate.direction + (size_t)row * 4;
+    if ( system->filtered[row / LANES] != 0 )
+    {
+        const float* f = system->filter_floats + (size_t)( row / LANES ) * 6 * LANES + lane;
+        const float d[3] = { free[0] - held[0], free[1] - held[1], free[2] - held[2] };
+        free[0] = held[0] + f[0] * d[0] + f[LANES] * d[1] + f[2 * LANES] * d[2];
+        free[1] = held[1] + f[LANES] * d[0] + f[3 * LANES] * d[1] + f[4 * LANES] * d[2];
+        free[2] = held[2] + f[2 * LANES] * d[0] + f[4 * LANES] * d[1] + f[5 * LANES] * d[2];
+    }
+    memcpy( guess, free, sizeof( free ) );
+    guess[3] = 0.0f;
+    const float* rubbing = system->rubbing + (size_t)row * 4;
+    for ( int k = 0; k < 3; ++k )
+    {
+        system->conjugate.residual[row / LANES][k][lane] += rubbing[k];
+    }
+    return free[0] != 0.0f || free[1] != 0.0f || free[2] != 0.0f;
+}
+
+static void prepare_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    step* s = context;
+    bool guessed = false;
+    for ( int row = begin * LANES; row < end * LANES; ++row )
+    {
+        guessed = guess_row( s, row ) || guessed;
+    }
+    s->guesses[begin / s->system.grain] = guessed;
+    const size_t slices = (size_t)( end - begin );
+    memset( s->system.conjugate.solution[begin], 0, slices * sizeof( s->system.conjugate.solution[0] ) );
+    memset( s->system.conjugate.product[begin], 0, slices * sizeof( s->system.conjugate.product[0] ) );
+}
+
+// v_k + dv, and x^ + h of it.
+static void move_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    step* s = context;
+    const float h = s->system.spring.seconds;
+    for ( int row = begin * LANES; row < end * LANES; ++row )
+    {
+        const float* place = s->system.place + (size_t)row * 4;
+        float *v = s->velocity + (size_t)row * 4, *x = s->point + (size_t)row * 4;
+        for ( int k = 0; k < 3; ++k )
+        {
+            v[k] += s->system.conjugate.solution[row / LANES][k][row % LANES];
+            x[k] = place[k] + h * v[k];
+        }
+    }
+}
+
+static void for_slices( step* s, wisp_range_fn* run )
+{
+    wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
+}
+
+static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
+{
+    if ( outcome->unsolved )
+    {
+        wisp_frame_count( frame, WISP_COUNT_UNSOLVED, 1 );
+    }
+    if ( outcome->indefinite )
+    {
+        wisp_frame_count( frame, WISP_COUNT_INDEFINITE, 1 );
+    }
+}
+
+static int assemble( step* s, bool repeat )
+{
+    s->system.spring.repeat = repeat;
+    for_slices( s, assemble_slices );
+    int undirected = 0;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        undirected += s->undirected[block];
+    }
+    return undirected / 2; // each link was met from both ends
+}
+
+// Rounding the velocities that a solve begins with leaves a right side of its own, which a cloth in free flight would be
+// solved for in vain.
+static double find_floor( const step* s )
+{
+    double motion = (double)FLT_MIN;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        motion += s->motion[block];
+    }
+    const double rounding = 2.0 * (double)FLT_EPSILON;
+    return rounding * rounding * motion;
+}
+
+static implicit_tally solve( wisp_frame* frame, step* s )
+{
+    s->system.floor = find_floor( s );
+    implicit_tally total = { 0 };
+    int undirected = 0;
+    for ( int k = 0; k < s->system.material->newton_repeats; ++k )
+    {
+        undirected = assemble( s, k > 0 );
+        for_slices( s, prepare_slices );
+        s->system.guessed = false;
+        for ( int block = 0; block < s->system.block_count; ++block )
+        {
+            s->system.guessed = s->system.guessed || s->guesses[block];
+        }
+        const implicit_outcome outcome = implicit_solve( &s->system );
+        count_outcome( frame, &outcome );
+        for_slices( s, move_slices );
+        total.iterations += outcome.iterations;
+        total.residual = outcome.residual;
+        total.repeats += 1;
+    }
+    wisp_frame_count( frame, WISP_COUNT_UNDIRECTED, (uint64_t)undirected );
+    return total;
+}
+
+// ---- out of rows ----
+
+static void scatter_row( step* s, int row )
+{
+    const implicit_system* system = &s->system;
+    const int slot = system->links->row_slot[row];
+    if ( slot < 0 )
+    {
+        return;
+    }
+    const step_columns* c = &s->columns;
+    const size_t quad = (size_t)slot * 4;
+    float *x = c->position + quad, *v = c->velocity + quad;
+    implicit_press_row( system, &s->feeler, row );
+    if ( c->before_position != NULL )
+    {
+        memcpy( c->before_position + quad, x, 4 * sizeof( float ) );
+        memcpy( c->before_velocity + quad, v, 4 * sizeof( float ) );
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        v[k] = s->velocity[(size_t)row * 4 + (size_t)k];
+        x[k] = s->point[(size_t)row * 4 + (size_t)k];
+        if ( c->change != NULL )
+        {
+            c->change[(size_t)slot * 3 + (size_t)k] = v[k] - system->start[(size_t)row * 4 + (size_t)k];
+        }
+        // what has been said about bodies was for this substep
+        c->body[(size_t)slot * WISP_TOUCHES + (size_t)( k % WISP_TOUCHES )] = 0;
+    }
+    if ( c->before_position != NULL )
+    {
+        implicit_settle_row( &s->feeler, slot, x, v, c->before_position + quad, c->before_velocity + quad );
+    }
+    const float* target = s->feeler.target != NULL ? s->feeler.target + quad : NULL;
+    if ( x[3] == 0.0f && target != NULL && target[3] != 0.0f && s->feeler.target_share >= 1.0f )
+    {
+        memcpy( x, target, 3 * sizeof( float ) ); // to the last bit
+    }
+}
+
+static void scatter_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    for ( int row = begin * LANES; row < end * LANES; ++row )
+    {
+        scatter_row( context, row );
+    }
+}
+
+// How far free rows are from the nonlinear step: |b| / m of one more right side.
+static void doubt_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    step* s = context;
+    float worst = 0.0f;
+    for ( int row = begin * LANES; row < end * LANES; ++row )
+    {
+        float( *b )[LANES] = s->system.conjugate.residual[row / LANES];
+        const int lane = row % LANES;
+        if ( s->system.goal[(size_t)row * 4 + 3] == 0.0f )
+        {
+            const float size = sqrtf( b[0][lane] * b[0][lane] + b[1][lane] * b[1][lane] + b[2][lane] * b[2][lane] );
+            worst = fmaxf( worst, size / s->system.place[(size_t)row * 4 + 3] );
+        }
+    }
+    s->worst[begin / s->system.grain] = worst;
+}
+
+static float newton_residual( step* s )
+{
+    assemble( s, true );
+    for_slices( s, doubt_slices );
+    float worst = 0.0f;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        worst = fmaxf( worst, s->worst[block] );
+    }
+    return worst;
+}
+
+// ---- memory and settings ----
+
+// Two step BDF with w = h / h_before (TRI-X4); Euler where there was nothing before.
+static void choose_integrator( step* s, const implicit_material* m, float h )
+{
+    const bool two = m->bdf2 != 0 && m->before > 0.0f;
+    const float w = two ? h / m->before : 0.0f;
+    s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+    s->older = w * w / ( 1.0f + 2.0f * w );
+    s->system.spring.seconds = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+}
+
+typedef struct arena
+{
+    char* at; // null: only adds up
+    size_t used;
+} arena;
+
+static void* take( arena* a, size_t bytes )
+{
+    void* block = a->at != NULL ? a->at + a->used : NULL;
+    a->used += ( bytes + 63 ) & ~(size_t)63;
+    return block;
+}
+
+static void lay_out( step* s, arena* a )
+{
+    implicit_system* y = &s->system;
+    const size_t rows = (size_t)y->links->row_count, slices = (size_t)y->links->slice_count;
+    const size_t entries = (size_t)y->links->springs.begin[2 * slices], quads = rows * 4 * sizeof( float );
+    const size_t blocks = (size_t)y->block_count;
+    y->place = take( a, quads );
+    y->start = take( a, quads );
+    y->goal = take( a, quads );
+    y->rubbing = take( a, quads );
+    s->point = take( a, quads );
+    s->velocity = take( a, quads );
+    y->conjugate.direction = take( a, quads );
+    y->spring.axis = take( a, entries * sizeof( y->spring.axis[0] ) );
+    y->spring.rhs = take( a, slices * sizeof( y->spring.rhs[0] ) );
+    y->spring.inverse = take( a, slices * sizeof( y->spring.inverse[0] ) );
+    y->filter_floats = take( a, slices * sizeof( y->conjugate.filter[0] ) );
+    y->conjugate.product = take( a, slices * sizeof( y->conjugate.product[0] ) );
+    y->conjugate.solution = take( a, slices * sizeof( y->conjugate.solution[0] ) );
+    y->conjugate.search = take( a, slices * sizeof( y->conjugate.search[0] ) );
+    y->filtered = take( a, slices );
+    y->sums = take( a, blocks * sizeof( double ) );
+    s->tallies = take( a, blocks * sizeof( implicit_tally ) );
+    s->undirected = take( a, blocks * sizeof( int ) );
+    s->motion = take( a, blocks * sizeof( double ) );
+    s->guesses = take( a, blocks * sizeof( bool ) );
+    s->worst = take( a, blocks * sizeof( float ) );
+}
+
+static bool find_room( step* s, int worker )
+{
+    arena a = { NULL, 0 };
+    lay_out( s, &a );
+    a = ( arena ){ wisp_parallel_scratch( s->system.parallel, worker, a.used ), 0 };
+    if ( a.at == NULL )
+    {
+        return false;
+    }
+    lay_out( s, &a );
+    implicit_system* y = &s->system;
+    y->spring.links = y->conjugate.links = y->links->springs;
+    y->spring.position = y->conjugate.position = s->point;
+    y->spring.velocity = s->velocity;
+    y->spring.start = y->start;
+    y->conjugate.axis = (const float( * )[4][LANES])y->spring.axis;
+    y->conjugate.inverse = (const float( * )[6][LANES])y->spring.inverse;
+    y->conjugate.filter = ( const float( * )[6][LANES] )(const void*)y->filter_floats;
+    y->conjugate.filtered = y->filtered;
+    y->conjugate.residual = y->spring.rhs;
+    return true;
+}
+
+static void find_columns( wisp_frame* frame, const wisp_span* span, const implicit_state* state, step* s )
+{
+    const wisp_entity e = span->entity;
+    const implicit_material* m = s->system.material;
+    s->columns = ( step_columns ){
+        .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
+        .velocity = wisp_frame_column( frame, e, WISP_PARTICLE_VELOCITY, 0 ),
+        .change = wisp_frame_column( frame, e, state->change, 0 ),
+        .before_position = wisp_frame_column( frame, e, state->history, 0 ),
+        .before_velocity = wisp_frame_column( frame, e, state->history, 1 ),
+        .body = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 0 ),
+    };
+    const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
+    s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    const float h = wisp_frame_seconds( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
+    const float HYSTERESIS = 1e-4f; // of the weight: a solve to its tolerance may be wrong by so much
+    s->feeler = ( implicit_feeler ){
+        .body = s->columns.body,
+        .plane = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 1 ),
+        .motion = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 2 ),
+        .friction = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 3 ),
+        .contact = wisp_frame_column( frame, e, state->contact, 0 ),
+        .position = s->columns.position,
+        .velocity = s->columns.velocity,
+        .target = wisp_frame_column( frame, e, WISP_PARTICLE_TARGET, 0 ),
+        .seconds = h,
+        .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
+        .target_share = 1.0f / (float)( wisp_frame_substeps( frame ) - span->substep ),
+        .look_ahead = m->look_ahead != 0,
+    };
+}
+
+// ---- the pass ----
+
+static void add_contacts( const step* s, implicit_tally* total )
+{
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        total->sticking += s->tallies[block].sticking;
+        total->sliding += s->tallies[block].sliding;
+        total->landing += s->tallies[block].landing;
+        total->released += s->tallies[block].released;
+    }
+}
+
+void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const implicit_state* state = user;
+    const implicit_links* links = implicit_find_links( state, span->entity );
+    implicit_material* material = wisp_frame_column( frame, span->entity, state->material, 0 );
+    const bool small = links->slice_count <= ONE_BLOCK;
+    step s = {
+        .system = {
+            .links = links,
+            .material = material,
+            .kernels = wisp_frame_kernels( frame ),
+            .parallel = wisp_frame_parallel( frame, span ),
+            .grain = small && links->slice_count > 0 ? links->slice_count : GRAIN,
+            .limit = material->max_iterations > 0 ? material->max_iterations : 3 * links->row_count,
+            .spring = { .axial_damping = material->axial_damping != 0, .full_jacobian = material->full_jacobian != 0 },
+        },
+    };
+    s.system.block_count = ( links->slice_count + s.system.grain - 1 ) / s.system.grain;
+    choose_integrator( &s, material, wisp_frame_seconds( frame ) );
+    find_columns( frame, span, state, &s );
+    if ( find_room( &s, span->worker ) == false )
+    {
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory to solve for %d particles", links->row_count );
+        return;
+    }
+    for_slices( &s, gather_slices );
+    implicit_tally tally = solve( frame, &s );
+    add_contacts( &s, &tally );
+    for_slices( &s, scatter_slices );
+    // behind the impulses, which the right side of the figure is written over
+    tally.newton_residual = material->wants_figures != 0 ? newton_residual( &s ) : 0.0f;
+    material->before = wisp_frame_seconds( frame );
+    *(implicit_tally*)wisp_frame_column( frame, span->entity, state->tally, 0 ) = tally;
+}

@@ -1,0 +1,473 @@
+// Implicit cloth of scenes: every key reaches the definition, quad links are those of Choi and Ko, and scenes run.
+#define _XOPEN_SOURCE 700
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "world_from_scene.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static wisp_scene parsed( const char* text )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
+    return scene;
+}
+
+// A surface of four vertices with the mapping as its key `implicit`.
+static wisp_scene with_implicit( const char* mapping )
+{
+    char text[1024];
+    int length = snprintf( text, sizeof text,
+                           "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 2, rows: 2 }\n"
+                           "    implicit: %s\n",
+                           mapping );
+    assert_true( length > 0 && (size_t)length < sizeof text );
+    return parsed( text );
+}
+
+// ---- what is left out ----
+
+static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void** state )
+{
+    (void)state;
+    wisp_scene scene = with_implicit( "{}" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    const wisp_implicit_cloth_def *d = &s->implicit, def = wisp_default_implicit_cloth_def();
+    assert_true( s->has_implicit && !s->has_cloth && !s->has_balloon && !s->has_quad_links );
+    assert_true( d->stretch_stiffness == def.stretch_stiffness && d->bend_stiffness == def.bend_stiffness );
+    assert_true( d->bend_rigidity == def.bend_rigidity && d->compression_stiffness == def.compression_stiffness );
+    assert_true( d->damping == def.damping && d->tolerance == def.tolerance );
+    assert_true( d->stiffness == def.stiffness && d->weights == def.weights && d->damping_form == def.damping_form );
+    assert_true( d->jacobian == def.jacobian && d->integrator == def.integrator );
+    assert_int_equal( d->newton_repeats, def.newton_repeats );
+    assert_int_equal( d->max_iterations, def.max_iterations );
+    assert_true( d->warm_start == def.warm_start && d->look_ahead == def.look_ahead );
+    assert_int_equal( d->made_by_default, def.made_by_default );
+    wisp_scene_release( &scene );
+}
+
+static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
+{
+    (void)state;
+    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, make: { shape: plane }, cloth: {} }\n" );
+    assert_false( scene.surfaces[0].has_implicit || scene.surfaces[0].has_quad_links );
+    wisp_scene_release( &scene );
+}
+
+// ---- what is written ----
+
+static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = with_implicit(
+        "{ stiffness: sheet, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
+        "compression_stiffness: "
+        "150, damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, newton_repeats: 3, "
+        "tolerance: 1e-6, max_iterations: 77, warm_start: false, look_ahead: false, links: mesh }" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    const wisp_implicit_cloth_def* d = &s->implicit;
+    assert_int_equal( d->stiffness, WISP_IMPLICIT_STIFFNESS_SHEET );
+    assert_true( d->stretch_stiffness == 350.0f && d->bend_stiffness == 2e-6f && d->bend_rigidity == 3e-6f );
+    assert_true( d->compression_stiffness == 150.0f && d->damping == 0.5f );
+    assert_int_equal( d->weights, WISP_IMPLICIT_WEIGHTS_NONE );
+    assert_int_equal( d->damping_form, WISP_IMPLICIT_DAMPING_AXIAL );
+    assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
+    assert_int_equal( d->integrator, WISP_IMPLICIT_BDF2 );
+    assert_int_equal( d->newton_repeats, 3 );
+    assert_int_equal( d->max_iterations, 77 );
+    assert_true( d->tolerance == 1e-6f && !d->warm_start && !d->look_ahead && !s->has_quad_links );
+    wisp_scene_release( &scene );
+}
+
+static void every_word_is_the_enumerator_of_its_name( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* mapping;
+        size_t at;
+        int value;
+    } words[] = {
+#define WORD( key, word, value ) { "{ " #key ": " #word " }", offsetof( wisp_implicit_cloth_def, key ), value }
+        WORD( stiffness, link, WISP_IMPLICIT_STIFFNESS_LINK ),
+        WORD( stiffness, sheet, WISP_IMPLICIT_STIFFNESS_SHEET ),
+        WORD( weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
+        WORD( weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
+        WORD( weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),
+        WORD( damping_form, isotropic, WISP_IMPLICIT_DAMPING_ISOTROPIC ),
+        WORD( damping_form, axial, WISP_IMPLICIT_DAMPING_AXIAL ),
+        WORD( jacobian, dropped, WISP_IMPLICIT_JACOBIAN_DROPPED ),
+        WORD( jacobian, full, WISP_IMPLICIT_JACOBIAN_FULL ),
+        WORD( integrator, euler, WISP_IMPLICIT_EULER ),
+        WORD( integrator, bdf2, WISP_IMPLICIT_BDF2 ),
+#undef WORD
+    };
+    // One word for each enumerator that there is.
+    assert_int_equal( WISP_COUNT( words ), WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT +
+                                               WISP_IMPLICIT_DAMPING_COUNT + WISP_IMPLICIT_JACOBIAN_COUNT +
+                                               WISP_IMPLICIT_INTEGRATOR_COUNT );
+    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    {
+        wisp_scene scene = with_implicit( words[i].mapping );
+        int value = -1;
+        memcpy( &value, (const char*)&scene.surfaces[0].implicit + words[i].at, sizeof value );
+        assert_int_equal( value, words[i].value );
+        wisp_scene_release( &scene );
+    }
+}
+
+static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
+{
+    (void)state;
+    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n"
+                               "  - { name: a, make: { shape: plane }, implicit: { links: quad } }\n"
+                               "  - { name: b, instance_of: a, implicit: { links: quad }, want: [figures] }\n" );
+    assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
+    assert_true( scene.surfaces[1].want_figures && !scene.surfaces[0].want_figures );
+    assert_null( scene.surfaces[0].implicit.stretch_pairs );
+    wisp_scene_release( &scene );
+}
+
+static void the_example_of_implicit_cloth_in_the_documentation_is_a_scene( void** state )
+{
+    (void)state;
+    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
+    assert_non_null( file );
+    static char text[65536];
+    size_t size = fread( text, 1, sizeof text - 1, file );
+    fclose( file );
+    assert_true( size < sizeof text - 1 );
+    text[size] = 0;
+    char* begin = strstr( text, "## An example of implicit cloth" );
+    assert_non_null( begin );
+    begin = strstr( begin, "```yaml\n" );
+    assert_non_null( begin );
+    begin += strlen( "```yaml\n" );
+    char* end = strstr( begin, "```" );
+    assert_non_null( end );
+    *end = 0;
+
+    wisp_scene scene = parsed( begin );
+    assert_int_equal( scene.surface_count, 2 );
+    assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
+    assert_true( !scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
+    wisp_scene_release( &scene );
+}
+
+// ---- pairs ----
+
+static void a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend( void** state )
+{
+    (void)state;
+    wisp_quad_pairs pairs;
+    wisp_error error = { .status = WISP_OK };
+    assert_int_equal( wisp_quad_pairs_make( 25, 25, &pairs, &error ), WISP_OK );
+    // 24 * 25 along each side and 24 * 24 along each diagonal; 23 in place of 24 two apart
+    assert_int_equal( pairs.stretch_count, 2 * 24 * 25 + 2 * 24 * 24 );
+    assert_int_equal( pairs.stretch_count, 2352 );
+    assert_int_equal( pairs.bend_count, 2 * 23 * 25 + 2 * 23 * 23 );
+    assert_int_equal( pairs.bend_count, 2208 );
+
+    int neighbours[625] = { 0 };
+    for ( int i = 0; i < 2 * pairs.stretch_count; ++i )
+    {
+        ++neighbours[pairs.stretch[i]];
+    }
+    for ( int i = 0; i < 2 * pairs.bend_count; ++i )
+    {
+        ++neighbours[pairs.bend[i]];
+    }
+    for ( int j = 2; j < 23; ++j )
+    {
+        for ( int i = 2; i < 23; ++i )
+        {
+            assert_int_equal( neighbours[25 * j + i], 16 );
+        }
+    }
+    assert_int_equal( neighbours[0], 6 );
+    wisp_quad_pairs_release( &pairs );
+    assert_null( pairs.stretch );
+}
+
+// How many pairs of a list join the two, whichever comes first.
+static int joined( const int32_t* pairs, int count, int a, int b )
+{
+    int found = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        found += ( pairs[2 * i] == a && pairs[2 * i + 1] == b ) || ( pairs[2 * i] == b && pairs[2 * i + 1] == a );
+    }
+    return found;
+}
+
+static void pairs_of_a_grid_are_first_and_second_neighbours_each_once( void** state )
+{
+    (void)state;
+    static const int sizes[][2] = { { 2, 2 }, { 2, 5 }, { 3, 2 }, { 3, 3 }, { 7, 5 } };
+    for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
+    {
+        const int columns = sizes[k][0], count = columns * sizes[k][1];
+        wisp_quad_pairs pairs;
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( wisp_quad_pairs_make( columns, sizes[k][1], &pairs, &error ), WISP_OK );
+        int stretch = 0, bend = 0;
+        for ( int a = 0; a < count; ++a )
+        {
+            for ( int b = a + 1; b < count; ++b )
+            {
+                const int x = abs( a % columns - b % columns ), y = abs( a / columns - b / columns );
+                const int first = x <= 1 && y <= 1, second = ( x == 0 || x == 2 ) && ( y == 0 || y == 2 );
+                assert_int_equal( joined( pairs.stretch, pairs.stretch_count, a, b ), first );
+                assert_int_equal( joined( pairs.bend, pairs.bend_count, a, b ), second );
+                stretch += first;
+                bend += second;
+            }
+        }
+        assert_int_equal( pairs.stretch_count, stretch );
+        assert_int_equal( pairs.bend_count, bend );
+        wisp_quad_pairs_release( &pairs );
+    }
+}
+
+static void a_grid_that_is_no_grid_or_too_large_has_no_pairs( void** state )
+{
+    (void)state;
+    static const int sizes[][2] = { { 1, 5 }, { 5, 1 }, { 0, 0 }, { -3, -3 }, { 65536, 65536 }, { 8192, 8193 } };
+    for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
+    {
+        wisp_quad_pairs pairs;
+        wisp_error error = { .status = WISP_OK };
+        assert_int_equal( wisp_quad_pairs_make( sizes[k][0], sizes[k][1], &pairs, &error ), WISP_BAD_INPUT );
+        assert_non_null( strstr( error.sentence, "quad pairs: " ) );
+        assert_true( !pairs.stretch && !pairs.bend && pairs.stretch_count == 0 && pairs.bend_count == 0 );
+    }
+}
+
+// ---- worlds ----
+
+typedef struct fixture
+{
+    wisp_scene scene;
+    scene_world world;
+    wisp_error error;
+} fixture;
+
+static void create( fixture* f, int workers )
+{
+    const scene_world_options options = { .workers = workers };
+    if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
+    {
+        fail_msg( "not built: %s", f->error.sentence );
+    }
+}
+
+static void build( fixture* f, const char* text )
+{
+    *f = ( fixture ){ .scene = parsed( text ) };
+    create( f, 1 );
+}
+
+static void step( fixture* f, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
+        {
+            fail_msg( "step %d: %s", i, f->error.sentence );
+        }
+    }
+}
+
+static void release( fixture* f )
+{
+    scene_world_destroy( &f->world );
+    wisp_scene_release( &f->scene );
+}
+
+static wisp_implicit_cloth_figures figures_of( fixture* f, int surface )
+{
+    wisp_implicit_cloth_figures figures = { 0 };
+    assert_int_equal( wisp_read_implicit_cloth_figures( f->world.world, f->world.surfaces[surface].entity, &figures ),
+                      WISP_OK );
+    return figures;
+}
+
+static wisp_vec3 first_point( fixture* f )
+{
+    const int count = scene_world_body( &f->world, 0 ).vertex_count;
+    wisp_vec3* points = calloc( (size_t)count, sizeof *points );
+    assert_non_null( points );
+    assert_int_equal( scene_world_points( &f->world, 0, points, &f->error ), WISP_OK );
+    wisp_vec3 point = points[0];
+    free( points );
+    return point;
+}
+
+static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+               "  - { name: a, make: { shape: plane, columns: 25, rows: 25 }, pins: [0], want: [points, figures], "
+               "implicit: { links: quad } }\n"
+               "  - { name: b, instance_of: a, want: [points, figures], implicit: { links: quad } }\n" );
+    step( &f, 1 );
+    for ( int i = 0; i < 2; ++i )
+    {
+        wisp_implicit_cloth_figures figures = figures_of( &f, i );
+        assert_int_equal( figures.stretch_links, 2352 );
+        assert_int_equal( figures.bend_links, 2208 );
+        assert_int_equal( figures.most_neighbours, 16 );
+    }
+    release( &f );
+}
+
+static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+               "  - { name: a, make: { shape: plane, columns: 5, rows: 4 }, pins: [0], want: [points, figures], "
+               "implicit: {} }\n" );
+    step( &f, 1 );
+    // 4 * 4 + 5 * 3 along the sides, 4 * 3 diagonals of cells; an edge has two triangles unless it is one of the 14
+    // of the border, and no two edges of a regular plane have the same opposite vertices
+    wisp_implicit_cloth_figures figures = figures_of( &f, 0 );
+    assert_int_equal( figures.stretch_links, 43 );
+    assert_int_equal( figures.bend_links, 43 - 14 );
+    assert_int_equal( scene_world_body( &f.world, 0 ).kind, SCENE_BODY_CLOTH );
+    release( &f );
+}
+
+static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+               "  - { name: a, make: { shape: plane, columns: 9, rows: 9 }, pins: [0], want: [points], implicit: { "
+               "damping: 0 } }\n" );
+    wisp_vec3 start = first_point( &f );
+    step( &f, 20 );
+    wisp_vec3 end = first_point( &f );
+    assert_true( start.x == end.x && start.y == end.y && start.z == end.z );
+    wisp_vec3* points = calloc( 81, sizeof *points );
+    assert_non_null( points );
+    assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
+    // in 0.2 s a free vertex falls 0.2 m, and so does the far corner of a stiff plate 0.16 m wide that turns about its
+    // pin; cloth bends on the way
+    assert_true( points[80].y < -0.05f );
+    free( points );
+    release( &f );
+}
+
+// Left alone, BDF2 would carry the velocity from before the script's into the step: x + 2/3 h v instead of x + h v.
+static void a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integrator( void** state )
+{
+    (void)state;
+    static const char* const integrators[] = { "euler", "bdf2" };
+    for ( int i = 0; i < 2; ++i )
+    {
+        char text[512];
+        snprintf(
+            text, sizeof text,
+            "wisp: 1\nsteps: 10\nstep_seconds: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
+            "  - { name: a, make: { shape: plane, columns: 4, rows: 4 }, want: [points], implicit: { integrator: "
+            "%s } }\n"
+            "script:\n  - { step: 4, surface: a, velocity: [0, 1, 0] }\n",
+            integrators[i] );
+        fixture f;
+        build( &f, text );
+        step( &f, 4 );
+        assert_true( fabsf( first_point( &f ).y ) < 1e-7f );
+        step( &f, 1 );
+        // nothing but rounding of numbers near 0.03 m
+        assert_true( fabsf( first_point( &f ).y - 0.01f ) < 1e-7f );
+        release( &f );
+    }
+}
+
+static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
+{
+    (void)state;
+    static const char* const mappings[] = {
+        "{ stretch_stiffness: 0, bend_stiffness: 0, damping: 0, newton_repeats: 1, tolerance: 1e-7, max_iterations: "
+        "0 }",
+        "{ stretch_stiffness: 1e9, bend_stiffness: 1e9, compression_stiffness: 1e9, damping: 1e9, "
+        "newton_repeats: "
+        "64, tolerance: 0.1, max_iterations: 1000000 }",
+        "{ stiffness: sheet, weights: none, bend_rigidity: 0 }",
+        "{ stiffness: sheet, weights: pair, bend_rigidity: 1e9 }",
+    };
+    for ( int i = 0; i < WISP_COUNT( mappings ); ++i )
+    {
+        fixture f = { .scene = with_implicit( mappings[i] ) };
+        create( &f, 1 );
+        release( &f );
+    }
+}
+
+// ---- scenes of the project ----
+
+static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
+{
+    (void)state;
+    static const char* const files[] = { "triangle_drape.yaml", "quad_drape.yaml", "garment_drop.yaml",
+                                         "moving_floor_cloth.yaml", "stiff_thirtieth.yaml" };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char path[1024];
+        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i] );
+        assert_true( length > 0 && (size_t)length < sizeof path );
+        fixture f = { 0 };
+        if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
+        {
+            fail_msg( "refused: %s", f.error.sentence );
+        }
+        assert_true( f.scene.surfaces[0].has_implicit );
+        create( &f, 2 );
+        assert_int_equal( wisp_want_implicit_cloth_figures( f.world.world, f.world.surfaces[0].entity, true ),
+                          WISP_OK );
+        step( &f, 3 );
+        assert_true( figures_of( &f, 0 ).iterations > 0 );
+        assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
+        release( &f );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( an_implicit_cloth_without_keys_has_the_defaults_of_its_module ),
+        cmocka_unit_test( a_surface_without_the_key_is_no_implicit_cloth ),
+        cmocka_unit_test( every_key_of_an_implicit_cloth_reaches_its_place ),
+        cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
+        cmocka_unit_test( quad_links_are_taken_of_a_plane_and_of_its_instances ),
+        cmocka_unit_test( the_example_of_implicit_cloth_in_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend ),
+        cmocka_unit_test( pairs_of_a_grid_are_first_and_second_neighbours_each_once ),
+        cmocka_unit_test( a_grid_that_is_no_grid_or_too_large_has_no_pairs ),
+        cmocka_unit_test( a_plane_with_quad_links_has_the_links_of_the_quad_reference ),
+        cmocka_unit_test( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them ),
+        cmocka_unit_test( a_hung_cloth_keeps_its_pin_and_falls ),
+        cmocka_unit_test( a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integrator ),
+        cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_module ),
+        cmocka_unit_test( the_scenes_of_the_project_with_implicit_cloth_run ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,698 @@
+// Meshes searched by voxels: every answer is that of brute force, and that of the tree where there is one, to the last
+// bit, whatever the size of the voxels.
+#include "mesh_fixture.h"
+
+#include <float.h>
+
+enum
+{
+    QUERIES = 600,
+    NO_SIZE = 1, // of voxels: the mean edge
+};
+
+// ---- meshes ----
+
+// Long triangles, the slenderest of which is as wide as a hundred-thousandth of its length. More slender ones still have
+// a face in double precision, but the nearest point on it is rounding.
+static test_mesh make_needles( int count )
+{
+    test_mesh m = test_mesh_reserve( 3 * count, count );
+    for ( int i = 0; i < count; ++i )
+    {
+        wisp_vec3 a = test_point( i, 70, 1.0f ), way = test_point( i, 71, 0.7f ), aside = test_point( i, 72, 1.0f );
+        float width = powf( 10.0f, -(float)( i % 5 ) - 1.0f );
+        m.points[3 * i] = a;
+        m.points[3 * i + 1] = test_sum( a, way );
+        m.points[3 * i + 2] = test_along( test_along( a, 0.6f, way ), width, aside );
+        m.point_count += 3;
+        test_mesh_add_triangle( &m, 3 * i, 3 * i + 1, 3 * i + 2 );
+    }
+    return m;
+}
+
+// Points and lines among triangles: corners that coincide, corners in a row, the same corner twice.
+static test_mesh make_degenerate( void )
+{
+    test_mesh m = test_mesh_ball( 6, false );
+    for ( int k = 0; k < m.triangle_count; k += 3 )
+    {
+        int32_t* t = m.triangles + 3 * (size_t)k;
+        if ( k % 2 == 0 )
+        {
+            t[2] = t[1];
+        }
+        else
+        {
+            t[0] = t[1] = t[2];
+        }
+    }
+    for ( int i = 0; i < m.point_count; i += 7 )
+    {
+        m.points[i] = m.points[( i + 1 ) % m.point_count];
+    }
+    return m;
+}
+
+// A few triangles through the whole mesh among many small ones.
+static test_mesh make_mixed( void )
+{
+    test_mesh sheet = test_mesh_sheet( 30, 0.1f );
+    test_mesh m = test_mesh_reserve( sheet.point_count + 30, sheet.triangle_count + 10 );
+    memcpy( m.points, sheet.points, (size_t)sheet.point_count * sizeof( wisp_vec3 ) );
+    memcpy( m.triangles, sheet.triangles, 3 * (size_t)sheet.triangle_count * sizeof( int32_t ) );
+    m.point_count = sheet.point_count;
+    m.triangle_count = sheet.triangle_count;
+    for ( int i = 0; i < 10; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            m.points[m.point_count++] = test_point( 3 * i + k, 73, 3.0f );
+        }
+        test_mesh_add_triangle( &m, m.point_count - 3, m.point_count - 2, m.point_count - 1 );
+    }
+    test_mesh_free( &sheet );
+    return m;
+}
+
+static test_mesh move_mesh( test_mesh m, float scale, wisp_vec3 by )
+{
+    for ( int i = 0; i < m.point_count; ++i )
+    {
+        m.points[i] = test_along( by, scale, m.points[i] );
+    }
+    return m;
+}
+
+static test_mesh make_point_like( void )
+{
+    test_mesh m = test_mesh_reserve( 3, 2 );
+    m.point_count = 3;
+    m.points[0] = m.points[1] = m.points[2] = ( wisp_vec3 ){ 3.0f, -2.0f, 1.0f };
+    test_mesh_add_triangle( &m, 0, 1, 2 );
+    test_mesh_add_triangle( &m, 2, 1, 0 );
+    return m;
+}
+
+enum
+{
+    POINT_LIKE = 9,
+    BUNNY = 10,
+    MESHES,
+};
+
+static test_mesh make_mesh( int which )
+{
+    switch ( which )
+    {
+        case 0:
+            return test_mesh_ball( 12, false );
+        case 1:
+            return test_mesh_ball( 3, true );
+        case 2:
+            return test_mesh_bumpy( 14 );
+        case 3:
+            return test_mesh_sheet( 20, 0.3f );
+        case 4:
+            return test_mesh_sheet( 8, 0.0f );
+        case 5:
+            return make_needles( 300 );
+        case 6:
+            return make_degenerate();
+        case 7:
+            return make_mixed();
+        case 8: // far from the origin, where a rounding of a coordinate is a hundredth of an edge
+            return move_mesh( test_mesh_bumpy( 8 ), 1.0f, ( wisp_vec3 ){ 9000.0f, -4000.0f, 12000.0f } );
+        case POINT_LIKE:
+            return make_point_like();
+        case BUNNY:
+            return test_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj" );
+    }
+    return ( test_mesh ){ 0 };
+}
+
+// Its middle and half the edge of a cube around it.
+static wisp_vec3 middle_of( const test_mesh* m, float* size )
+{
+    wisp_vec3 low = m->points[0], high = low;
+    for ( int i = 1; i < m->point_count; ++i )
+    {
+        wisp_vec3 p = m->points[i];
+        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
+        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+    }
+    *size = 0.5f * fmaxf( fmaxf( high.x - low.x, 1e-3f ), fmaxf( high.y - low.y, high.z - low.z ) );
+    return ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+}
+
+// Points on corners and edges, close to the surface, in the box of the mesh, outside it and far away.
+static wisp_vec3 query_point( const test_mesh* m, int i )
+{
+    float size;
+    wisp_vec3 middle = middle_of( m, &size );
+    const int32_t* t = m->triangles + 3 * (size_t)test_random( i, 50, m->triangle_count );
+    wisp_vec3 a = m->points[t[0]], b = m->points[t[1]];
+    switch ( i % 7 )
+    {
+        case 0:
+            return a;
+        case 1:
+            return ( wisp_vec3 ){ 0.5f * ( a.x + b.x ), 0.5f * ( a.y + b.y ), 0.5f * ( a.z + b.z ) };
+        case 2:
+            return test_sum( a, test_point( i, 7, 1e-3f * size ) );
+        case 3:
+            return test_sum( a, test_point( i, 7, 0.1f * size ) );
+        case 4:
+            return test_sum( middle, test_point( i, 7, size ) );
+        case 5:
+            return test_sum( middle, test_point( i, 7, 4.0f * size ) );
+        default:
+            return test_sum( middle, test_point( i, 7, 100.0f * size ) );
+    }
+}
+
+// Long paths, steps of a particle close to the surface, and paths along an axis, which run within sides of voxels.
+static wisp_mesh_path query_path( const test_mesh* m, int i )
+{
+    float size;
+    middle_of( m, &size );
+    wisp_vec3 from = query_point( m, i ), step = test_point( i, 20, i % 2 == 0 ? 3.0f * size : 0.02f * size );
+    if ( i % 7 == 6 )
+    {
+        wisp_vec3 other = query_point( m, i + 1 );
+        return ( wisp_mesh_path ){ from, test_along( other, 1.0f, test_along( other, -1.0f, from ) ) };
+    }
+    float* part = &step.x;
+    if ( i % 5 == 0 )
+    {
+        part[i % 3] = 0.0f;
+        part[( i + 1 ) % 3] = i % 10 == 0 ? 0.0f : part[( i + 1 ) % 3];
+    }
+    return ( wisp_mesh_path ){ from, test_sum( from, step ) };
+}
+
+// ---- voxels ----
+
+static wisp_mesh_tree* make_voxels( const test_mesh* m, bool deforms, float size )
+{
+    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
+    def.search = WISP_MESH_SEARCH_VOXELS;
+    def.voxel_size = size;
+    wisp_mesh_tree* tree = NULL;
+    wisp_error error = { 0 };
+    if ( wisp_mesh_tree_create( &def, NULL, &tree, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    assert_int_equal( wisp_mesh_tree_get_facts( tree ).search, WISP_MESH_SEARCH_VOXELS );
+    return tree;
+}
+
+// The tree to compare with; null in a library without Embree.
+static wisp_mesh_tree* make_tree_if_any( const test_mesh* m, bool deforms )
+{
+    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
+    wisp_mesh_tree* tree = NULL;
+    wisp_status status = wisp_mesh_tree_create( &def, NULL, &tree, NULL );
+    assert_true( status == WISP_OK || status == WISP_CONFLICT );
+    return tree;
+}
+
+static void assert_same_nearest( wisp_mesh_tree* tree, wisp_vec3 p, float radius, const wisp_mesh_nearest* found )
+{
+    if ( tree != NULL )
+    {
+        wisp_mesh_nearest other = closest( tree, p, radius );
+        assert_memory_equal( found, &other, sizeof( other ) );
+    }
+}
+
+static void assert_closest( const test_mesh* m, const float* quads, wisp_mesh_tree* voxels, wisp_mesh_tree* tree,
+                            wisp_vec3 p, float radius )
+{
+    triangle_nearest naive = { 0 };
+    int32_t expected = naive_closest( m, quads, p, &naive );
+    wisp_mesh_nearest found = closest( voxels, p, radius );
+    assert_same_nearest( tree, p, radius, &found );
+    if ( naive.squared > (double)radius * (double)radius )
+    {
+        assert_int_equal( found.triangle, -1 );
+        return;
+    }
+    wisp_vec3 point = double3_narrow( naive.point );
+    assert_int_equal( found.triangle, expected );
+    assert_memory_equal( &found.point, &point, sizeof( point ) );
+    assert_true( fabsf( found.distance ) == (float)sqrt( naive.squared ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( found.weights[k] == (float)naive.weights[k] );
+    }
+}
+
+static bool assert_crossing( const test_mesh* m, const float* quads, wisp_mesh_tree* voxels, wisp_mesh_tree* tree,
+                             const wisp_mesh_path* path )
+{
+    triangle_crossing naive = { 0 };
+    int32_t expected = naive_crossing( m, quads, path->from, path->to, &naive );
+    wisp_mesh_hit hit = sweep( voxels, path->from, path->to );
+    if ( tree != NULL )
+    {
+        wisp_mesh_hit other = sweep( tree, path->from, path->to );
+        assert_memory_equal( &hit, &other, sizeof( hit ) );
+    }
+    assert_int_equal( hit.triangle, expected );
+    if ( expected < 0 )
+    {
+        return false;
+    }
+    assert_true( hit.time == (float)naive.time );
+    assert_true( hit.side == ( naive.from_front ? 1.0f : -1.0f ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( hit.weights[k] == (float)naive.weights[k] );
+    }
+    return true;
+}
+
+// ---- answers ----
+
+static void ask_all( const test_mesh* m, wisp_mesh_tree* voxels, wisp_mesh_tree* tree, int queries, int* answered,
+                     int* crossed )
+{
+    float* quads = test_mesh_quads( m );
+    float size;
+    middle_of( m, &size );
+    const float radii[] = { INFINITY, 0.1f * size, 1e-3f * size, 0.0f, 2.0f * size };
+    for ( int i = 0; i < queries; ++i )
+    {
+        wisp_vec3 p = query_point( m, i );
+        wisp_mesh_path path = query_path( m, i );
+        assert_closest( m, quads, voxels, tree, p, radii[i % WISP_COUNT( radii )] );
+        *answered += closest( voxels, p, radii[i % WISP_COUNT( radii )] ).triangle >= 0 ? 1 : 0;
+        *crossed += assert_crossing( m, quads, voxels, tree, &path ) ? 1 : 0;
+    }
+    free( quads );
+}
+
+static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void** state )
+{
+    (void)state;
+    for ( int which = 0; which < MESHES; ++which )
+    {
+        test_mesh m = make_mesh( which );
+        float size;
+        middle_of( &m, &size );
+        // of the mean edge, far smaller than can be, and as large as the mesh
+        const float sizes[] = { 0.0f, 1e-3f * size, 3.0f * size };
+        wisp_mesh_tree* tree = make_tree_if_any( &m, false );
+        int answered = 0, crossed = 0, queries = which == BUNNY ? QUERIES / 8 : QUERIES;
+        for ( int k = 0; k < ( which == BUNNY ? NO_SIZE : WISP_COUNT( sizes ) ); ++k )
+        {
+            for ( int deforms = 0; deforms < 2; ++deforms )
+            {
+                wisp_mesh_tree* voxels = make_voxels( &m, deforms == 1, sizes[k] );
+                ask_all( &m, voxels, tree, queries, &answered, &crossed );
+                wisp_mesh_tree_release( voxels );
+            }
+        }
+        assert_true( answered > queries / 2 );
+        assert_true( crossed > 10 || which == POINT_LIKE );
+        wisp_mesh_tree_release( tree );
+        test_mesh_free( &m );
+    }
+}
+
+static void meshes_of_any_scale_are_answered_alike( void** state )
+{
+    (void)state;
+    const float scales[] = { 1e-6f, 1e-3f, 1e5f, 3e8f };
+    for ( int k = 0; k < WISP_COUNT( scales ); ++k )
+    {
+        test_mesh m = move_mesh( test_mesh_bumpy( 8 ), scales[k], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+        wisp_mesh_tree *voxels = make_voxels( &m, false, 0.0f ), *tree = make_tree_if_any( &m, false );
+        float* quads = test_mesh_quads( &m );
+        int answered = 0;
+        for ( int i = 0; i < QUERIES; ++i )
+        {
+            wisp_vec3 p = query_point( &m, 7 * i + i % 5 ); // within the reach
+            wisp_mesh_path path = { p, query_point( &m, 7 * i + 4 ) };
+            assert_closest( &m, quads, voxels, tree, p, i % 2 == 0 ? INFINITY : 0.05f * scales[k] );
+            answered += assert_crossing( &m, quads, voxels, tree, &path ) ? 1 : 0;
+        }
+        assert_true( answered > QUERIES / 10 );
+        free( quads );
+        wisp_mesh_tree_release( voxels );
+        wisp_mesh_tree_release( tree );
+        test_mesh_free( &m );
+    }
+}
+
+static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 16, false );
+    float* quads = test_mesh_quads( &m );
+    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
+    assert_true( wisp_mesh_tree_get_facts( voxels ).voxel_count > 15 * 15 * 15 ); // blocks are looked at
+    for ( int i = 0; i < 200; ++i )
+    {
+        wisp_vec3 p = test_point( i, 3, i < 100 ? 1e-3f : 0.5f );
+        assert_closest( &m, quads, voxels, NULL, p, INFINITY );
+        assert_true( closest( voxels, p, INFINITY ).distance < 0.0f );
+        assert_closest( &m, quads, voxels, NULL, p, 0.9f );
+    }
+    assert_closest( &m, quads, voxels, NULL, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, INFINITY );
+    wisp_mesh_tree_release( voxels );
+    free( quads );
+    test_mesh_free( &m );
+}
+
+static void few_triangles_are_looked_at_near_the_surface( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
+    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
+    wisp_mesh_work work = { 0 };
+    for ( int i = 0; i < 1000; ++i )
+    {
+        wisp_vec3 p = test_sum( m.points[test_random( i, 1, m.point_count )], test_point( i, 2, 0.01f ) );
+        wisp_mesh_query query = { p, 0.02f };
+        wisp_mesh_path path = { p, test_sum( p, test_point( i, 4, 0.02f ) ) };
+        wisp_mesh_nearest nearest;
+        wisp_mesh_hit hit;
+        wisp_mesh_tree_closest( voxels, &query, 1, &nearest, &work );
+        wisp_mesh_tree_sweep( voxels, &path, 1, &hit, &work );
+    }
+    // a voxel of a mean edge is touched by some 8 triangles, and 8 voxels are in reach
+    assert_true( work.tested < 40 * work.asked );
+    assert_int_equal( work.asked, 2000 );
+    assert_int_equal( work.refused, 0 );
+    wisp_mesh_tree_release( voxels );
+    test_mesh_free( &m );
+}
+
+static void numbers_that_are_none_are_refused( void** state )
+{
+    (void)state;
+    const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, -FLT_MAX };
+    test_mesh m = test_mesh_ball( 4, false );
+    wisp_mesh_tree* voxels = make_voxels( &m, true, 0.0f );
+    wisp_mesh_work work = { 0 };
+    uint64_t expected = 0;
+    for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
+    {
+        wisp_mesh_query query = { { 0.1f, 0.2f, 0.3f }, 1.0f };
+        wisp_mesh_path to = { query.point, query.point }, from = to;
+        ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
+        wisp_mesh_nearest nearest;
+        wisp_mesh_hit hits[2];
+        wisp_mesh_tree_closest( voxels, &query, 1, &nearest, &work );
+        wisp_mesh_tree_sweep( voxels, &to, 1, hits, &work );
+        wisp_mesh_tree_sweep( voxels, &from, 1, hits + 1, &work );
+        assert_true( nearest.triangle == -1 && hits[0].triangle == -1 && hits[1].triangle == -1 );
+        expected += 3;
+    }
+    const float radii[] = { NAN, -1.0f, -FLT_MIN, -INFINITY };
+    for ( int i = 0; i < WISP_COUNT( radii ); ++i )
+    {
+        wisp_mesh_nearest nearest;
+        wisp_mesh_tree_closest( voxels, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
+        assert_int_equal( nearest.triangle, -1 );
+        expected += 1;
+    }
+    assert_int_equal( work.refused, expected );
+    assert_int_equal( work.answered, 0 );
+    wisp_mesh_tree_release( voxels );
+    test_mesh_free( &m );
+}
+
+static void the_ends_of_the_reach_are_answered( void** state )
+{
+    (void)state;
+    const float r = WISP_MESH_TREE_REACH;
+    test_mesh m = test_mesh_ball( 4, false );
+    wisp_mesh_tree* voxels = make_voxels( &m, false, 1e-6f );
+    wisp_mesh_nearest far = closest( voxels, ( wisp_vec3 ){ r, -r, r }, INFINITY );
+    assert_true( far.triangle >= 0 );
+    assert_float_equal( far.distance / r, sqrtf( 3.0f ), 4e-7f ); // of the diagonal, to its rounding
+    assert_true( sweep( voxels, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ r, r, r } ).triangle >= 0 );
+    assert_true( sweep( voxels, ( wisp_vec3 ){ -r, 0.01f, 0.02f }, ( wisp_vec3 ){ r, 0.01f, 0.02f } ).triangle >= 0 );
+    assert_int_equal( sweep( voxels, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
+    wisp_mesh_tree_release( voxels );
+    test_mesh_free( &m );
+}
+
+// ---- meshes that deform ----
+
+static void crumple( test_mesh* m, const wisp_vec3* rest, int step )
+{
+    for ( int i = 0; i < m->point_count; ++i )
+    {
+        m->points[i] = test_sum( rest[i], test_point( i, 60 + step, 0.05f * (float)step ) );
+    }
+}
+
+static wisp_vec3* copy_points( const test_mesh* m )
+{
+    wisp_vec3* points = malloc( (size_t)m->point_count * sizeof( wisp_vec3 ) );
+    assert_non_null( points );
+    memcpy( points, m->points, (size_t)m->point_count * sizeof( wisp_vec3 ) );
+    return points;
+}
+
+static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 24, 0.1f );
+    wisp_vec3* rest = copy_points( &m );
+    wisp_mesh_tree *voxels = make_voxels( &m, true, 0.0f ), *tree = make_tree_if_any( &m, true );
+    for ( int step = 0; step < 8; ++step )
+    {
+        crumple( &m, rest, step );
+        assert_int_equal( wisp_mesh_tree_update( voxels, m.points, NULL ), WISP_OK );
+        assert_true( tree == NULL || wisp_mesh_tree_update( tree, m.points, NULL ) == WISP_OK );
+        int answered = 0, crossed = 0;
+        ask_all( &m, voxels, tree, 200, &answered, &crossed );
+        assert_true( answered > 100 && crossed > 10 );
+    }
+    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( voxels );
+    assert_int_equal( facts.build_count, 9 );
+    assert_int_equal( facts.refit_count, 0 );
+    wisp_mesh_tree_release( voxels );
+    wisp_mesh_tree_release( tree );
+    free( rest );
+    test_mesh_free( &m );
+}
+
+static void an_update_that_fails_leaves_everything_as_it_was( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 12, 0.1f );
+    test_host host = { 0 };
+    wisp_allocator allocator = test_host_allocator( &host );
+    wisp_mesh_tree_def def = test_mesh_def( &m, true );
+    def.search = WISP_MESH_SEARCH_VOXELS;
+    wisp_mesh_tree* voxels;
+    assert_int_equal( wisp_mesh_tree_create( &def, &allocator, &voxels, NULL ), WISP_OK );
+    wisp_vec3* moved = copy_points( &m );
+    int answered = 0, crossed = 0;
+
+    moved[3].y = 0.5f; // right, and not to be taken either
+    moved[77].z = NAN;
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_mesh_tree_update( voxels, moved, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.sentence, "point 77 " ) );
+    assert_one_sentence( error.sentence );
+    ask_all( &m, voxels, NULL, 200, &answered, &crossed );
+
+    // Crumpled, the flat sheet needs far more voxels; each block that is refused on the way leaves it flat.
+    crumple( &m, m.points, 4 );
+    memcpy( moved, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    test_mesh flat = test_mesh_sheet( 12, 0.1f );
+    bool refused = true;
+    int n = 1;
+    for ( ; refused; ++n )
+    {
+        test_host_refuse( &host, n, false );
+        wisp_status status = wisp_mesh_tree_update( voxels, moved, &error );
+        refused = test_host_has_refused( &host );
+        test_host_refuse( &host, 0, false );
+        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+        ask_all( refused ? &flat : &m, voxels, NULL, 200, &answered, &crossed );
+    }
+    assert_true( n > 2 );
+    assert_true( answered > 100 && crossed > 10 );
+    wisp_mesh_tree_release( voxels );
+    assert_host_has_all_back( &host );
+    free( moved );
+    test_mesh_free( &flat );
+    test_mesh_free( &m );
+}
+
+static void a_rigid_mesh_cannot_be_updated( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 2, 0.0f );
+    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_mesh_tree_update( voxels, m.points, &error ), WISP_CONFLICT );
+    assert_one_sentence( error.sentence );
+    wisp_mesh_tree_release( voxels );
+    test_mesh_free( &m );
+}
+
+// ---- limits ----
+
+static void voxels_are_no_more_than_there_may_be( void** state )
+{
+    (void)state;
+    for ( int which = 0; which < POINT_LIKE; ++which )
+    {
+        test_mesh m = make_mesh( which );
+        wisp_mesh_tree* wide = make_voxels( &m, false, 1e6f );
+        wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( wide );
+        assert_true( facts.voxel_count == 1 && facts.voxel_size == 1e6f && !facts.coarse );
+
+        wisp_mesh_tree* fine = make_voxels( &m, false, 1e-8f );
+        facts = wisp_mesh_tree_get_facts( fine );
+        assert_true( facts.voxel_count >= 1 && facts.voxel_count <= 16 * m.triangle_count );
+        assert_true( facts.coarse && facts.voxel_size > 1e-8f );
+        // 4 bytes a voxel, 8 a block of at least one, 64 places of 4 bytes a triangle; once it grows by half more
+        size_t most = 3 * (size_t)m.triangle_count * ( 16 * ( 4 + 8 ) + 64 * 4 ) / 2 + 4096;
+        assert_true( wisp_mesh_tree_bytes( fine ) - wisp_mesh_tree_bytes( wide ) <= most );
+        wisp_mesh_tree_release( wide );
+        wisp_mesh_tree_release( fine );
+        test_mesh_free( &m );
+    }
+}
+
+static void voxels_are_as_large_as_asked_for( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 20, false );
+    wisp_mesh_tree* asked = make_voxels( &m, false, 0.125f );
+    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( asked );
+    assert_true( facts.voxel_size == 0.125f && !facts.coarse );
+    assert_int_equal( facts.voxel_count, 17 * 17 * 17 ); // 16 over the diameter, and what rounding may come to
+    wisp_mesh_tree* own = make_voxels( &m, false, 0.0f );
+    facts = wisp_mesh_tree_get_facts( own );
+    // a quarter of a circle's length, cut into 20, and its diagonal in every third edge
+    assert_true( facts.voxel_size > 0.07f && facts.voxel_size < 0.12f && !facts.coarse );
+    wisp_mesh_tree_release( asked );
+    wisp_mesh_tree_release( own );
+    test_mesh_free( &m );
+}
+
+static void a_limit_of_memory_makes_voxels_larger( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_bumpy( 20 );
+    wisp_mesh_tree_def def = test_mesh_def( &m, false );
+    def.search = WISP_MESH_SEARCH_VOXELS;
+    wisp_mesh_tree *free_one, *limited, *none;
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &free_one, NULL ), WISP_OK );
+    def.memory_limit = 100000; // of some 160 000
+    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &limited, &error ), WISP_OK );
+    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( limited );
+    assert_true( facts.coarse && facts.voxel_count < wisp_mesh_tree_get_facts( free_one ).voxel_count );
+    assert_true( wisp_mesh_tree_bytes( limited ) < wisp_mesh_tree_bytes( free_one ) );
+    for ( int i = 0; i < 200; ++i )
+    {
+        wisp_vec3 p = query_point( &m, i );
+        wisp_mesh_nearest a = closest( limited, p, INFINITY );
+        assert_same_nearest( free_one, p, INFINITY, &a );
+    }
+    def.memory_limit = 100; // not even one list of all triangles
+    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &none, &error ), WISP_NO_MEMORY );
+    assert_null( none );
+    assert_one_sentence( error.sentence );
+    wisp_mesh_tree_release( free_one );
+    wisp_mesh_tree_release( limited );
+    test_mesh_free( &m );
+}
+
+static void every_refused_block_is_a_sentence_and_leaves_nothing( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 4, false );
+    for ( int deforms = 0; deforms < 2; ++deforms )
+    {
+        bool refused = true;
+        for ( int n = 1; refused; ++n )
+        {
+            test_host host = { 0 };
+            wisp_allocator allocator = test_host_allocator( &host );
+            wisp_mesh_tree_def def = test_mesh_def( &m, deforms == 1 );
+            def.search = WISP_MESH_SEARCH_VOXELS;
+            wisp_mesh_tree* voxels;
+            wisp_error error = { 0 };
+            test_host_refuse( &host, n, false );
+            wisp_status status = wisp_mesh_tree_create( &def, &allocator, &voxels, &error );
+            refused = test_host_has_refused( &host );
+            assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+            assert_true( ( voxels == NULL ) == refused );
+            if ( refused )
+            {
+                assert_one_sentence( error.sentence );
+            }
+            else
+            {
+                assert_true( n > 8 );
+                assert_true( wisp_mesh_tree_bytes( voxels ) == (size_t)atomic_load( &host.bytes ) );
+            }
+            wisp_mesh_tree_release( voxels );
+            assert_host_has_all_back( &host );
+        }
+    }
+    test_mesh_free( &m );
+}
+
+static void a_wrong_search_is_refused( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 2, false );
+    const struct
+    {
+        int search;
+        float size;
+        const char* word;
+    } wrong[] = {
+        { WISP_MESH_SEARCH_COUNT, 0.0f, "number 2" },   { -1, 0.0f, "number -1" },
+        { WISP_MESH_SEARCH_VOXELS, -1.0f, "-1 m" },     { WISP_MESH_SEARCH_VOXELS, NAN, "nan m" },
+        { WISP_MESH_SEARCH_VOXELS, INFINITY, "inf m" },
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        wisp_mesh_tree_def def = test_mesh_def( &m, false );
+        def.search = (wisp_mesh_search)wrong[i].search;
+        def.voxel_size = wrong[i].size;
+        wisp_mesh_tree* tree = (wisp_mesh_tree*)1;
+        wisp_error error = { 0 };
+        assert_int_equal( wisp_mesh_tree_create( &def, NULL, &tree, &error ), WISP_BAD_INPUT );
+        assert_null( tree );
+        assert_one_sentence( error.sentence );
+        assert_non_null( strstr( error.sentence, wrong[i].word ) );
+    }
+    test_mesh_free( &m );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit ),
+        cmocka_unit_test( meshes_of_any_scale_are_answered_alike ),
+        cmocka_unit_test( the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far ),
+        cmocka_unit_test( few_triangles_are_looked_at_near_the_surface ),
+        cmocka_unit_test( numbers_that_are_none_are_refused ),
+        cmocka_unit_test( the_ends_of_the_reach_are_answered ),
+        cmocka_unit_test( voxels_of_a_mesh_that_deforms_are_built_again ),
+        cmocka_unit_test( an_update_that_fails_leaves_everything_as_it_was ),
+        cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
+        cmocka_unit_test( voxels_are_no_more_than_there_may_be ),
+        cmocka_unit_test( voxels_are_as_large_as_asked_for ),
+        cmocka_unit_test( a_limit_of_memory_makes_voxels_larger ),
+        cmocka_unit_test( every_refused_block_is_a_sentence_and_leaves_nothing ),
+        cmocka_unit_test( a_wrong_search_is_refused ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

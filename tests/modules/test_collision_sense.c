@@ -1,0 +1,481 @@
+// What each particle of a surface that is solved for is told of the bodies around it.
+#include "collision_sense_fixture.h"
+
+// ---- closed forms ----
+
+static void each_closed_form_is_sensed_where_it_stands( void** state )
+{
+    (void)state;
+    // in the body's frame, a centimetre off the surface, and the normal there
+    const struct
+    {
+        wisp_vec3 at, normal;
+    } cases[] = {
+        { { 0.2f, 0.01f, 0.1f }, { 0.0f, 1.0f, 0.0f } },
+        { { 0.6f * 0.31f, 0.8f * 0.31f, 0.0f }, { 0.6f, 0.8f, 0.0f } },
+        { { 0.31f, 0.1f, 0.0f }, { 1.0f, 0.0f, 0.0f } },
+        { { 0.1f, 0.05f, -0.26f }, { 0.0f, 0.0f, -1.0f } },
+    };
+    const double c = cos( 1.2 ), s = sin( 1.2 );
+    for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        hosted* h = new_world( 1, 1 );
+        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        body.pose = ( wisp_rigid ){ about_z( 1.2 ), { 0.1f, 0.5f, -0.1f } };
+        add_collider( h->world, &body );
+        const wisp_vec3 a = cases[kind].at, n = cases[kind].normal;
+        const wisp_entity e =
+            add_probe( h->world, ( wisp_vec3 ){ (float)( c * (double)a.x - s * (double)a.y ) + 0.1f,
+                                                (float)( s * (double)a.x + c * (double)a.y ) + 0.5f, a.z - 0.1f } );
+        const sensed t = sense( h->world, e );
+        assert_true( t.body != 0 );
+        // places near 1 m are rounded to 6e-8 m
+        assert_near( t.gap, 0.01, 5e-7 );
+        assert_vector( t.normal, c * (double)n.x - s * (double)n.y, s * (double)n.x + c * (double)n.y, n.z, 5e-6 );
+        assert_true( t.motion.x == 0.0f && t.motion.y == 0.0f && t.motion.z == 0.0f );
+        assert_int_equal( touch_of( h->world, e, 0, 1 ).body, 0 );
+        free_colliding( h );
+    }
+}
+
+static void margin_and_friction_are_those_of_guest_and_body( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    plane.thickness = 0.01f;
+    plane.static_friction = 0.8f;
+    plane.kinetic_friction = 0.4f;
+    add_collider( h->world, &plane );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.025f, 0.0f } );
+    wisp_collision_def def = thin();
+    def.friction = 0.5f;
+    def.recovery_speed = 3.0f;
+    assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
+    const sensed t = sense( h->world, e );
+    assert_true( t.margin == MARGIN + 0.01f );
+    assert_true( t.static_friction == 0.4f && t.kinetic_friction == 0.2f && t.recovery == 3.0f );
+    assert_true( t.gap == 0.025f );
+}
+
+static void what_is_beyond_margin_and_path_is_not_sensed( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    add_collider( h->world, &ball );
+    wisp_entity near = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.3f + 0.99f * MARGIN, 0.0f } );
+    wisp_entity far = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.3f + 1.01f * MARGIN, 0.0f } );
+    wisp_entity coming = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f } );
+    wisp_entity late = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.4f, 0.0f } );
+    give_velocity( h->world, coming, 0.0f, -0.081f / DT, 0.0f );
+    give_velocity( h->world, late, 0.0f, -0.079f / DT, 0.0f );
+    run_for( h->world, DT, 1 );
+    assert_true( touch_of( h->world, near, 0, 0 ).body != 0 );
+    assert_int_equal( touch_of( h->world, far, 0, 0 ).body, 0 );
+    assert_near( touch_of( h->world, coming, 0, 0 ).gap, 0.1, 5e-7 );
+    assert_int_equal( touch_of( h->world, late, 0, 0 ).body, 0 );
+    assert_true( touch_of( h->world, late, 0, 0 ).margin == 0.0f );
+}
+
+// A corner is where a box reaches as far as the ball around it, so that blocks are left out at once there.
+static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
+    wisp_entity body = add_collider( h->world, &box );
+    const wisp_vec3 half = box.half_extent;
+    const float reach = collision_length( half );
+    const wisp_vec3 out = { -half.x / reach, -half.y / reach, -half.z / reach }, none = { 0.0f, 0.0f, 0.0f };
+    wisp_entity near = add_probe( h->world, collision_add_scaled( none, reach + 0.019f, out ) );
+    wisp_entity leaves = add_probe( h->world, collision_add_scaled( none, reach + 0.05f, out ) );
+    wisp_entity stays = add_probe( h->world, collision_add_scaled( none, reach + 0.05f, out ) );
+    const float speed = 0.04f / DT;
+    give_velocity( h->world, leaves, speed * out.x, speed * out.y, speed * out.z );
+    run_for( h->world, DT, 1 );
+    // sums of places are rounded to 6e-8 m
+    assert_near( touch_of( h->world, near, 0, 0 ).gap, 0.019, 2e-7 );
+    assert_near( touch_of( h->world, leaves, 0, 0 ).gap, 0.05, 2e-7 );
+    assert_int_equal( touch_of( h->world, stays, 0, 0 ).body, 0 );
+    const wisp_rigid away = { box.pose.rotation, collision_add_scaled( none, -0.04f, out ) };
+    assert_int_equal( wisp_move_collider( h->world, body, away ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    assert_near( touch_of( h->world, stays, 0, 0 ).gap, 0.05, 2e-7 );
+}
+
+static void gravity_counts_in_the_path( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    add_collider( h->world, &plane );
+    wisp_entity floats = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f } );
+    wisp_entity falls = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f } );
+    // h h g is 0.011 m: the margin is reached
+    give_gravity( h->world, falls, 39.6f );
+    run_for( h->world, DT, 1 );
+    assert_int_equal( touch_of( h->world, floats, 0, 0 ).body, 0 );
+    assert_true( touch_of( h->world, falls, 0, 0 ).body != 0 );
+}
+
+static void what_starts_inside_is_told_how_deep_it_is( void** state )
+{
+    (void)state;
+    // the depth of a place well inside each, and the way out
+    const struct
+    {
+        wisp_vec3 at, normal;
+        double gap;
+    } cases[] = {
+        { { 0.2f, -5.0f, 0.1f }, { 0.0f, 1.0f, 0.0f }, -5.0 },
+        { { 0.05f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, -0.25 },
+        { { 0.0f, 0.1f, 0.05f }, { 0.0f, 0.0f, 1.0f }, -0.25 },
+        { { 0.02f, 0.1f, 0.03f }, { 0.0f, 1.0f, 0.0f }, -0.1 },
+    };
+    for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
+    {
+        hosted* h = new_world( 1, 1 );
+        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        add_collider( h->world, &body );
+        const wisp_entity e = add_probe( h->world, cases[kind].at );
+        wisp_collision_def def = thin();
+        def.recovery_speed = 0.7f;
+        assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
+        const sensed t = sense( h->world, e );
+        const wisp_vec3 n = cases[kind].normal;
+        assert_near( t.gap, cases[kind].gap, 1e-6 );
+        assert_vector( t.normal, n.x, n.y, n.z, 1e-6 );
+        assert_true( t.recovery == 0.7f );
+        free_colliding( h );
+    }
+}
+
+// ---- motion of bodies ----
+
+static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
+{
+    (void)state;
+    const int substeps = 4;
+    const double v[3] = { 0.3, -0.2, 0.1 }, omega = 0.6; // about z
+    hosted* h = new_world( substeps, 1 );
+    wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
+    wisp_entity body = add_collider( h->world, &box );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.1f, 0.215f, 0.05f } );
+    const wisp_rigid pose = { about_z( omega * (double)DT ),
+                              { (float)( v[0] * (double)DT ), (float)( v[1] * (double)DT ),
+                                (float)( v[2] * (double)DT ) } };
+    assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+    const sensed t = sense( h->world, e );
+    // the last substep begins with the body at three quarters of its way
+    const double angle = 0.75 * omega * (double)DT, time = 0.75 * (double)DT;
+    const double n[2] = { -sin( angle ), cos( angle ) };
+    assert_vector( t.normal, n[0], n[1], 0.0, 1e-6 );
+    const double to[2] = { (double)0.1f - v[0] * time, (double)0.215f - v[1] * time };
+    const double gap = to[0] * n[0] + to[1] * n[1] - 0.2;
+    assert_near( t.gap, gap, 2e-7 );
+    // v + omega x r of the nearest point; the chord of a substep differs from its start by omega^2 r h / 2 = 2e-4 m/s,
+    // and a place rounded to 1.5e-8 m is 7e-6 m/s in 1/240 s
+    const double r[2] = { to[0] - gap * n[0], to[1] - gap * n[1] };
+    assert_vector( t.motion, v[0] - omega * r[1], v[1] + omega * r[0], v[2], 4e-4 );
+    // once it has come to rest it stands still, to the last bit
+    const sensed rest = sense( h->world, e );
+    assert_true( rest.motion.x == 0.0f && rest.motion.y == 0.0f && rest.motion.z == 0.0f );
+    assert_int_equal( rest.body, t.body );
+    free_colliding( h );
+}
+
+static void a_body_at_100_m_s_is_sensed_before_it_arrives( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
+    plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.002f, 1.0f };
+    plate.pose.translation.y = -1.0f;
+    wisp_entity body = add_collider( h->world, &plate );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const wisp_rigid pose = { plate.pose.rotation, { 0.0f, -1.0f + 100.0f * DT, 0.0f } };
+    assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+    const sensed t = sense( h->world, e );
+    assert_near( t.gap, 0.998, 1e-6 );
+    assert_vector( t.normal, 0.0, 1.0, 0.0, 1e-6 );
+    // places near 1 m are rounded to 6e-8 m, which is 4e-6 m/s in a step
+    assert_vector( t.motion, 0.0, 100.0, 0.0, 5e-5 );
+}
+
+// ---- motion of particles ----
+
+static void a_particle_at_100_m_s_is_told_where_its_path_enters( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
+    plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.001f, 1.0f };
+    add_collider( h->world, &plate );
+    // from beyond the edge, so that the closest point is on the edge and not where the path enters
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 1.3f, 0.401f, 0.0f } );
+    give_velocity( h->world, e, -100.0f, -60.0f, 0.0f );
+    const sensed t = sense( h->world, e );
+    assert_near( t.gap, 0.4, 1e-6 );
+    assert_vector( t.normal, 0.0, 1.0, 0.0, 1e-6 );
+}
+
+// Half a metre beside a plate and five millimetres above it, on the way to its top: nearer to that plane than the margin,
+// and not held.
+static void a_flat_path_is_not_held_before_it_arrives( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plate = body_of( WISP_COLLIDER_BOX );
+    plate.half_extent = ( wisp_vec3 ){ 1.0f, 0.1f, 1.0f };
+    add_collider( h->world, &plate );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 1.5f, 0.105f, 0.0f } );
+    const wisp_vec3 way = { -0.75f, -0.006f, 0.0f };
+    give_velocity( h->world, e, way.x / DT, way.y / DT, way.z / DT );
+    const sensed t = sense( h->world, e );
+    assert_true( t.gap == MARGIN );
+    // it lands where it would have entered, after five sixths of its way, so a fifth of the margin is left behind the plane
+    assert_near( collision_length( t.normal ), 1.0, 1e-6 );
+    assert_near( t.gap + collision_dot( t.normal, way ), -0.2 * (double)MARGIN, 1e-5 );
+    // the top of the plate, turned by what is missing of the margin over the way there
+    assert_near( t.normal.x, 0.015 / 0.625, 1e-3 );
+}
+
+// The solver lands what would pass the plane; what goes by must not.
+static void a_path_that_passes_by_is_not_stopped( void** state )
+{
+    (void)state;
+    // beside a ball, round its top, and across the edge of a box
+    const struct
+    {
+        wisp_collider_kind kind;
+        wisp_vec3 from, way;
+    } cases[] = {
+        { WISP_COLLIDER_SPHERE, { 0.33f, 0.1f, 0.0f }, { 0.0f, -0.2f, 0.0f } },
+        { WISP_COLLIDER_SPHERE, { -0.4f, 0.32f, 0.0f }, { 0.8f, 0.0f, 0.0f } },
+        { WISP_COLLIDER_SPHERE, { -0.4f, 0.301f, 0.0f }, { 0.7f, 0.0f, 0.0f } },
+        { WISP_COLLIDER_BOX, { 0.15f, 0.45f, 0.0f }, { 0.5f, -0.5f, 0.0f } },
+        { WISP_COLLIDER_CAPSULE, { 0.33f, 0.5f, 0.0f }, { 0.0f, -1.0f, 0.0f } },
+    };
+    for ( int k = 0; k < WISP_COUNT( cases ); ++k )
+    {
+        hosted* h = new_world( 1, 1 );
+        wisp_collider_def body = body_of( cases[k].kind );
+        add_collider( h->world, &body );
+        const wisp_vec3 from = cases[k].from, way = cases[k].way;
+        wisp_entity e = add_probe( h->world, from );
+        give_velocity( h->world, e, way.x / DT, way.y / DT, way.z / DT );
+        const sensed t = sense( h->world, e );
+        assert_true( t.body != 0 );
+        assert_near( collision_length( t.normal ), 1.0, 1e-6 );
+        // not held, for it is not there yet; both ends of the path are in front; a way of 1 m is rounded to 6e-8 m
+        assert_true( t.gap >= MARGIN );
+        assert_true( t.gap + collision_dot( t.normal, way ) >= -1e-6f );
+        // and the body is behind, but for what a path that comes nearer than the margin is told of as the margin: what
+        // the plane is away from its middle is how far it reaches that way
+        const float slack = t.gap > MARGIN ? 1e-6f : MARGIN;
+        const wisp_vec3 n = t.normal;
+        const float middle = collision_dot( n, from ) - t.gap;
+        const wisp_vec3 half = body.half_extent;
+        const float round =
+            body.radius + ( body.kind == WISP_COLLIDER_CAPSULE ? fabsf( n.y ) * body.half_length : 0.0f );
+        const float flat = fabsf( n.x ) * half.x + fabsf( n.y ) * half.y + fabsf( n.z ) * half.z;
+        assert_true( middle >= ( body.kind == WISP_COLLIDER_BOX ? flat : round ) - slack );
+        free_colliding( h );
+    }
+}
+
+static void pinned_particles_and_those_that_are_no_numbers_sense_nothing( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    add_collider( h->world, &plane );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
+    const int32_t first = 0;
+    assert_int_equal( wisp_pin( h->world, e, &first, 1 ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    assert_int_equal( touch_of( h->world, e, 0, 0 ).body, 0 );
+    assert_true( touch_of( h->world, e, 1, 0 ).body != 0 );
+    assert_int_equal( wisp_unpin( h->world, e, &first, 1 ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    assert_true( touch_of( h->world, e, 0, 0 ).body != 0 );
+    wisp_entity bad = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
+    float* velocity = wisp_world_column( h->world, bad, WISP_PARTICLE_VELOCITY, 0 );
+    velocity[4 * wisp_world_fabric( h->world, bad )->vertex_slot[0]] = NAN;
+    run_for( h->world, DT, 1 );
+    assert_int_equal( touch_of( h->world, bad, 0, 0 ).body, 0 );
+    assert_true( touch_of( h->world, bad, 1, 0 ).body != 0 );
+}
+
+// ---- several bodies ----
+
+// A half space whose surface is `gap` below the origin, seen along an axis that is turned about z.
+static wisp_entity add_wall( wisp_world* world, double angle, float gap )
+{
+    wisp_collider_def wall = body_of( WISP_COLLIDER_PLANE );
+    wall.pose = ( wisp_rigid ){ about_z( angle ), { gap * (float)sin( angle ), -gap * (float)cos( angle ), 0.0f } };
+    return add_collider( world, &wall );
+}
+
+static void the_two_nearest_bodies_are_kept_in_whatever_order_they_came( void** state )
+{
+    (void)state;
+    const float gaps[3] = { 0.004f, 0.008f, 0.012f };
+    const int orders[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
+    for ( int k = 0; k < 6; ++k )
+    {
+        hosted* h = new_world( 1, 1 );
+        for ( int i = 0; i < 3; ++i )
+        {
+            add_wall( h->world, 2.0 * orders[k][i], gaps[orders[k][i]] );
+        }
+        wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+        const sensed a = sense( h->world, e ), b = touch_of( h->world, e, 0, 1 );
+        assert_near( a.gap, gaps[0], 1e-7 );
+        assert_near( b.gap, gaps[1], 1e-7 );
+        assert_vector( b.normal, -sin( 2.0 ), cos( 2.0 ), 0.0, 1e-6 );
+        assert_true( a.body != b.body );
+        free_colliding( h );
+    }
+}
+
+static void of_bodies_that_are_equally_near_the_first_count( void** state )
+{
+    hosted* h = *state;
+    const float side[3] = { 1.0f, -1.0f, 1.0f };
+    for ( int i = 0; i < 3; ++i )
+    {
+        wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+        ball.pose.translation =
+            i < 2 ? ( wisp_vec3 ){ side[i] * 0.3125f, 0.0f, 0.0f } : ( wisp_vec3 ){ 0.0f, 0.3125f, 0.0f };
+        add_collider( h->world, &ball );
+    }
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const sensed a = sense( h->world, e ), b = touch_of( h->world, e, 0, 1 );
+    assert_true( a.gap == b.gap );
+    assert_true( a.normal.x == -1.0f && b.normal.x == 1.0f );
+}
+
+// Two walls are left behind, the third is what the particle would fly into.
+static void what_the_path_enters_counts_before_what_it_leaves( void** state )
+{
+    hosted* h = *state;
+    add_wall( h->world, 0.0, 0.001f );
+    add_wall( h->world, 0.5, 0.002f );
+    add_wall( h->world, 3.0, 0.1f );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    give_velocity( h->world, e, 0.0f, 0.3f / DT, 0.0f );
+    const sensed a = sense( h->world, e ), b = touch_of( h->world, e, 0, 1 );
+    assert_near( a.gap, 0.1, 1e-6 );
+    assert_near( b.gap, 0.001, 1e-6 );
+}
+
+static void a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer( void** state )
+{
+    hosted* h = *state;
+    add_wall( h->world, 0.0, 0.010f );
+    add_wall( h->world, 1.0, 0.012f );
+    wisp_collider_def thick = body_of( WISP_COLLIDER_PLANE );
+    thick.thickness = 0.05f;
+    thick.pose = ( wisp_rigid ){ about_z( 3.0 ), { 0.0f, 0.015f, 0.0f } };
+    add_collider( h->world, &thick );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    assert_true( sense( h->world, e ).margin == MARGIN + 0.05f );
+    assert_near( touch_of( h->world, e, 0, 1 ).gap, 0.01, 1e-6 );
+}
+
+static void layers_say_who_senses_whom( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    plane.layers = 4;
+    add_collider( h->world, &plane );
+    wisp_entity blind = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
+    wisp_entity seeing = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
+    wisp_collision_def def = thin();
+    def.mask = 3;
+    assert_int_equal( wisp_set_collision( h->world, blind, &def ), WISP_OK );
+    def.mask = 5;
+    assert_int_equal( wisp_set_collision( h->world, seeing, &def ), WISP_OK );
+    run_for( h->world, DT, 1 );
+    assert_int_equal( touch_of( h->world, blind, 0, 0 ).body, 0 );
+    assert_true( touch_of( h->world, seeing, 0, 0 ).body != 0 );
+}
+
+static void a_body_in_the_place_of_a_removed_one_has_another_name( void** state )
+{
+    hosted* h = *state;
+    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
+    wisp_entity first = add_collider( h->world, &plane );
+    const int32_t name = sense( h->world, e ).body;
+    assert_int_equal( sense( h->world, e ).body, name );
+    assert_int_equal( wisp_remove( h->world, first ), WISP_OK );
+    wisp_entity second = add_collider( h->world, &plane );
+    assert_int_equal( second.index, first.index );
+    assert_true( sense( h->world, e ).body != name );
+}
+
+// ---- meshes ----
+
+static void a_mesh_is_sensed_as_the_ball_it_stands_for( void** state )
+{
+    hosted* h = *state;
+    if ( add_mesh( h->world, false, ( wisp_rigid ){ about_z( 1.2 ), { 0.5f, 0.0f, 0.0f } } ) == false )
+    {
+        skip();
+    }
+    wisp_entity outside = add_probe( h->world, ( wisp_vec3 ){ 0.5f, 0.31f, 0.0f } );
+    wisp_entity deep = add_probe( h->world, ( wisp_vec3 ){ 0.55f, 0.0f, 0.0f } );
+    wisp_entity fast = add_probe( h->world, ( wisp_vec3 ){ -0.5f, 0.0f, 0.0f } );
+    give_velocity( h->world, fast, 100.0f, 0.0f, 0.0f );
+    run_for( h->world, DT, 1 );
+    // faces of 512 triangles a side lie up to a hundredth of the radius inside the ball, and are tilted by as much as 0.1
+    const sensed o = touch_of( h->world, outside, 0, 0 ), d = touch_of( h->world, deep, 0, 0 );
+    assert_near( o.gap, 0.01, 0.003 );
+    assert_vector( o.normal, 0.0, 1.0, 0.0, 0.1 );
+    assert_near( d.gap, -0.25, 0.003 );
+    const sensed f = touch_of( h->world, fast, 0, 0 );
+    assert_near( f.gap, 0.7, 0.01 );
+    assert_vector( f.normal, -1.0, 0.0, 0.0, 0.1 );
+}
+
+static void a_sheet_turns_its_normal_to_where_the_particle_comes_from( void** state )
+{
+    hosted* h = *state;
+    if ( add_mesh( h->world, true, AT_ORIGIN ) == false )
+    {
+        skip();
+    }
+    const float heights[4] = { 0.01f, -0.01f, 0.8f, -0.8f };
+    for ( int k = 0; k < 4; ++k )
+    {
+        wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.3f, heights[k], 0.2f } );
+        give_velocity( h->world, e, 0.0f, k < 2 ? 0.0f : copysignf( 100.0f, -heights[k] ), 0.0f );
+        const sensed t = sense( h->world, e );
+        assert_true( t.body != 0 );
+        assert_near( t.gap, fabsf( heights[k] ), 1e-6 );
+        assert_vector( t.normal, 0.0, copysign( 1.0, (double)heights[k] ), 0.0, 1e-6 );
+        assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( each_closed_form_is_sensed_where_it_stands ),
+        SENSE_TEST( margin_and_friction_are_those_of_guest_and_body ),
+        SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed ),
+        SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path ),
+        SENSE_TEST( gravity_counts_in_the_path ),
+        cmocka_unit_test( what_starts_inside_is_told_how_deep_it_is ),
+        cmocka_unit_test( the_surface_of_a_body_moves_as_a_rigid_body_does ),
+        SENSE_TEST( a_body_at_100_m_s_is_sensed_before_it_arrives ),
+        SENSE_TEST( a_particle_at_100_m_s_is_told_where_its_path_enters ),
+        SENSE_TEST( a_flat_path_is_not_held_before_it_arrives ),
+        cmocka_unit_test( a_path_that_passes_by_is_not_stopped ),
+        SENSE_TEST( pinned_particles_and_those_that_are_no_numbers_sense_nothing ),
+        cmocka_unit_test( the_two_nearest_bodies_are_kept_in_whatever_order_they_came ),
+        SENSE_TEST( of_bodies_that_are_equally_near_the_first_count ),
+        SENSE_TEST( what_the_path_enters_counts_before_what_it_leaves ),
+        SENSE_TEST( a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer ),
+        SENSE_TEST( layers_say_who_senses_whom ),
+        SENSE_TEST( a_body_in_the_place_of_a_removed_one_has_another_name ),
+        SENSE_TEST( a_mesh_is_sensed_as_the_ball_it_stands_for ),
+        SENSE_TEST( a_sheet_turns_its_normal_to_where_the_particle_comes_from ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

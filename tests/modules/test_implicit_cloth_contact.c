@@ -1,0 +1,488 @@
+// Contact inside the solver: rows TRI-15 to TRI-18 and TRI-20 on the engine, on bodies of every kind, at rest and moving.
+#include "collision_fixture.h"
+
+#include "implicit_cloth.h"
+
+static const double DEGREE = 3.14159265358979323846 / 180.0;
+static const float GRAVITY = 9.8f;
+static const float MARGIN = 0.005f;
+static const float DT = 0.01f;
+
+static hosted* new_solved( int substeps, int workers )
+{
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
+                                                  &wisp_implicit_cloth_module };
+    hosted* h = calloc( 1, sizeof( hosted ) );
+    assert_non_null( h );
+    h->def = hosted_def( h );
+    h->def.modules = MODULES;
+    h->def.module_count = WISP_COUNT( MODULES );
+    h->def.substeps = substeps;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    return h;
+}
+
+static wisp_entity add_solved( wisp_world* world, const test_mesh* mesh, const wisp_implicit_cloth_def* def,
+                               float recovery_speed )
+{
+    wisp_collision_def collision = wisp_default_collision_def();
+    collision.thickness = MARGIN;
+    collision.recovery_speed = recovery_speed;
+    const wisp_entity e = add_colliding( world, mesh, &collision );
+    if ( wisp_set_implicit_cloth( world, e, def ) != WISP_OK )
+    {
+        fail_msg( "no cloth: %s", wisp_world_message( world ) );
+    }
+    assert_int_equal( wisp_want_implicit_cloth_figures( world, e, true ), WISP_OK );
+    return e;
+}
+
+static wisp_implicit_cloth_figures figures_of( wisp_world* world, wisp_entity e )
+{
+    wisp_implicit_cloth_figures figures;
+    assert_int_equal( wisp_read_implicit_cloth_figures( world, e, &figures ), WISP_OK );
+    return figures;
+}
+
+static test_mesh square( int n, float side, wisp_vec3 middle )
+{
+    test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ middle.x - 0.5f * side, middle.y, middle.z - 0.5f * side } );
+    return mesh;
+}
+
+// ---- friction on a slope ----
+
+typedef struct incline
+{
+    hosted* h;
+    wisp_entity surface;
+    double angle, start;
+} incline;
+
+static double along( const incline* i )
+{
+    const wisp_quality q = quality_of( i->h->world, i->surface );
+    return q.centre[0] * cos( i->angle ) + q.centre[1] * sin( i->angle );
+}
+
+static double speed_along( const incline* i )
+{
+    const wisp_quality q = quality_of( i->h->world, i->surface );
+    return ( q.momentum[0] * cos( i->angle ) + q.momentum[1] * sin( i->angle ) ) / q.mass;
+}
+
+// A patch within the margin of a slope, at rest, and then gravity.
+static incline new_incline( double angle, float mu_static, float mu_kinetic, int substeps )
+{
+    incline i = { .h = new_solved( substeps, 1 ), .angle = angle };
+    wisp_collider_def plane = wisp_default_collider_def();
+    plane.pose.rotation = about_z( angle );
+    plane.static_friction = mu_static;
+    plane.kinetic_friction = mu_kinetic;
+    add_collider( i.h->world, &plane );
+    test_mesh mesh = test_plane( 4, 0.1f );
+    const double height = 0.5 * (double)MARGIN;
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const wisp_vec3 p = mesh.points[v];
+        mesh.points[v] = ( wisp_vec3 ){ (float)( cos( angle ) * (double)p.x - sin( angle ) * height ),
+                                        (float)( sin( angle ) * (double)p.x + cos( angle ) * height ), p.z };
+    }
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    i.surface = add_solved( i.h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    give_gravity( i.h->world, i.surface, GRAVITY );
+    run_for( i.h->world, DT, 1 ); // it is held from the first step on
+    i.start = along( &i );
+    return i;
+}
+
+static void a_patch_sticks_below_the_static_angle_and_slides_above_it( void** state )
+{
+    (void)state;
+    for ( int k = 0; k < 4; ++k )
+    {
+        const double limit = atan( 0.3 ) / DEGREE; // 16.7 degrees
+        incline below = new_incline( ( limit - 0.5 ) * DEGREE, 0.3f, 0.2f, 1 + k );
+        run_for( below.h->world, DT, 300 );
+        // held: each step's change of velocity is undone to the last bit, and positions stay
+        assert_near( along( &below ), below.start, 1e-6 );
+        free_colliding( below.h );
+        incline above = new_incline( ( limit + 0.5 ) * DEGREE, 0.3f, 0.2f, 1 + k );
+        run_for( above.h->world, DT, 300 );
+        assert_true( along( &above ) < above.start - 0.1 );
+        free_colliding( above.h );
+    }
+}
+
+static void a_patch_slides_with_what_kinetic_friction_leaves_of_gravity( void** state )
+{
+    (void)state;
+    const double angles[] = { 20.0, 30.0, 45.0 };
+    for ( int k = 0; k < 6; ++k )
+    {
+        incline i = new_incline( angles[k % 3] * DEGREE, 0.3f, 0.2f, 1 + k / 3 * 3 );
+        run_for( i.h->world, DT, 20 ); // the first substeps hold
+        const double before = speed_along( &i );
+        run_for( i.h->world, DT, 100 );
+        const double acceleration = ( before - speed_along( &i ) ) / ( 100.0 * (double)DT );
+        const double expected = 9.8 * ( sin( i.angle ) - 0.2 * cos( i.angle ) );
+        assert_near( acceleration, expected, 0.02 * expected ); // TRI-18
+        free_colliding( i.h );
+    }
+}
+
+static void friction_stops_what_slides_and_never_turns_it_round( void** state )
+{
+    (void)state;
+    incline i = new_incline( 5.0 * DEGREE, 0.3f, 0.2f, 1 );
+    run_for( i.h->world, DT, 5 );
+    const wisp_vec3 push = { (float)( -1.0 * cos( i.angle ) ), (float)( -1.0 * sin( i.angle ) ), 0.0f };
+    assert_int_equal( wisp_set_velocity( i.h->world, i.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
+    double last = -INFINITY;
+    for ( int step = 0; step < 200; ++step )
+    {
+        run_for( i.h->world, DT, 1 );
+        const double speed = speed_along( &i );
+        assert_true( speed <= 1e-6 ); // downhill, or at rest
+        assert_true( speed >= last - 1e-6 );
+        last = speed;
+    }
+    assert_near( last, 0.0, 1e-6 );
+    free_colliding( i.h );
+}
+
+// ---- what holds and what lets go ----
+
+static void a_cloth_follows_a_floor_that_moves( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    const wisp_entity body = add_collider( h->world, &floor );
+    test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 5 );
+    const wisp_vec3 velocity = { 0.02f, 0.3f, -0.01f }; // m/s: up, and sideways within what friction holds
+    for ( int step = 1; step <= 50; ++step )
+    {
+        wisp_rigid pose = floor.pose;
+        const float t = (float)step * DT;
+        pose.translation = ( wisp_vec3 ){ t * velocity.x, t * velocity.y, t * velocity.z };
+        assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+        run_for( h->world, DT, 1 );
+        const wisp_quality q = quality_of( h->world, e );
+        // the pose is a float of up to 0.15 m: its difference over a step is wrong by 1e-8 m / 0.01 s
+        assert_near( q.momentum[0] / q.mass, (double)velocity.x, 3e-6 );
+        assert_near( q.momentum[1] / q.mass, (double)velocity.y, 3e-6 );
+        assert_near( q.momentum[2] / q.mass, (double)velocity.z, 3e-6 );
+    }
+    assert_int_equal( figures_of( h->world, e ).sticking, 36 );
+    free_colliding( h );
+}
+
+static void a_floor_does_not_pull( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    const wisp_entity body = add_collider( h->world, &floor );
+    test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 5 );
+    wisp_rigid pose = floor.pose;
+    pose.translation.y = -2.0f; // gone in one step
+    assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+    run_for( h->world, DT, 1 ); // what was held is held once more, and found to be pulled
+    const double speed = quality_of( h->world, e ).momentum[1] / quality_of( h->world, e ).mass;
+    run_for( h->world, DT, 1 );
+    assert_int_equal( figures_of( h->world, e ).sticking, 0 );
+    const double later = quality_of( h->world, e ).momentum[1] / quality_of( h->world, e ).mass;
+    assert_near( later - speed, -9.8 * (double)DT, 1e-3 );
+    free_colliding( h );
+}
+
+static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    add_collider( h->world, &floor );
+    test_mesh mesh = square( 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.4f * MARGIN, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 5 );
+    const int32_t corner = 0;
+    assert_int_equal( wisp_pin( h->world, e, &corner, 1 ), WISP_OK );
+    for ( int step = 1; step <= 10; ++step )
+    {
+        wisp_vec3 target = mesh.points[0];
+        target.y += 0.01f * (float)step;
+        assert_int_equal( wisp_move_pins( h->world, e, &corner, &target, 1 ), WISP_OK );
+        run_for( h->world, DT, 1 );
+    }
+    // a vertex next to the corner hangs in the air; the far corner lies where it lay
+    assert_true( (double)point_of( h->world, e, 1 ).y > 0.03 );
+    assert_near( (double)point_of( h->world, e, 80 ).x, (double)mesh.points[80].x, 1e-3 );
+    assert_true( figures_of( h->world, e ).sticking + figures_of( h->world, e ).sliding > 40 );
+    test_mesh_free( &mesh );
+    free_colliding( h );
+}
+
+// ---- depth ----
+
+static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    add_collider( h->world, &floor );
+    test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 1e5f );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 1 );
+    for ( int v = 0; v < 16; ++v )
+    {
+        assert_near( (double)point_of( h->world, e, v ).y, 0.0, 1e-7 ); // TRI-16: two roundings of 0.02 m
+    }
+    run_for( h->world, DT, 1 );
+    assert_near( quality_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing is thrown
+    free_colliding( h );
+}
+
+static void a_capped_recovery_takes_its_time( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    wisp_collider_def floor = wisp_default_collider_def();
+    add_collider( h->world, &floor );
+    test_mesh mesh = square( 4, 0.3f, ( wisp_vec3 ){ 0.0f, -0.02f, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.1f );
+    test_mesh_free( &mesh );
+    run_for( h->world, DT, 10 );
+    assert_near( (double)point_of( h->world, e, 5 ).y, -0.01, 1e-5 );
+    run_for( h->world, DT, 15 );
+    assert_near( (double)point_of( h->world, e, 5 ).y, 0.0, 1e-5 );
+    free_colliding( h );
+}
+
+static double lowest( wisp_world* world, wisp_entity e )
+{
+    const wisp_view view = view_of( world, e, WISP_SURFACE_POINTS );
+    double y = INFINITY;
+    for ( int v = 0; v < view.count; ++v )
+    {
+        y = fmin( y, (double)( (const wisp_vec3*)view.data )[v].y );
+    }
+    return y;
+}
+
+static void what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_out( void** state )
+{
+    (void)state;
+    for ( int ahead = 0; ahead < 2; ++ahead )
+    {
+        hosted* h = new_solved( 1, 1 );
+        wisp_collider_def floor = wisp_default_collider_def();
+        add_collider( h->world, &floor );
+        test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
+        wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        def.look_ahead = ahead == 1;
+        const wisp_entity e = add_solved( h->world, &mesh, &def, 10.0f );
+        test_mesh_free( &mesh );
+        assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
+                          WISP_OK );
+        give_gravity( h->world, e, GRAVITY );
+        double deepest = 0.0;
+        for ( int step = 0; step < 60; ++step )
+        {
+            run_for( h->world, DT, 1 );
+            deepest = fmin( deepest, lowest( h->world, e ) );
+        }
+        assert_true( ahead == 1 ? deepest == 0.0 : deepest < -0.01 );
+        assert_true( lowest( h->world, e ) > -1e-6 );
+        assert_true( quality_of( h->world, e ).speed_max < 1e-3 );
+        free_colliding( h );
+    }
+}
+
+// ---- drapes ----
+
+typedef struct drape
+{
+    double deepest, peak, last; // m, J, J
+} drape;
+
+static drape drape_on( const wisp_collider_def* body, float height, float seconds_a_step, float stiffness,
+                       double time )
+{
+    hosted* h = new_solved( 1, 1 );
+    add_collider( h->world, body );
+    test_mesh mesh = square( 21, 1.0f, ( wisp_vec3 ){ 0.03f, height, 0.02f } );
+    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    def.stretch_stiffness = stiffness;
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    drape d = { 0 };
+    for ( int step = 0; step < (int)( time / (double)seconds_a_step ); ++step )
+    {
+        run_for( h->world, seconds_a_step, 1 );
+        d.last = quality_of( h->world, e ).kinetic_energy;
+        d.peak = fmax( d.peak, d.last );
+        d.deepest = fmax( d.deepest, (double)collision_of( h->world, e ).penetration );
+    }
+    assert_false( wisp_is_halted( h->world, e ) );
+    assert_true( figures_of( h->world, e ).sticking > 0 );
+    d.deepest = fmax( d.deepest, 0.0 );
+    free_colliding( h );
+    return d;
+}
+
+static void cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millimetre( void** state )
+{
+    (void)state;
+    const wisp_collider_kind kinds[] = { WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE, WISP_COLLIDER_BOX,
+                                         WISP_COLLIDER_PLANE };
+    for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
+    {
+        wisp_collider_def body = wisp_default_collider_def();
+        body.kind = kinds[k];
+        body.radius = 0.25f;
+        body.half_length = 0.2f;
+        body.half_extent = ( wisp_vec3 ){ 0.25f, 0.25f, 0.25f };
+        body.static_friction = 0.3f;
+        body.kinetic_friction = 0.2f;
+        body.pose.rotation = about_z( kinds[k] == WISP_COLLIDER_CAPSULE ? 90.0 * DEGREE : 0.0 );
+        const drape d = drape_on( &body, kinds[k] == WISP_COLLIDER_PLANE ? 0.05f : 0.3f, DT, 200.0f, 15.0 );
+        assert_true( d.peak > 1e-3 );
+        assert_true( d.last < 1e-4 * d.peak ); // section 11 of the specification, row "drape"
+        assert_true( d.deepest < 1e-3 );
+    }
+}
+
+static void steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end( void** state )
+{
+    (void)state;
+    wisp_collider_def ball = wisp_default_collider_def();
+    ball.kind = WISP_COLLIDER_SPHERE;
+    ball.radius = 0.25f;
+    ball.static_friction = 0.3f;
+    ball.kinetic_friction = 0.2f;
+    const drape d = drape_on( &ball, 0.3f, 1.0f / 30.0f, 350.0f, 15.0 );
+    assert_true( d.last < 1e-3 * d.peak );
+}
+
+static void a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 2, 1 );
+    wisp_collider_def ball = wisp_default_collider_def();
+    ball.kind = WISP_COLLIDER_SPHERE;
+    ball.radius = 0.15f;
+    ball.pose.translation = ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f };
+    const wisp_entity body = add_collider( h->world, &ball );
+    test_mesh mesh = square( 17, 1.0f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    const int32_t corners[] = { 0, 16, 272, 288 };
+    assert_int_equal( wisp_pin( h->world, e, corners, 4 ), WISP_OK );
+    give_gravity( h->world, e, GRAVITY );
+    double deepest = 0.0;
+    for ( int step = 1; step <= 105; ++step )
+    {
+        wisp_rigid pose = ball.pose;
+        pose.translation.y = 0.5f - 0.008f * (float)step; // 0.8 m/s, to 0.5 m below the corners
+        assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
+        run_for( h->world, DT, 1 );
+        deepest = fmax( deepest, (double)collision_of( h->world, e ).penetration );
+    }
+    assert_false( wisp_is_halted( h->world, e ) );
+    assert_true( lowest( h->world, e ) < -0.45 );
+    assert_true( deepest < 1e-3 );
+    free_colliding( h );
+}
+
+static void a_groove_of_two_planes_holds_what_lies_in_it( void** state )
+{
+    (void)state;
+    hosted* h = new_solved( 1, 1 );
+    for ( int side = -1; side <= 1; side += 2 )
+    {
+        wisp_collider_def plane = wisp_default_collider_def();
+        plane.pose.rotation = about_z( side * 30.0 * DEGREE );
+        plane.static_friction = plane.kinetic_friction = 0.1f;
+        add_collider( h->world, &plane );
+    }
+    test_mesh mesh = square( 13, 0.6f, ( wisp_vec3 ){ 0.01f, 0.25f, 0.0f } );
+    const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    const wisp_entity e = add_solved( h->world, &mesh, &def, 0.0f );
+    test_mesh_free( &mesh );
+    give_gravity( h->world, e, GRAVITY );
+    run_for( h->world, DT, 900 );
+    assert_true( (double)collision_of( h->world, e ).penetration < 1e-3 );
+    assert_true( quality_of( h->world, e ).kinetic_energy < 1e-6 );
+    assert_near( quality_of( h->world, e ).centre[0], 0.0, 0.05 );
+    free_colliding( h );
+}
+
+static void collision_may_be_asked_for_before_or_after( void** state )
+{
+    (void)state;
+    uint64_t hash[2];
+    for ( int order = 0; order < 2; ++order )
+    {
+        hosted* h = new_solved( 1, 1 );
+        wisp_collider_def floor = wisp_default_collider_def();
+        add_collider( h->world, &floor );
+        test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f } );
+        wisp_collision_def collision = wisp_default_collision_def();
+        const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+        const wisp_entity e = add_colliding( h->world, &mesh, &collision );
+        assert_int_equal( wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
+        if ( order == 1 )
+        {
+            assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
+        }
+        test_mesh_free( &mesh );
+        give_gravity( h->world, e, GRAVITY );
+        run_for( h->world, DT, 50 );
+        assert_int_equal( wisp_world_hash_column( h->world, e, WISP_SURFACE_POINTS, &hash[order] ), WISP_OK );
+        free_colliding( h );
+    }
+    assert_true( hash[0] == hash[1] );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_patch_sticks_below_the_static_angle_and_slides_above_it ),
+        cmocka_unit_test( a_patch_slides_with_what_kinetic_friction_leaves_of_gravity ),
+        cmocka_unit_test( friction_stops_what_slides_and_never_turns_it_round ),
+        cmocka_unit_test( a_cloth_follows_a_floor_that_moves ),
+        cmocka_unit_test( a_floor_does_not_pull ),
+        cmocka_unit_test( a_corner_that_is_lifted_leaves_while_the_rest_stays ),
+        cmocka_unit_test( what_begins_inside_is_outside_after_one_step_without_a_cap ),
+        cmocka_unit_test( a_capped_recovery_takes_its_time ),
+        cmocka_unit_test( what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_out ),
+        cmocka_unit_test( cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millimetre ),
+        cmocka_unit_test( steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end ),
+        cmocka_unit_test( a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex ),
+        cmocka_unit_test( a_groove_of_two_planes_holds_what_lies_in_it ),
+        cmocka_unit_test( collision_may_be_asked_for_before_or_after ),
+    };
+    return cmocka_run_group_tests_name( "implicit cloth: contact", tests, NULL, NULL );
+}

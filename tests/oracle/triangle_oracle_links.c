@@ -1,0 +1,437 @@
+// What may come in, the links of a mesh, their weights, and the memory of a cloth: TRI (1).
+#include "triangle_oracle.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+// ---- what may come in ----
+
+static wisp_status refuse( wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+
+static wisp_status refuse( wisp_error* error, const char* format, ... )
+{
+    if ( error != NULL )
+    {
+        error->status = WISP_BAD_INPUT;
+        va_list arguments;
+        va_start( arguments, format );
+        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        va_end( arguments );
+    }
+    return WISP_BAD_INPUT;
+}
+
+triangle_oracle_params triangle_oracle_default_params( void )
+{
+    return ( triangle_oracle_params ){
+        .stretch_stiffness = 200.0,
+        .bend_stiffness = 1e-6,
+        .bend_rigidity = 5e-6,
+        .damping = 0.02,
+        .gravity = { 0.0, -9.81, 0.0 },
+        .newton_repeats = 1,
+        .tolerance = 1e-12,
+        .warm_start = true,
+        .look_ahead = true,
+        .release_hysteresis = 1e-4,
+    };
+}
+
+static wisp_status check_params( const triangle_oracle_def* def, const triangle_oracle_params* p, wisp_error* error )
+{
+    const struct
+    {
+        const char* name;
+        double value, low, high;
+    } limits[] = {
+        { "stretch_stiffness", p->stretch_stiffness, 0.0, 1e12 },
+        { "bend_stiffness", p->bend_stiffness, 0.0, 1e12 },
+        { "bend_rigidity", p->bend_rigidity, 0.0, 1e12 },
+        { "compression_stiffness", p->compression_stiffness, 0.0, 1e12 },
+        { "damping", p->damping, 0.0, 1e12 },
+        { "drag", p->drag, 0.0, 1e12 },
+        { "newton_repeats", p->newton_repeats, 1.0, 1e6 },
+        { "tolerance", p->tolerance, 0.0, 1.0 },
+        { "max_iterations", p->max_iterations, 0.0, 1e9 },
+        { "release_hysteresis", p->release_hysteresis, 0.0, 1e12 },
+    };
+    for ( size_t n = 0; n < sizeof( limits ) / sizeof( limits[0] ); ++n )
+    {
+        if ( !( limits[n].value >= limits[n].low && limits[n].value <= limits[n].high ) )
+        {
+            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].low,
+                           limits[n].high );
+        }
+    }
+    if ( p->stiffness == TRIANGLE_ORACLE_STIFFNESS_SHEET &&
+         ( def->stretch_pairs != NULL || def->bend_pairs != NULL ) )
+    {
+        return refuse( error, "a sheet's stiffness needs the mesh's own links, pairs by hand have no area" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_indices( const int* index, int count, int each, int vertices, const char* what,
+                                  wisp_error* error )
+{
+    for ( int n = 0; n < count * each; ++n )
+    {
+        const int first = n / each * each;
+        if ( index[n] < 0 || index[n] >= vertices )
+        {
+            return refuse( error, "%s %d has vertex %d, there are %d", what, n / each, index[n], vertices );
+        }
+        for ( int m = first; m < n; ++m )
+        {
+            if ( index[m] == index[n] )
+            {
+                return refuse( error, "%s %d has vertex %d twice", what, n / each, index[n] );
+            }
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_def( const triangle_oracle_def* def, wisp_error* error )
+{
+    const int most = 1 << 20; // keeps every count of links within an int
+    const int counts[4] = { def->count, def->triangle_count, def->stretch_pair_count, def->bend_pair_count };
+    for ( int n = 0; n < 4; ++n )
+    {
+        if ( counts[n] < ( n == 0 ? 1 : 0 ) || counts[n] > most )
+        {
+            const char* names[4] = { "vertices", "triangles", "stretch pairs", "bend pairs" };
+            return refuse( error, "there are %d %s, must be in [%d, %d]", counts[n], names[n], n == 0 ? 1 : 0, most );
+        }
+    }
+    for ( int i = 0; i < def->count; ++i )
+    {
+        const double3 p = def->points[i];
+        if ( !isfinite( p.x ) || !isfinite( p.y ) || !isfinite( p.z ) )
+        {
+            return refuse( error, "vertex %d is not finite", i );
+        }
+        if ( !( def->masses[i] > 0.0 ) || !isfinite( def->masses[i] ) )
+        {
+            return refuse( error, "vertex %d has the mass %g, must be above 0", i, def->masses[i] );
+        }
+    }
+    const int* indices[3] = { def->triangles, def->stretch_pairs, def->bend_pairs };
+    const char* names[3] = { "triangle", "stretch pair", "bend pair" };
+    for ( int n = 0; n < 3; ++n )
+    {
+        const int count = indices[n] == NULL ? 0 : counts[n + 1];
+        const wisp_status status = check_indices( indices[n], count, n == 0 ? 3 : 2, def->count, names[n], error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+    }
+    return WISP_OK;
+}
+
+// ---- links ----
+
+static double area( const triangle_oracle_def* def, int triangle )
+{
+    const int* t = def->triangles + 3 * triangle;
+    const double3 a = def->points[t[0]];
+    const double3 normal = double3_cross( double3_sub( def->points[t[1]], a ), double3_sub( def->points[t[2]], a ) );
+    return 0.5 * double3_length( normal );
+}
+
+void triangle_oracle_lump( const triangle_oracle_def* def, double density, double* masses )
+{
+    double whole = 0.0;
+    for ( int i = 0; i < def->count; ++i )
+    {
+        masses[i] = 0.0;
+    }
+    for ( int t = 0; t < def->triangle_count; ++t )
+    {
+        const double mass = density * area( def, t );
+        whole += mass;
+        for ( int corner = 0; corner < 3; ++corner )
+        {
+            masses[def->triangles[3 * t + corner]] += mass / 3.0;
+        }
+    }
+    for ( int i = 0; i < def->count; ++i )
+    {
+        masses[i] = fmax( masses[i], 1e-6 * whole / def->count );
+    }
+}
+
+// A pair of vertices with what it has of the mesh: an edge and the triangle that it belongs to, or a diagonal.
+typedef struct pair
+{
+    int i, j, opposite;
+    double area;
+} pair;
+
+static pair pair_of( int a, int b, int opposite, double its_area )
+{
+    return ( pair ){ a < b ? a : b, a < b ? b : a, opposite, its_area };
+}
+
+static int compare_pairs( const void* a, const void* b )
+{
+    const pair *p = a, *q = b;
+    const int difference[3] = { p->i - q->i, p->j - q->j, p->opposite - q->opposite };
+    const int n = difference[0] != 0 ? 0 : difference[1] != 0 ? 1 : 2;
+    return ( difference[n] > 0 ) - ( difference[n] < 0 );
+}
+
+static bool is_same( pair p, pair q )
+{
+    return p.i == q.i && p.j == q.j;
+}
+
+// One pair for those that are the same; it has the areas of all of them.
+static int merge( pair* pairs, int count )
+{
+    int kept = 0;
+    qsort( pairs, (size_t)count, sizeof( pair ), compare_pairs );
+    for ( int n = 0; n < count; ++n )
+    {
+        if ( kept > 0 && is_same( pairs[kept - 1], pairs[n] ) )
+        {
+            pairs[kept - 1].area += pairs[n].area;
+        }
+        else
+        {
+            pairs[kept++] = pairs[n];
+        }
+    }
+    return kept;
+}
+
+// Every edge of every triangle, sorted: triangles at the same edge stand one behind another.
+static pair* edges_of( const triangle_oracle_def* def )
+{
+    pair* edges = calloc( (size_t)( 3 * def->triangle_count + 1 ), sizeof( pair ) );
+    for ( int n = 0; n < 3 * def->triangle_count; ++n )
+    {
+        const int *t = def->triangles + n / 3 * 3, c = n % 3;
+        edges[n] = pair_of( t[c], t[( c + 1 ) % 3], t[( c + 2 ) % 3], area( def, n / 3 ) );
+    }
+    qsort( edges, (size_t)( 3 * def->triangle_count ), sizeof( pair ), compare_pairs );
+    return edges;
+}
+
+// The opposite vertices of every two triangles at an edge. One vertex opposite on both sides is no pair.
+static pair* diagonals_of( const triangle_oracle_def* def, const pair* edges, int* count )
+{
+    const int edge_count = 3 * def->triangle_count;
+    pair* diagonals = NULL;
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        *count = 0;
+        for ( int a = 0; a < edge_count; ++a )
+        {
+            for ( int b = a + 1; b < edge_count && is_same( edges[a], edges[b] ); ++b )
+            {
+                if ( edges[a].opposite != edges[b].opposite )
+                {
+                    if ( pass == 1 )
+                    {
+                        diagonals[*count] =
+                            pair_of( edges[a].opposite, edges[b].opposite, 0, edges[a].area + edges[b].area );
+                    }
+                    ++*count;
+                }
+            }
+        }
+        if ( pass == 0 )
+        {
+            diagonals = calloc( (size_t)*count + 1, sizeof( pair ) );
+        }
+    }
+    return diagonals;
+}
+
+static pair* pairs_by_hand( const int* vertices, int count )
+{
+    pair* pairs = calloc( (size_t)count + 1, sizeof( pair ) );
+    for ( int n = 0; n < count; ++n )
+    {
+        pairs[n] = ( pair ){ vertices[2 * n], vertices[2 * n + 1], 0, 0.0 };
+    }
+    return pairs;
+}
+
+static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of, bool bends, double length )
+{
+    const bool sheet = p->stiffness == TRIANGLE_ORACLE_STIFFNESS_SHEET;
+    const double share = sheet ? of.area / ( length * length ) : 1.0;
+    const double compression = p->compression_stiffness > 0.0 ? p->compression_stiffness : p->stretch_stiffness;
+    const double bend = sheet ? 8.0 / 9.0 * p->bend_rigidity * of.area / length : p->bend_stiffness;
+    return ( triangle_oracle_link ){
+        .i = of.i,
+        .j = of.j,
+        .bends = bends,
+        .length = length,
+        .stretch = bends ? 0.0 : share * p->stretch_stiffness,
+        .bend = bends ? bend : 0.0,
+        .ramp = bends ? share * compression : 0.0,
+        .scale = 1.0,
+    };
+}
+
+static wisp_status add_links( triangle_oracle* cloth, const triangle_oracle_def* def, const pair* pairs, int count,
+                              bool bends, wisp_error* error )
+{
+    for ( int n = 0; n < count; ++n )
+    {
+        const double length = double3_distance( def->points[pairs[n].i], def->points[pairs[n].j] );
+        if ( !( length > 0.0 ) )
+        {
+            return refuse( error, "the link of the vertices %d and %d has no length", pairs[n].i, pairs[n].j );
+        }
+        cloth->link[cloth->link_count++] = make_link( &cloth->params, pairs[n], bends, length );
+    }
+    return WISP_OK;
+}
+
+static wisp_status make_links( triangle_oracle* cloth, const triangle_oracle_def* def, wisp_error* error )
+{
+    const bool no_diagonals = def->bend_pairs != NULL || def->stretch_pairs != NULL;
+    const int hand_count = def->bend_pairs == NULL ? 0 : def->bend_pair_count;
+    int diagonal_count = 0;
+    pair* edges = edges_of( def );
+    pair* diagonals =
+        no_diagonals ? pairs_by_hand( def->bend_pairs, hand_count ) : diagonals_of( def, edges, &diagonal_count );
+    cloth->bend_count = no_diagonals ? hand_count : merge( diagonals, diagonal_count );
+    cloth->stretch_count = merge( edges, 3 * def->triangle_count );
+    if ( def->stretch_pairs != NULL )
+    {
+        free( edges );
+        edges = pairs_by_hand( def->stretch_pairs, def->stretch_pair_count );
+        cloth->stretch_count = def->stretch_pair_count;
+    }
+    const size_t link_count = (size_t)( cloth->stretch_count + cloth->bend_count );
+    cloth->link = calloc( link_count + 1, sizeof( triangle_oracle_link ) );
+    cloth->term = calloc( link_count + 1, sizeof( triangle_oracle_term ) );
+    wisp_status status = add_links( cloth, def, edges, cloth->stretch_count, false, error );
+    if ( status == WISP_OK )
+    {
+        status = add_links( cloth, def, diagonals, cloth->bend_count, true, error );
+    }
+    free( edges );
+    free( diagonals );
+    return status;
+}
+
+// ---- weights ----
+
+// |N_i|: a neighbour is counted once, however many links lead to it.
+static void count_neighbours( triangle_oracle* cloth )
+{
+    pair* pairs = calloc( (size_t)cloth->link_count + 1, sizeof( pair ) );
+    for ( int k = 0; k < cloth->link_count; ++k )
+    {
+        pairs[k] = pair_of( cloth->link[k].i, cloth->link[k].j, 0, 0.0 );
+    }
+    const int count = merge( pairs, cloth->link_count );
+    for ( int n = 0; n < count; ++n )
+    {
+        ++cloth->neighbours[pairs[n].i];
+        ++cloth->neighbours[pairs[n].j];
+    }
+    free( pairs );
+}
+
+// (1), and what the switch makes of it.
+static void weigh( triangle_oracle* cloth, const double* masses )
+{
+    for ( int i = 0; i < cloth->count; ++i )
+    {
+        cloth->most_neighbours = (int)fmax( cloth->most_neighbours, cloth->neighbours[i] );
+    }
+    for ( int i = 0; i < cloth->count; ++i )
+    {
+        const int n = cloth->neighbours[i];
+        cloth->weight[i] = n > 0 ? (double)cloth->most_neighbours / n : 1.0;
+        cloth->true_mass[i] = masses[i];
+        const bool effective = cloth->params.weights == TRIANGLE_ORACLE_WEIGHTS_EFFECTIVE;
+        cloth->mass[i] = effective ? masses[i] / cloth->weight[i] : masses[i];
+    }
+    for ( int k = 0; k < cloth->link_count && cloth->params.weights == TRIANGLE_ORACLE_WEIGHTS_PAIR; ++k )
+    {
+        triangle_oracle_link* link = cloth->link + k;
+        link->scale = 0.5 * ( cloth->weight[link->i] + cloth->weight[link->j] );
+    }
+}
+
+// ---- the cloth ----
+
+static void take_memory( triangle_oracle* cloth )
+{
+    const size_t n = (size_t)cloth->count;
+    cloth->neighbours = calloc( n, sizeof( int ) );
+    cloth->pinned = calloc( n, sizeof( bool ) );
+    double** numbers[] = { &cloth->weight, &cloth->true_mass, &cloth->mass };
+    for ( size_t k = 0; k < sizeof( numbers ) / sizeof( numbers[0] ); ++k )
+    {
+        *numbers[k] = calloc( n, sizeof( double ) );
+    }
+    double3** vectors[] = { &cloth->x,          &cloth->v,    &cloth->x_before, &cloth->v_before, &cloth->target,
+                            &cloth->prescribed, &cloth->push, &cloth->change,   &cloth->impulse };
+    for ( size_t k = 0; k < sizeof( vectors ) / sizeof( vectors[0] ); ++k )
+    {
+        *vectors[k] = calloc( n, sizeof( double3 ) );
+    }
+    cloth->freedom = calloc( n, sizeof( triangle_oracle_matrix ) );
+    cloth->contact = calloc( n, sizeof( triangle_oracle_contact ) );
+}
+
+wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params,
+                                    triangle_oracle* out, wisp_error* error )
+{
+    wisp_status status = check_def( def, error );
+    if ( status == WISP_OK )
+    {
+        status = check_params( def, params, error );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    triangle_oracle cloth = { .params = *params, .count = def->count };
+    take_memory( &cloth );
+    status = make_links( &cloth, def, error );
+    if ( status != WISP_OK )
+    {
+        triangle_oracle_destroy( &cloth );
+        return status;
+    }
+    count_neighbours( &cloth );
+    weigh( &cloth, def->masses );
+    for ( int i = 0; i < cloth.count; ++i )
+    {
+        cloth.x[i] = cloth.target[i] = def->points[i];
+        cloth.freedom[i].m[0][0] = cloth.freedom[i].m[1][1] = cloth.freedom[i].m[2][2] = 1.0;
+    }
+    *out = cloth;
+    return WISP_OK;
+}
+
+void triangle_oracle_destroy( triangle_oracle* cloth )
+{
+    void* blocks[] = { cloth->link,   cloth->term,    cloth->neighbours, cloth->weight,     cloth->true_mass,
+                       cloth->mass,   cloth->x,       cloth->v,          cloth->x_before,   cloth->v_before,
+                       cloth->pinned, cloth->target,  cloth->freedom,    cloth->prescribed, cloth->push,
+                       cloth->change, cloth->impulse, cloth->contact };
+    for ( size_t k = 0; k < sizeof( blocks ) / sizeof( blocks[0] ); ++k )
+    {
+        free( blocks[k] );
+    }
+    *cloth = ( triangle_oracle ){ 0 };
+}
+
+void triangle_oracle_pin( triangle_oracle* cloth, int vertex )
+{
+    cloth->pinned[vertex] = true;
+    cloth->target[vertex] = cloth->x[vertex];
+}
