@@ -333,6 +333,7 @@ static void answer( const implicit_system* s, const implicit_feeler* f, int row,
         rub( s, row, slip, g.brakes );
     }
     now.slides = sticks ? 0 : 1;
+    now.landed = g.lands ? 1 : 0;
     f->contact[slot] = now;
     tally->landing += g.lands ? 1 : 0;
     tally->sticking += sticks ? 1 : 0;
@@ -414,6 +415,12 @@ void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int
         contact->pressed[touches[1].place] = ( other - cosine * along ) / sine2;
     }
     contact->rubbed = length( across( touches, count, impulse ) );
+    // Who would have come more slowly was pulled to where it landed, with a velocity into the body: it has to be stopped there,
+    // and is let go later if at all.
+    for ( int place = 0; place < WISP_TOUCHES && contact->landed != 0; ++place )
+    {
+        contact->pressed[place] = fmaxf( 0.0f, contact->pressed[place] );
+    }
 }
 
 // An impact is no motion to go on with: BDF2 would take it for a velocity of the substep before. What contact holds has moved

@@ -56,7 +56,7 @@ typedef struct implicit_contact
     int32_t body[WISP_TOUCHES];  ///< held; 0: none
     float pressed[WISP_TOUCHES]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
     float rubbed;                ///< kg m/s, impulse across
-    int32_t slides;
+    int32_t slides, landed;
 } implicit_contact;
 
 /// One substep of a surface: its state in rows, and the linear system, all in scratch memory.

@@ -418,7 +418,9 @@ void triangle_oracle_contact_end( triangle_oracle* cloth, double h )
         contact->slack = cloth->params.release_hysteresis * weight * h;
         for ( int k = 0; k < contact->count; ++k )
         {
-            contact->pulls[k] = contact->normal_impulse[k] < -contact->slack;
+            // what was pulled to where it lands goes into the body and has to be stopped first
+            const bool landed = contact->state == TRIANGLE_ORACLE_LANDING;
+            contact->pulls[k] = !landed && contact->normal_impulse[k] < -contact->slack;
         }
         ++counts[contact->state];
     }
