@@ -31,6 +31,7 @@ enum
     KEY_LIST = 'l',
     KEY_SECONDS = 256,
     KEY_PICTURES,
+    KEY_COMPARE,
 };
 
 static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
@@ -46,6 +47,8 @@ static const struct argp_option option_list[] = {
     { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
     { "pictures", KEY_PICTURES, "FOLDER", 0, "Write pictures of the case `figures` to FOLDER and link them", 0 },
+    { "compare", KEY_COMPARE, NULL, 0,
+      "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
     { 0 },
 };
 
@@ -92,6 +95,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_PICTURES:
             arguments->options.pictures = argument;
+            return 0;
+        case KEY_COMPARE:
+            arguments->options.compare = true;
             return 0;
         case ARGP_KEY_ARG:
             choose_case( state, arguments, argument );

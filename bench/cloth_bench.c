@@ -1,5 +1,7 @@
 #include "cloth_bench.h"
 
+#include "compare_bench.h"
+
 #include <math.h>
 
 // Below so many seconds the largest levels are left out, and converged runs have half the substeps.
@@ -75,6 +77,11 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 
 wisp_status cloth_bench( const bench_options* options, results* out, wisp_error* error )
 {
+    if ( options->compare )
+    {
+        const compare_plan compared = compare_default_plan( options );
+        return compare_bench_run( &compared, out, error );
+    }
     cloth_plan plan = cloth_default_plan( options );
     return cloth_bench_run( &plan, out, error );
 }

@@ -1,4 +1,4 @@
-#include "figures_bench.h"
+#include "figures_drape.h"
 
 #include <stdarg.h>
 
@@ -22,7 +22,7 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
                          wisp_error* error )
 {
     static const char* const header[] = { "figure", "experiment", "expected", "measured", "met" };
-    figures_case page = { .out = out, .pictures = options->pictures };
+    figures_case page = { .out = out, .pictures = options->pictures, .quick = options->quick };
     page.table = results_add_table( out, "The figures of the sources as experiments", WISP_COUNT( header ), header );
     wisp_status status = balloon_mesh_figure( &page.figure, &page.figure_name, error );
     for ( int i = 0; i < count && status == WISP_OK; ++i )
@@ -48,7 +48,8 @@ wisp_status figures_bench( const bench_options* options, results* out, wisp_erro
         figures_two_particles,   figures_links,        figures_fixed_volume,     figures_four_forces,
         figures_inflate_release, figures_spin,         figures_rise_and_reverse, figures_real_time,
         figures_ghost_centre,    figures_ghost_sway,   figures_ghost_block,      figures_ghost_apart,
-        figures_ghost_curves,    figures_ghost_spread, figures_ghost_pairing,
+        figures_ghost_curves,    figures_ghost_spread, figures_ghost_pairing,    figures_drape,
+        figures_drape_steps,     figures_free_flight,  figures_hang_accuracy,    figures_hang_refined,
     };
     return figures_run( all, WISP_COUNT( all ), options, out, error );
 }

@@ -1,5 +1,5 @@
-/// The case `figures`: the figures of the balloon source (BAL section 8) and of the guide hair source (GUI section 6) as
-/// experiments, each with a measured check.
+/// The case `figures`: the figures of the balloon source (BAL section 8), of the guide hair source (GUI section 6) and
+/// of the triangle cloth source (figures_drape.h) as experiments, each with a measured check.
 #pragma once
 
 #include "balloon_scene.h"
@@ -11,6 +11,7 @@ typedef struct figures_case
     results* out;
     int table;
     const char* pictures; ///< folder, or null
+    bool quick;           ///< fewer and shorter runs
     wisp_mesh figure;     ///< an asymmetric closed body
     const char* figure_name;
 } figures_case;

@@ -137,24 +137,25 @@ LANE_INLINE void bend( const wisp_spring_job* job, row_lanes* row, int entry )
     add_link( job, row, entry, &l, pull, along, job->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
 }
 
-// The inverse of a symmetric matrix by its adjugate, scaled by the trace so that a cube neither overflows nor vanishes.
-LANE_INLINE void invert( const lane8 matrix[6], float out[6][8] )
+// The inverse of a symmetric matrix by L D L'. What it begins with, `least` in every direction, is what no pivot is smaller than:
+// beside a stiff link it is lost in the rounding of the others, and the inverse of what is left would not be positive.
+LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
 {
-    const lane8 scale = lane8_div( lane8_set1( 1.0f ), lane8_add( lane8_add( matrix[0], matrix[3] ), matrix[5] ) );
-    const lane8 xx = lane8_mul( matrix[0], scale ), xy = lane8_mul( matrix[1], scale );
-    const lane8 xz = lane8_mul( matrix[2], scale ), yy = lane8_mul( matrix[3], scale );
-    const lane8 yz = lane8_mul( matrix[4], scale ), zz = lane8_mul( matrix[5], scale );
-    const lane8 a = lane8_sub( lane8_mul( yy, zz ), lane8_mul( yz, yz ) );
-    const lane8 b = lane8_sub( lane8_mul( xz, yz ), lane8_mul( xy, zz ) );
-    const lane8 c = lane8_sub( lane8_mul( xy, yz ), lane8_mul( xz, yy ) );
-    const lane8 determinant = lane8_mul_add( xz, c, lane8_mul_add( xy, b, lane8_mul( xx, a ) ) );
-    const lane8 back = lane8_div( scale, determinant );
-    lane8_store( out[0], lane8_mul( a, back ) );
-    lane8_store( out[1], lane8_mul( b, back ) );
-    lane8_store( out[2], lane8_mul( c, back ) );
-    lane8_store( out[3], lane8_mul( lane8_sub( lane8_mul( xx, zz ), lane8_mul( xz, xz ) ), back ) );
-    lane8_store( out[4], lane8_mul( lane8_sub( lane8_mul( xy, xz ), lane8_mul( xx, yz ) ), back ) );
-    lane8_store( out[5], lane8_mul( lane8_sub( lane8_mul( xx, yy ), lane8_mul( xy, xy ) ), back ) );
+    const lane8 one = lane8_set1( 1.0f );
+    const lane8 first = lane8_div( one, lane8_max( matrix[0], least ) );
+    const lane8 yx = lane8_mul( matrix[1], first ), zx = lane8_mul( matrix[2], first );
+    const lane8 second = lane8_div( one, lane8_max( lane8_sub( matrix[3], lane8_mul( yx, matrix[1] ) ), least ) );
+    const lane8 mixed = lane8_sub( matrix[4], lane8_mul( yx, matrix[2] ) ), zy = lane8_mul( mixed, second );
+    const lane8 rest = lane8_sub( lane8_sub( matrix[5], lane8_mul( zx, matrix[2] ) ), lane8_mul( zy, mixed ) );
+    const lane8 third = lane8_div( one, lane8_max( rest, least ) );
+    const lane8 back = lane8_sub( lane8_mul( yx, zy ), zx ); // z by x of the inverse of L
+    lane8_store( out[5], third );
+    lane8_store( out[4], lane8_neg( lane8_mul( zy, third ) ) );
+    lane8_store( out[2], lane8_mul( back, third ) );
+    lane8_store( out[3], lane8_mul_add( lane8_mul( zy, zy ), third, second ) );
+    lane8_store( out[1], lane8_neg( lane8_mul_add( lane8_mul( back, zy ), third, lane8_mul( yx, second ) ) ) );
+    const lane8 two = lane8_mul_add( lane8_mul( yx, yx ), second, first );
+    lane8_store( out[0], lane8_mul_add( lane8_mul( back, back ), third, two ) );
 }
 
 LANE_INLINE void finish_row( const wisp_spring_job* job, row_lanes* row, int slice, lane8 mass )
@@ -171,7 +172,7 @@ LANE_INLINE void finish_row( const wisp_spring_job* job, row_lanes* row, int sli
     row->matrix[0] = lane8_add( row->matrix[0], mass );
     row->matrix[3] = lane8_add( row->matrix[3], mass );
     row->matrix[5] = lane8_add( row->matrix[5], mass );
-    invert( row->matrix, job->inverse[slice] );
+    invert( row->matrix, mass, job->inverse[slice] );
 }
 
 int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )

@@ -125,6 +125,7 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .needs = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
+            .lacks = { WISP_PARTICLE_SOLVED },
             .reads = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
             .run = damp,

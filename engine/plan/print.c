@@ -147,8 +147,12 @@ static void print_absent( print_line* line, const wisp_registry* r, const wisp_p
     }
     if ( is_kept_out( r, pass ) )
     {
-        append( line, "only without " );
-        append( line, name_of( r, pass->lacks[0] ) );
+        append( line, "only without" );
+        for ( int i = 0; i < WISP_MAX_USES && pass->lacks[i] != 0; ++i )
+        {
+            append( line, i == 0 ? " " : " and " );
+            append( line, name_of( r, pass->lacks[i] ) );
+        }
         flush( line );
         return;
     }

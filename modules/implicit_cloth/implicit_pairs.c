@@ -284,18 +284,17 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
     {
         return status;
     }
-    const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
-    bool made = ( cook->neighbours =
-                      implicit_cook_push( cook, (size_t)cook->fabric->vertex_count, sizeof( int32_t ) ) ) != NULL;
-    if ( given )
+    const bool stretch_given = d->stretch_pair_count > 0, bend_given = d->bend_pair_count > 0;
+    cook->neighbours = implicit_cook_push( cook, (size_t)cook->fabric->vertex_count, sizeof( int32_t ) );
+    bool made = cook->neighbours != NULL && ( stretch_given || pairs_of_mesh( cook ) );
+    if ( stretch_given )
     {
         made =
             made && copy_given( cook, d->stretch_pairs, d->stretch_pair_count, &cook->stretch, &cook->stretch_count );
-        made = made && copy_given( cook, d->bend_pairs, d->bend_pair_count, &cook->bend, &cook->bend_count );
     }
-    else
+    if ( bend_given )
     {
-        made = made && pairs_of_mesh( cook );
+        made = made && copy_given( cook, d->bend_pairs, d->bend_pair_count, &cook->bend, &cook->bend_count );
     }
     if ( made == false )
     {

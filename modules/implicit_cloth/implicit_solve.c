@@ -104,6 +104,7 @@ implicit_outcome implicit_solve( implicit_system* s )
         ++iteration;
     }
     implicit_outcome outcome = end_at( iteration, delta, delta_0 );
+    outcome.indefinite = !( delta >= 0.0 ); // of the preconditioner
     outcome.unsolved = iteration == s->limit && delta > least;
     return outcome;
 }

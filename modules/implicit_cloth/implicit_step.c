@@ -27,6 +27,7 @@ typedef struct step
     implicit_feeler feeler;
     step_columns columns;
     wisp_vec3 gravity;
+    float kept;              // of a velocity, by the surface's damping
     float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
     float *point, *velocity; // [row][4] where forces are asked, and the velocity that goes with it
     implicit_tally* tallies; // [block]
@@ -67,9 +68,9 @@ static void gather_row( step* s, int row )
     {
         const float fall = system->spring.seconds;
         place[3] = system->links->share[row] / weight;
-        start[0] += fall * s->gravity.x;
-        start[1] += fall * s->gravity.y;
-        start[2] += fall * s->gravity.z;
+        start[0] = s->kept * start[0] + fall * s->gravity.x;
+        start[1] = s->kept * start[1] + fall * s->gravity.y;
+        start[2] = s->kept * start[2] + fall * s->gravity.z;
     }
 }
 
@@ -410,7 +411,9 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .body = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 0 ),
     };
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
+    const float* damping = wisp_frame_column( frame, e, WISP_PARTICLE_DAMPING, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.seconds ) : 1.0f;
     const float h = wisp_frame_seconds( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
     const float HYSTERESIS = 1e-4f; // of the weight: a solve to its tolerance may be wrong by so much
     s->feeler = ( implicit_feeler ){
@@ -464,7 +467,8 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     find_columns( frame, span, state, &s );
     if ( find_room( &s, span->worker ) == false )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory to solve for %d particles", links->row_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory to solve for %d particles",
+                         wisp_frame_fabric( frame, span->entity )->vertex_count );
         return;
     }
     for_slices( &s, gather_slices );

@@ -18,8 +18,8 @@ typedef struct fake_pass
     wisp_stage stage;
     wisp_domain domain;
     const char *needs, *lacks, *reads, *writes; // letters; null for none
-    char on_change;                     // a letter, or 0
-    bool asks;                          // is_due answers what fake.due says
+    char on_change;                             // a letter, or 0
+    bool asks;                                  // is_due answers what fake.due says
     int grain;
 } fake_pass;
 
@@ -212,8 +212,8 @@ static inline void append_wave( char* text, size_t size, const wisp_world* world
 /// The plan: waves in order, sections in brackets as far as they exist, "refused" if there is none.
 static inline const char* plan_text( wisp_world* world )
 {
-    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before", "substep", "iteration", "substep end",
-                                                              "item loop", "after" };
+    static const char* const SECTIONS[PLAN_SECTION_COUNT] = { "before",      "substep",   "iteration",
+                                                              "substep end", "item loop", "after" };
     static char text[1000];
     text[0] = 0;
     if ( wisp_world_plan_passes( world ) < 0 )

@@ -223,7 +223,7 @@ void triangle_oracle_damping_forces( const triangle_oracle* cloth, const double3
         {
             apart = double3_scale( double3_dot( apart, term.direction ), term.direction );
         }
-        const double rate = term.length > 0.0 ? cloth->link[k].scale * cloth->params.damping : 0.0;
+        const double rate = term.length > 0.0 ? cloth->link[k].scale * cloth->link[k].damping : 0.0;
         force[i] = add_scaled( force[i], -rate, apart );
         force[j] = add_scaled( force[j], rate, apart );
     }

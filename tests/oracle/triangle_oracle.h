@@ -100,6 +100,7 @@ typedef struct triangle_oracle_link
     double stretch; ///< N/m, k; of a bending link 0
     double bend;    ///< N m^2, k_b; of a stretching link 0
     double ramp;    ///< N/m, c
+    double damping; ///< N s/m
     double scale;   ///< of all its forces: (w_i + w_j) / 2 with weights `pair`, else 1
 } triangle_oracle_link;
 

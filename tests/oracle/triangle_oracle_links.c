@@ -275,6 +275,7 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
         .stretch = bends ? 0.0 : share * p->stretch_stiffness,
         .bend = bends ? bend : 0.0,
         .ramp = bends ? share * compression : 0.0,
+        .damping = share * p->damping,
         .scale = 1.0,
     };
 }

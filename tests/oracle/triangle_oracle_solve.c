@@ -84,7 +84,7 @@ static triangle_oracle_matrix block_of( const triangle_oracle* cloth, int k )
 {
     const triangle_oracle_term* t = cloth->term + k;
     const double s = cloth->s;
-    const double rate = t->length > 0.0 ? cloth->link[k].scale * cloth->params.damping : 0.0;
+    const double rate = t->length > 0.0 ? cloth->link[k].scale * cloth->link[k].damping : 0.0;
     const bool axial = cloth->params.damping_form == TRIANGLE_ORACLE_DAMPING_AXIAL;
     const double along = s * s * t->k1 + s * rate;
     const double across = s * s * t->k2 + ( axial ? 0.0 : s * rate );

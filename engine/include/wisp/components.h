@@ -80,7 +80,8 @@
 #define WISP_PARTICLE_GRAVITY_COLUMNS( X ) X( wisp_vec3, gravity, 1 ) /* m/s^2 */
 #define WISP_PARTICLE_DAMPING_COLUMNS( X ) X( float, rate, 1 )        /* 1/s: v <- v / (1 + rate dt) */
 #define WISP_PARTICLE_SOLVED_COLUMNS( X )                                                                            \
-    X( int32_t, solved, 1 ) /* 1: a module moves the particles: gravity, targets and velocities are its business */
+    X( int32_t, solved,                                                                                              \
+       1 ) /* 1: a module moves the particles: gravity, targets, damping and velocities are its business */
 // Bodies that a solver of velocities must know of: the nearest, whoever they are, for one substep.
 #define WISP_PARTICLE_TOUCH_COLUMNS( X )                                                                             \
     X( int32_t, body, WISP_TOUCHES )       /* a name that stays from step to step, 0: none from here on */           \

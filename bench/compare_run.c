@@ -1,0 +1,429 @@
+// Worlds for every way to solve the cloth, stepped in turns from look to look.
+#include "compare_bench.h"
+
+#include "cloth/cloth.h"
+#include "collision/collision.h"
+#include "wisp/module.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+wisp_status compare_cook( const compare_scene* scene, wisp_fabric** out, wisp_error* error )
+{
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.hinges = true;
+    return surface_cook( &scene->base.mesh, def, out, error );
+}
+
+// ---- worlds ----
+
+static wisp_cloth_def cloth_of( const compare_scene* scene, const compare_variant* variant )
+{
+    wisp_cloth_def def = wisp_default_cloth_def();
+    const bool bends = scene->physics.bend > 0.0f;
+    if ( variant->method == COMPARE_PBD )
+    {
+        def.solver = WISP_SOLVER_PBD;
+        def.stretch_stiffness = def.shear_stiffness = variant->stiffness;
+        def.bending = bends ? WISP_CLOTH_BENDING_CROSS : WISP_CLOTH_BENDING_NONE;
+        return def;
+    }
+    // the sum makes it isotropic: every edge has 1 / k
+    def.warp_compliance = def.weft_compliance = 1.0f / COMPARE_STRETCH_STIFFNESS;
+    def.shear_compliance = 2.0f / COMPARE_STRETCH_STIFFNESS;
+    def.bending = bends ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_NONE;
+    def.bend_rigidity = bends ? (float)scene->rigidity : def.bend_rigidity;
+    return def;
+}
+
+static void forget( void* user, wisp_log_level level, const char* sentence )
+{
+    (void)user;
+    (void)level;
+    (void)sentence;
+}
+
+static wisp_status add_position_based( const compare_scene* scene, const compare_variant* variant,
+                                       const wisp_vec3* start, surface_entrant* out )
+{
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.fabric = out->fabric;
+    surface.points = start;
+    surface.area_density = TRIANGLE_DENSITY;
+    surface.pins = scene->border;
+    surface.pin_count = scene->physics.has_ball ? 0 : scene->border_count;
+    const wisp_cloth_def cloth = cloth_of( scene, variant );
+    wisp_status status = wisp_add_surface( out->world, &surface, &out->entity );
+    status = status ? status : wisp_set_gravity( out->world, out->entity, out->recipe.gravity );
+    status = status ? status : wisp_set_cloth( out->world, out->entity, &cloth );
+    status = status ? status : wisp_want( out->world, out->entity, WISP_SURFACE_POINTS );
+    return status == WISP_OK && scene->physics.has_ball ? triangle_add_ball( out ) : status;
+}
+
+static wisp_status enter_position_based( const compare_scene* scene, wisp_fabric* fabric,
+                                         const compare_variant* variant, const wisp_vec3* start, int workers,
+                                         surface_entrant* out, wisp_error* error )
+{
+    static const wisp_module* const modules[] = { &wisp_cloth_module, &wisp_collision_module };
+    *out = ( surface_entrant ){ .fabric = fabric, .recipe = surface_default_recipe( &wisp_cloth_module, fabric ) };
+    out->recipe.gravity = ( wisp_vec3 ){ 0.0f, -TRIANGLE_GRAVITY, 0.0f };
+    out->recipe.seconds = COMPARE_FRAME;
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = modules;
+    def.module_count = WISP_COUNT( modules );
+    def.log = forget;
+    def.workers = workers;
+    def.substeps = variant->substeps;
+    wisp_status status = wisp_world_create( &def, &out->world, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = add_position_based( scene, variant, start, out );
+    if ( status != WISP_OK )
+    {
+        surface_entrant_fail( out, status, error );
+        surface_entrant_destroy( out );
+    }
+    return status;
+}
+
+static wisp_status enter_implicit( const compare_scene* scene, wisp_fabric* fabric, const compare_variant* variant,
+                                   const wisp_vec3* start, int workers, surface_entrant* out, wisp_error* error )
+{
+    triangle_setting setting = triangle_default_setting();
+    setting.cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
+    setting.cloth.stretch_stiffness = COMPARE_STRETCH_STIFFNESS;
+    setting.cloth.bend_stiffness = scene->physics.bend;
+    setting.cloth.damping = scene->physics.damping_link;
+    setting.cloth.integrator = variant->bdf2 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;
+    setting.cloth.tolerance = variant->tolerance;
+    setting.cloth.newton_repeats = variant->repeats;
+    setting.seconds = 1.0f / (float)variant->rate;
+    setting.workers = workers;
+    setting.has_ball = scene->physics.has_ball;
+    setting.points = start;
+    setting.pins = scene->border;
+    setting.pin_count = scene->physics.has_ball ? 0 : scene->border_count;
+    triangle_scene base = scene->base;
+    base.fabric = fabric;
+    return triangle_enter( &base, &setting, out, error );
+}
+
+wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, const compare_variant* variant,
+                           const wisp_vec3* start, int workers, surface_entrant* out, wisp_error* error )
+{
+    const bool is_implicit = variant->method == COMPARE_IMPLICIT;
+    wisp_status status =
+        ( is_implicit ? enter_implicit : enter_position_based )( scene, fabric, variant, start, workers, out, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    out->recipe.workers = workers;
+    status = wisp_set_damping( out->world, out->entity, scene->physics.damping );
+    if ( status != WISP_OK )
+    {
+        surface_entrant_fail( out, status, error );
+        surface_entrant_destroy( out );
+    }
+    return status;
+}
+
+// ---- a run ----
+
+typedef struct contest
+{
+    const compare_plan* plan;
+    const compare_scene* scene;
+    const compare_truth* truth;
+    wisp_fabric* fabric;
+    wisp_vec3* start;
+    surface_entrant* entrants; // [variant_count][worker_count]
+    double* samples[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
+    int sample_count[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
+    int sample_room[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
+    double* points;     // [vertex_count][3] of a look
+    double* velocities; // likewise
+    compare_figures* figures;
+    results* out;
+} contest;
+
+// The limit is there for its error, and is not timed.
+static int workers_of( const contest* c, int variant )
+{
+    return c->plan->variants[variant].is_limit ? 1 : c->plan->worker_count;
+}
+
+static surface_entrant* entrant_of( const contest* c, int variant, int worker )
+{
+    return &c->entrants[variant * c->plan->worker_count + worker];
+}
+
+static wisp_status enter_all( contest* c, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < c->plan->variant_count; ++i )
+    {
+        for ( int w = 0; w < workers_of( c, i ) && status == WISP_OK; ++w )
+        {
+            status = compare_enter( c->scene, c->fabric, &c->plan->variants[i], c->start, c->plan->workers[w],
+                                    entrant_of( c, i, w ), error );
+        }
+    }
+    return status;
+}
+
+static void leave_all( contest* c )
+{
+    for ( int i = 0; i < c->plan->variant_count * c->plan->worker_count; ++i )
+    {
+        surface_entrant_destroy( &c->entrants[i] );
+    }
+}
+
+static wisp_status keep_sample( contest* c, int variant, int worker, double ms, wisp_error* error )
+{
+    int *count = &c->sample_count[variant][worker], *room = &c->sample_room[variant][worker];
+    if ( *count == *room )
+    {
+        const int longer = *room > 0 ? 2 * *room : 256;
+        double* samples = realloc( c->samples[variant][worker], (size_t)longer * sizeof( double ) );
+        if ( !samples )
+        {
+            return wisp_fail( error, WISP_NO_MEMORY, "no memory for the samples" );
+        }
+        c->samples[variant][worker] = samples;
+        *room = longer;
+    }
+    c->samples[variant][worker][( *count )++] = ms;
+    return WISP_OK;
+}
+
+// On to the next look. The first step of a turn refills the caches and is not counted.
+static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed, wisp_error* error )
+{
+    surface_entrant* entrant = entrant_of( c, variant, worker );
+    const double seconds = (double)entrant->recipe.seconds;
+    const int steps = (int)lround( (double)COMPARE_LOOK_SECONDS / seconds );
+    wisp_status status = WISP_OK;
+    for ( int k = 0; k < steps && status == WISP_OK; ++k )
+    {
+        const double begin = wisp_clock_seconds();
+        status = surface_entrant_step( entrant, error );
+        const double ms = 1e3 * ( wisp_clock_seconds() - begin ) * (double)COMPARE_FRAME / seconds;
+        if ( status == WISP_OK && is_timed && k > 0 )
+        {
+            status = keep_sample( c, variant, worker, ms, error );
+        }
+    }
+    return status;
+}
+
+// ---- looking ----
+
+static wisp_status see( contest* c, surface_entrant* entrant, wisp_error* error )
+{
+    const wisp_vec3* points;
+    wisp_status status = surface_entrant_points( entrant, &points, error );
+    for ( int i = 0; i < c->truth->vertex_count && status == WISP_OK; ++i )
+    {
+        c->points[3 * i] = (double)points[i].x;
+        c->points[3 * i + 1] = (double)points[i].y;
+        c->points[3 * i + 2] = (double)points[i].z;
+    }
+    return status;
+}
+
+static double square_distance( const contest* c, int look )
+{
+    const float* truth = c->truth->points + (size_t)look * 3 * (size_t)c->truth->vertex_count;
+    double sum = 0.0;
+    for ( int i = 0; i < 3 * c->truth->vertex_count; ++i )
+    {
+        const double off = c->points[i] - (double)truth[i];
+        sum += off * off;
+    }
+    return sum / c->truth->vertex_count;
+}
+
+static wisp_status look_at_path( contest* c, int variant, int look, wisp_error* error )
+{
+    compare_figures* figures = &c->figures[variant];
+    wisp_status status = see( c, entrant_of( c, variant, 0 ), error );
+    const double square = square_distance( c, look );
+    figures->path += square / ( c->scene->physics.look_count - 1 );
+    // not fmax: that would step over a NaN
+    figures->worst = sqrt( square ) <= figures->worst ? figures->worst : sqrt( square );
+    return status;
+}
+
+static wisp_status look_at_rest( contest* c, int variant, wisp_error* error )
+{
+    surface_entrant* entrant = entrant_of( c, variant, 0 );
+    compare_figures* figures = &c->figures[variant];
+    wisp_vec3* velocities = malloc( (size_t)c->truth->vertex_count * sizeof( wisp_vec3 ) );
+    if ( !velocities )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for velocities" );
+    }
+    wisp_status status = see( c, entrant, error );
+    surface_entrant_velocities( entrant, velocities );
+    for ( int i = 0; i < c->truth->vertex_count; ++i )
+    {
+        c->velocities[3 * i] = (double)velocities[i].x;
+        c->velocities[3 * i + 1] = (double)velocities[i].y;
+        c->velocities[3 * i + 2] = (double)velocities[i].z;
+    }
+    free( velocities );
+    figures->has_rest = entrant->halted_at == 0;
+    figures->rest = compare_look_at( c->scene, c->points, c->velocities );
+    figures->rest_distance = sqrt( square_distance( c, c->truth->look_count - 1 ) );
+    return status;
+}
+
+static wisp_status go_to_rest( contest* c, int variant, wisp_error* error )
+{
+    const compare_physics* physics = &c->scene->physics;
+    const int looks = (int)lround( (double)( physics->rest_seconds / COMPARE_LOOK_SECONDS ) );
+    wisp_status status = WISP_OK;
+    for ( int k = physics->look_count - 1; k < looks && status == WISP_OK; ++k )
+    {
+        status = take_turn( c, variant, 0, false, error );
+    }
+    return status == WISP_OK ? look_at_rest( c, variant, error ) : status;
+}
+
+// ---- rounds ----
+
+// Two worker counts, and two rounds, must end with the same bits.
+static wisp_status check_hash( contest* c, int variant, int worker, bool is_first, wisp_error* error )
+{
+    uint64_t hash;
+    surface_entrant* entrant = entrant_of( c, variant, worker );
+    compare_figures* figures = &c->figures[variant];
+    wisp_status status = surface_entrant_hash( entrant, &hash, error );
+    if ( status == WISP_OK && is_first && worker == 0 )
+    {
+        figures->hash = hash;
+        figures->halted_at = entrant->halted_at;
+    }
+    else if ( status == WISP_OK && hash != figures->hash )
+    {
+        results_add_failure( c->out, "cloth.compare.%s, %s: %d workers give hash %016llx, expected %016llx.",
+                             c->scene->physics.name, c->plan->variants[variant].name, c->plan->workers[worker],
+                             (unsigned long long)hash, (unsigned long long)figures->hash );
+    }
+    return status;
+}
+
+static wisp_status run_window( contest* c, bool is_first, wisp_error* error )
+{
+    const compare_physics* physics = &c->scene->physics;
+    wisp_status status = WISP_OK;
+    for ( int look = 1; look < physics->look_count; ++look )
+    {
+        for ( int i = 0; i < c->plan->variant_count && status == WISP_OK; ++i )
+        {
+            for ( int w = 0; w < workers_of( c, i ) && status == WISP_OK; ++w )
+            {
+                status = take_turn( c, i, w, look > physics->timed_look, error );
+            }
+            status = status == WISP_OK && is_first ? look_at_path( c, i, look, error ) : status;
+        }
+    }
+    for ( int i = 0; i < c->plan->variant_count; ++i )
+    {
+        for ( int w = 0; w < workers_of( c, i ) && status == WISP_OK; ++w )
+        {
+            status = check_hash( c, i, w, is_first, error );
+        }
+    }
+    return status;
+}
+
+static wisp_status run_round( contest* c, bool is_first, wisp_error* error )
+{
+    wisp_status status = enter_all( c, error );
+    status = status == WISP_OK ? run_window( c, is_first, error ) : status;
+    for ( int i = 0; i < c->plan->variant_count && status == WISP_OK && is_first; ++i )
+    {
+        if ( c->plan->variants[i].has_rest && c->figures[i].halted_at == 0 )
+        {
+            status = go_to_rest( c, i, error );
+        }
+    }
+    leave_all( c );
+    return status;
+}
+
+static void conclude( contest* c )
+{
+    for ( int i = 0; i < c->plan->variant_count; ++i )
+    {
+        compare_figures* figures = &c->figures[i];
+        const bool is_halted = figures->halted_at > 0;
+        figures->path = is_halted ? NAN : sqrt( figures->path );
+        figures->worst = is_halted ? NAN : figures->worst;
+        for ( int w = 0; w < c->plan->worker_count; ++w )
+        {
+            figures->ms[w] = stats_summarise( c->samples[i][w], is_halted ? 0 : c->sample_count[i][w] );
+        }
+    }
+}
+
+static wisp_status run_rounds( contest* c, double seconds, wisp_error* error )
+{
+    const double begin = wisp_clock_seconds();
+    wisp_status status = WISP_OK;
+    for ( int round = 0; round < c->plan->rounds_max && status == WISP_OK; ++round )
+    {
+        if ( round > 0 && wisp_clock_seconds() - begin > seconds )
+        {
+            break;
+        }
+        status = run_round( c, round == 0, error );
+    }
+    if ( status == WISP_OK )
+    {
+        conclude( c );
+    }
+    return status;
+}
+
+static void free_contest( contest* c )
+{
+    for ( int i = 0; i < c->plan->variant_count * c->plan->worker_count; ++i )
+    {
+        free( c->samples[i / c->plan->worker_count][i % c->plan->worker_count] );
+    }
+    wisp_fabric_release( c->fabric );
+    free( c->start );
+    free( c->entrants );
+    free( c->points );
+    free( c->velocities );
+}
+
+wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
+                               double seconds, compare_figures* figures, results* out, wisp_error* error )
+{
+    const size_t n = (size_t)truth->vertex_count, entrants = (size_t)( plan->variant_count * plan->worker_count );
+    contest c = { .plan = plan, .scene = scene, .truth = truth, .figures = figures, .out = out };
+    c.start = calloc( n, sizeof( wisp_vec3 ) );
+    c.entrants = calloc( entrants, sizeof( surface_entrant ) );
+    c.points = calloc( n, 3 * sizeof( double ) );
+    c.velocities = calloc( n, 3 * sizeof( double ) );
+    wisp_status status = WISP_OK;
+    if ( !c.start || !c.entrants || !c.points || !c.velocities )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a comparison of %zu worlds", entrants );
+    }
+    for ( size_t i = 0; i < n && status == WISP_OK; ++i )
+    {
+        c.start[i] = ( wisp_vec3 ){ truth->points[3 * i], truth->points[3 * i + 1], truth->points[3 * i + 2] };
+    }
+    status = status == WISP_OK ? compare_cook( scene, &c.fabric, error ) : status;
+    status = status == WISP_OK ? run_rounds( &c, seconds, error ) : status;
+    free_contest( &c );
+    return status;
+}

@@ -1,0 +1,80 @@
+#include "figures_drape.h"
+
+#include <math.h>
+
+static wisp_status take_shot( const figures_case* page, const drape_plan* plan, surface_entrant* entrant,
+                              const wisp_implicit_cloth_figures* seen, drape_result* out, wisp_error* error )
+{
+    const drape_shot* shot = &plan->shots[out->shot_count];
+    out->frames[out->shot_count] = shot->frame;
+    out->contacts[out->shot_count] = seen->sticking + seen->sliding + seen->landing;
+    wisp_status status = drape_look_at( plan->scene, plan->border, entrant, &out->shots[out->shot_count], error );
+    ++out->shot_count;
+    if ( status == WISP_OK && shot->album != NULL )
+    {
+        status = figures_take( page, shot->album, entrant, error, "k %.0f, frame %d", (double)plan->stiffness,
+                               shot->frame );
+    }
+    return status;
+}
+
+static wisp_status drop( const figures_case* page, const drape_plan* plan, surface_entrant* entrant,
+                         drape_result* out, wisp_error* error )
+{
+    const int rest = (int)lrint( fmin( plan->steps, DRAPE_REST_SECONDS / (double)plan->seconds ) );
+    wisp_status status = WISP_OK;
+    for ( int step = 1; step <= plan->steps && status == WISP_OK; ++step )
+    {
+        wisp_implicit_cloth_figures seen;
+        drape_look look;
+        const double begin = wisp_clock_seconds();
+        status = surface_entrant_step( entrant, error );
+        out->ms += 1e3 * ( wisp_clock_seconds() - begin ) / plan->steps;
+        status = status == WISP_OK ? drape_glance( entrant, &look, error ) : status;
+        if ( status == WISP_OK &&
+             wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen ) != WISP_OK )
+        {
+            status = surface_entrant_fail( entrant, WISP_CONFLICT, error );
+        }
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        out->kinetic_most = fmax( out->kinetic_most, look.kinetic );
+        out->gap_least = fmin( out->gap_least, look.gap );
+        out->iterations += (double)seen.iterations / plan->steps;
+        out->is_finite = out->is_finite && look.is_finite && entrant->halted_at == 0;
+        if ( step == rest )
+        {
+            status = drape_look_at( plan->scene, plan->border, entrant, &out->end, error );
+        }
+        while ( status == WISP_OK && out->shot_count < plan->shot_count &&
+                plan->shots[out->shot_count].frame == step )
+        {
+            status = take_shot( page, plan, entrant, &seen, out, error );
+        }
+    }
+    return status;
+}
+
+wisp_status drape_run( const figures_case* page, const drape_plan* plan, drape_result* out, wisp_error* error )
+{
+    *out = ( drape_result ){ .gap_least = INFINITY, .is_finite = true };
+    triangle_setting setting = triangle_default_setting();
+    setting.cloth.stretch_stiffness = plan->stiffness;
+    setting.seconds = plan->seconds;
+    setting.wants_figures = true;
+    surface_entrant entrant;
+    wisp_status status = triangle_enter( plan->scene, &setting, &entrant, error );
+    if ( status == WISP_OK )
+    {
+        status = drop( page, plan, &entrant, out, error );
+        surface_entrant_destroy( &entrant );
+    }
+    return status;
+}
+
+bool drape_is_at_rest( const drape_result* run )
+{
+    return run->is_finite && run->end.kinetic < DRAPE_REST * run->kinetic_most;
+}

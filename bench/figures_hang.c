@@ -1,0 +1,122 @@
+#include "figures_hang.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool is_held( hang_form form, wisp_vec3 p )
+{
+    const float edge = 0.5f * TRIANGLE_WIDTH - 1e-4f;
+    const bool is_side = p.z<-edge, is_end = fabsf( p.x )> edge;
+    switch ( form )
+    {
+        case HANG_SIDE:
+            return is_side;
+        case HANG_CORNERS:
+            return is_side && is_end;
+        case HANG_ROUND:
+            break;
+    }
+    return is_end || fabsf( p.z ) > edge;
+}
+
+// @param pins [vertex_count] @return how many
+static int find_pins( const wisp_mesh* mesh, hang_form form, int32_t* pins )
+{
+    int count = 0;
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        if ( is_held( form, mesh->points[i] ) )
+        {
+            pins[count++] = i;
+        }
+    }
+    return count;
+}
+
+// Turned about the side that is held.
+static void put_upright( const wisp_mesh* mesh, wisp_vec3* points )
+{
+    const float half = 0.5f * TRIANGLE_WIDTH;
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        const wisp_vec3 p = mesh->points[i];
+        points[i] = ( wisp_vec3 ){ p.x, p.y - ( p.z + half ), -half };
+    }
+}
+
+static wisp_status advance( surface_entrant* entrant, int steps, hang_result* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < steps && status == WISP_OK; ++i )
+    {
+        wisp_implicit_cloth_figures seen = { 0 };
+        const double begin = wisp_clock_seconds();
+        status = surface_entrant_step( entrant, error );
+        out->ms += 1e3 * ( wisp_clock_seconds() - begin );
+        if ( status == WISP_OK &&
+             wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen ) != WISP_OK )
+        {
+            status = surface_entrant_fail( entrant, WISP_CONFLICT, error );
+        }
+        out->iterations += seen.iterations;
+    }
+    return status;
+}
+
+static wisp_status run( const triangle_scene* scene, const triangle_setting* setting, int steps, hang_result* out,
+                        wisp_error* error )
+{
+    surface_entrant entrant;
+    wisp_status status = triangle_enter( scene, setting, &entrant, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_vec3* points;
+    status = advance( &entrant, steps, out, error );
+    status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+    if ( status == WISP_OK )
+    {
+        const surface_look look = surface_entrant_look( &entrant );
+        memcpy( out->points, points, (size_t)scene->mesh.vertex_count * sizeof( wisp_vec3 ) );
+        out->kinetic = look.kinetic;
+        out->is_finite = look.is_finite && entrant.halted_at == 0;
+    }
+    surface_entrant_destroy( &entrant );
+    return status;
+}
+
+wisp_status hang_run( const triangle_scene* scene, const hang_plan* plan, hang_result* out, wisp_error* error )
+{
+    const size_t count = (size_t)scene->mesh.vertex_count;
+    int32_t* pins = malloc( count * sizeof( int32_t ) );
+    wisp_vec3* start = malloc( count * sizeof( wisp_vec3 ) );
+    *out = ( hang_result ){ .points = malloc( count * sizeof( wisp_vec3 ) ) };
+    wisp_status status = WISP_OK;
+    if ( pins == NULL || start == NULL || out->points == NULL )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a cloth that hangs" );
+    }
+    else
+    {
+        triangle_setting setting = triangle_default_setting();
+        put_upright( &scene->mesh, start );
+        setting.cloth = plan->cloth;
+        setting.seconds = plan->seconds;
+        setting.wants_figures = true;
+        setting.has_ball = false;
+        setting.points = plan->is_upright ? start : NULL;
+        setting.pins = pins;
+        setting.pin_count = find_pins( &scene->mesh, plan->form, pins );
+        status = run( scene, &setting, plan->steps, out, error );
+    }
+    free( pins );
+    free( start );
+    if ( status != WISP_OK )
+    {
+        free( out->points );
+        out->points = NULL;
+    }
+    return status;
+}

@@ -1,0 +1,44 @@
+// The case `paper`: the tables of the sources that have one, in turn, each with its share of the time.
+#include "bench.h"
+#include "paper_triangle.h"
+
+bench_case_fn paper_frozen_hair;
+
+static const struct paper_part
+{
+    bench_case_fn* run;
+    double share; // of the time
+} parts[] = {
+    { paper_frozen_hair, 0.55 },
+    { paper_triangle_cloth, 0.45 },
+};
+
+// A part tells how much of itself is done.
+typedef struct part_progress
+{
+    const bench_options* whole;
+    double begin, share;
+} part_progress;
+
+static void pass_on( void* user, double share, const char* what )
+{
+    const part_progress* part = user;
+    bench_progress( part->whole, part->begin + part->share * share, what );
+}
+
+wisp_status paper_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    part_progress progress = { .whole = options };
+    for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
+    {
+        progress.share = parts[i].share;
+        bench_options part = *options;
+        part.seconds = parts[i].share * bench_seconds( options );
+        part.progress = pass_on;
+        part.progress_user = &progress;
+        status = parts[i].run( &part, out, error );
+        progress.begin += progress.share;
+    }
+    return status;
+}

@@ -1,0 +1,82 @@
+/// Table 1 of the triangle cloth source: what was measured of each cloth, and the tables made from it.
+#pragma once
+
+#include "bench.h"
+#include "cells.h"
+#include "stats.h"
+
+#define TRIANGLE_ROWS_MAX 12
+#define TRIANGLE_WORKERS_MAX 2
+
+/// A cloth that falls onto the ball.
+typedef struct triangle_drop
+{
+    int vertices; ///< of an irregular triangle mesh; 0: the source's quad mesh
+    float stretch_stiffness;
+    double source_ms; ///< NaN where the source has no such cloth
+    int steps;
+    bool is_timed; ///< else only its iterations are of interest
+    bool grows;    ///< a row of the table of growth
+} triangle_drop;
+
+/// Cloths and steps. triangle_default_plan() has those of the case; tests have smaller ones.
+typedef struct triangle_plan
+{
+    triangle_drop drops[TRIANGLE_ROWS_MAX];
+    int drop_count;
+    int touch_step; ///< growth is counted from this step on, in which the smallest cloth of the table meets the ball ...
+    int growth_steps; ///< ... for so many, which every row of growth has
+    struct
+    {
+        int vertices, steps;
+    } hangs[TRIANGLE_ROWS_MAX]; ///< against plain C
+    int hang_count;
+    int workers[TRIANGLE_WORKERS_MAX], worker_count;
+    const bench_options* options; ///< for progress
+} triangle_plan;
+
+triangle_plan triangle_default_plan( const bench_options* options );
+
+/// A cloth on the ball, measured. Arrays are by worker count.
+typedef struct triangle_line
+{
+    const triangle_drop* drop;
+    int vertices, stretch_links, bend_links;
+    stats_summary ms[TRIANGLE_WORKERS_MAX]; ///< a step, over all of them
+    double mean_ms[TRIANGLE_WORKERS_MAX];
+    double iteration_ns[TRIANGLE_WORKERS_MAX]; ///< of the pass that solves, a vertex and iteration: median over steps
+    double pass_ms[TRIANGLE_WORKERS_MAX];      ///< mean of that pass
+    double iterations_mean;                    ///< a step
+    int iterations_most;
+    double growth_mean; ///< iterations a step over the steps of growth
+    int contacts;       ///< vertices that stick, slide or land in the last step
+    uint64_t unsolved, indefinite;
+    uint64_t hash;
+} triangle_line;
+
+/// A hanging cloth beside plain C, one worker each.
+typedef struct triangle_hang
+{
+    int vertices, links, steps;
+    stats_summary plain_ms, ms;
+    double plain_mean_ms, mean_ms;
+    double plain_iterations, iterations; ///< a step
+    int64_t plain_unsolved;              ///< steps of plain C that did not end at their tolerance
+    uint64_t unsolved, indefinite;
+    double distance_most, distance_rms; ///< m, between both at the end
+    uint64_t hash;
+} triangle_hang;
+
+/// All tables of a plan.
+wisp_status paper_triangle_run( const triangle_plan* plan, results* out, wisp_error* error );
+/// The same of the case.
+wisp_status paper_triangle_cloth( const bench_options* options, results* out, wisp_error* error );
+
+/// Let cloths fall. @param lines [drop_count]
+wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, results* out, wisp_error* error );
+/// Let them hang beside plain C. @param hangs [hang_count]
+wisp_status triangle_hang_all( const triangle_plan* plan, triangle_hang* hangs, results* out, wisp_error* error );
+
+/// Tables, rows and sentences.
+void triangle_report( const triangle_plan* plan, const triangle_line* lines, const triangle_hang* hangs,
+                      results* out );

@@ -1,0 +1,154 @@
+// Makes the truth files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate, the finer one is
+// kept, with the distance between the two beside every look.
+#include "truth_run.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct truth_arguments
+{
+    const char* folder;
+    const char* scene; // null: all
+    double rate;       // 0: the default of the scene
+    double rest_rate;
+    bool has_rest, euler;
+} truth_arguments;
+
+static const char usage[] =
+    "usage: wisp_truth [--scene NAME] [--rate N] [--rest-rate N] [--no-rest] [--euler] FOLDER\n"
+    "Write FOLDER/NAME.truth for every scene of the comparison, or for one.\n"
+    "  --rate N       steps a second in the window, default 16000 with a ball and 8000 without;\n"
+    "                 the other run has half of it\n"
+    "  --rest-rate N  and after it, default 400\n"
+    "  --no-rest      stop behind the window; for experiments, nothing is written\n"
+    "  --euler        implicit Euler in place of BDF2\n";
+
+static bool parse_rate( const char* word, double* out )
+{
+    char* end;
+    *out = word ? strtod( word, &end ) : 0.0;
+    // an even number of steps between two looks, for the run of half the rate too
+    return word && *end == '\0' && *out >= 80.0 && *out <= 1e6 && *out == 40.0 * (double)(long)( *out / 40.0 );
+}
+
+static bool parse( int count, char** words, truth_arguments* out )
+{
+    *out = ( truth_arguments ){ .rest_rate = 400.0, .has_rest = true };
+    for ( int i = 1; i < count; ++i )
+    {
+        const char *word = words[i], *next = i + 1 < count ? words[i + 1] : NULL;
+        bool good = true;
+        if ( strcmp( word, "--scene" ) == 0 )
+        {
+            out->scene = next;
+            good = next != NULL;
+            ++i;
+        }
+        else if ( strcmp( word, "--rate" ) == 0 || strcmp( word, "--rest-rate" ) == 0 )
+        {
+            good = parse_rate( next, strcmp( word, "--rate" ) == 0 ? &out->rate : &out->rest_rate );
+            ++i;
+        }
+        else if ( strcmp( word, "--no-rest" ) == 0 )
+        {
+            out->has_rest = false;
+        }
+        else if ( strcmp( word, "--euler" ) == 0 )
+        {
+            out->euler = true;
+        }
+        else
+        {
+            good = word[0] != '-' && !out->folder;
+            out->folder = word;
+        }
+        if ( !good )
+        {
+            return false;
+        }
+    }
+    return out->folder != NULL;
+}
+
+static void print_looks( const compare_scene* scene, const compare_truth* truth )
+{
+    printf( "%s: mesh of %d vertices, seed %d, hash %016llx\n", scene->physics.name, truth->vertex_count,
+            COMPARE_SEED, (unsigned long long)truth->mesh_hash );
+    printf( "  time s   height m   strain %%    energy J   slack   doubt mm\n" );
+    for ( int k = 0; k < truth->look_count; ++k )
+    {
+        const compare_truth_look* l = &truth->looks[k];
+        printf( "%8.2f %10.5f %10.4f %11.6f %7.0f %10.5f\n", l->time, l->look.hem, 100.0 * l->look.strain,
+                l->look.energy, l->look.slack, 1e3 * l->doubt );
+    }
+    fflush( stdout );
+}
+
+static wisp_status make( const truth_arguments* arguments, compare_scenario scenario, wisp_error* error )
+{
+    compare_scene scene;
+    compare_truth coarse = { .points = NULL }, fine = { .points = NULL };
+    double *coarse_points = NULL, *fine_points = NULL;
+    wisp_status status = compare_scene_make( scenario, TRIANGLE_VERTICES, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const double rate = arguments->rate > 0.0 ? arguments->rate : scene.physics.has_ball ? 16000.0 : 8000.0;
+    truth_plan plan = { .integrator = arguments->euler ? TRIANGLE_ORACLE_EULER : TRIANGLE_ORACLE_BDF2,
+                        .rate = 0.5 * rate,
+                        .rest_rate = 0.5 * arguments->rest_rate,
+                        .has_rest = arguments->has_rest };
+    status = truth_run( &scene, &plan, &coarse, &coarse_points, error );
+    plan.rate = rate;
+    plan.rest_rate = arguments->rest_rate;
+    status = status == WISP_OK ? truth_run( &scene, &plan, &fine, &fine_points, error ) : status;
+    if ( status == WISP_OK )
+    {
+        fine.scenario = (int)scenario;
+        for ( int k = 0; k < fine.look_count; ++k )
+        {
+            const size_t at = 3 * (size_t)k * (size_t)fine.vertex_count;
+            fine.looks[k].doubt = truth_distance( coarse_points + at, fine_points + at, fine.vertex_count );
+        }
+        print_looks( &scene, &fine );
+    }
+    if ( status == WISP_OK && arguments->has_rest )
+    {
+        char path[1024];
+        snprintf( path, sizeof( path ), "%s/%s.truth", arguments->folder, scene.physics.name );
+        status = compare_truth_write( &fine, path, error );
+    }
+    compare_truth_free( &coarse );
+    compare_truth_free( &fine );
+    free( coarse_points );
+    free( fine_points );
+    compare_scene_free( &scene );
+    return status;
+}
+
+int main( int argc, char** argv )
+{
+    truth_arguments arguments;
+    if ( !parse( argc, argv, &arguments ) )
+    {
+        fputs( usage, stderr );
+        return 64;
+    }
+    for ( int scenario = 0; scenario < COMPARE_SCENARIO_COUNT; ++scenario )
+    {
+        wisp_error error = { 0 };
+        const char* name = compare_physics_of( (compare_scenario)scenario ).name;
+        if ( arguments.scene && strcmp( arguments.scene, name ) != 0 )
+        {
+            continue;
+        }
+        if ( make( &arguments, (compare_scenario)scenario, &error ) != WISP_OK )
+        {
+            fprintf( stderr, "wisp_truth: %s: %s\n", name, error.sentence );
+            return 1;
+        }
+    }
+    return 0;
+}

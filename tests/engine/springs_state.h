@@ -1,0 +1,235 @@
+/// A tangle of springs in rows, and all that the jobs of springs and conjugate gradients point at.
+#pragma once
+
+#include "kernels_fixture.h"
+
+#include "triangle_oracle.h"
+
+#include <float.h>
+#include <math.h>
+
+enum
+{
+    SLICES = 140, // three blocks of 64 that sums are made of, the last of them not full
+    ROWS = 8 * SLICES,
+    VERTICES = ROWS - 11, // a slice and a half pad
+    LINKS = 4 * VERTICES,
+    MOST_ENTRIES = 40 * SLICES,
+};
+
+static const double EPSILON = (double)FLT_EPSILON;
+
+typedef struct spring
+{
+    int i, j;
+    bool bends;
+    float rest, load, ramp, damping;
+} spring;
+
+// A tangle of links, and all that the jobs point at.
+typedef struct springs
+{
+    int link_count, entry_count;
+    spring link[LINKS];
+    _Alignas( 64 ) float position[ROWS][4];
+    _Alignas( 64 ) float velocity[ROWS][4];
+    _Alignas( 64 ) float start[ROWS][4];
+    int32_t begin[2 * SLICES + 1];
+    _Alignas( 64 ) int32_t other4[MOST_ENTRIES][8];
+    _Alignas( 64 ) float rest[MOST_ENTRIES][8], load[MOST_ENTRIES][8], ramp[MOST_ENTRIES][8],
+        damping[MOST_ENTRIES][8];
+    _Alignas( 64 ) float axis[MOST_ENTRIES][4][8];
+    _Alignas( 64 ) float rhs[SLICES][3][8], inverse[SLICES][6][8], filter[SLICES][6][8];
+    _Alignas( 64 ) float direction[ROWS][4];
+    _Alignas( 64 ) float product[SLICES][3][8], solution[SLICES][3][8], search[SLICES][3][8];
+    uint8_t filtered[SLICES];
+    double sum[4];
+    int undirected;
+} springs;
+
+static inline double3 vector( const float* quad )
+{
+    return double3_make( (double)quad[0], (double)quad[1], (double)quad[2] );
+}
+
+static inline double3 lane_vector( const float ( *vectors )[3][8], int row )
+{
+    const float( *v )[8] = vectors[row / 8];
+    return double3_make( (double)v[0][row % 8], (double)v[1][row % 8], (double)v[2][row % 8] );
+}
+
+// ---- a tangle ----
+
+static inline void place_entries( springs* s )
+{
+    int degree[ROWS][2] = { { 0 } }, filled[ROWS][2] = { { 0 } };
+    for ( int k = 0; k < s->link_count; ++k )
+    {
+        degree[s->link[k].i][s->link[k].bends] += 1;
+        degree[s->link[k].j][s->link[k].bends] += 1;
+    }
+    int entry = 0;
+    for ( int part = 0; part < 2 * SLICES; ++part )
+    {
+        int most = 0;
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            const int n = degree[part / 2 * 8 + lane][part % 2];
+            most = n > most ? n : most;
+        }
+        s->begin[part] = entry;
+        entry += most;
+    }
+    s->begin[2 * SLICES] = s->entry_count = entry;
+    assert_true( entry <= MOST_ENTRIES );
+    for ( int slice = 0; slice < SLICES; ++slice )
+    {
+        for ( int e = s->begin[2 * slice]; e < s->begin[2 * slice + 2]; ++e )
+        {
+            for ( int lane = 0; lane < 8; ++lane )
+            {
+                s->other4[e][lane] = 4 * ( 8 * slice + lane );
+            }
+        }
+    }
+    for ( int k = 0; k < 2 * s->link_count; ++k )
+    {
+        const spring* l = s->link + k / 2;
+        const int own = k % 2 == 0 ? l->i : l->j, other = k % 2 == 0 ? l->j : l->i;
+        const int e = s->begin[2 * ( own / 8 ) + ( l->bends ? 1 : 0 )] + filled[own][l->bends]++;
+        s->other4[e][own % 8] = 4 * other;
+        s->rest[e][own % 8] = l->rest;
+        s->load[e][own % 8] = l->load;
+        s->ramp[e][own % 8] = l->ramp;
+        s->damping[e][own % 8] = l->damping;
+    }
+}
+
+// Links that stretch and that bend, about half of them longer than at rest; bending ones on the ramp and on the arc.
+static inline void add_spring( springs* s, int i, int j, bool bends )
+{
+    const int n = s->link_count;
+    const float length = (float)double3_distance( vector( s->position[i] ), vector( s->position[j] ) );
+    s->link[s->link_count++] = ( spring ){
+        .i = i,
+        .j = j,
+        .bends = bends,
+        .rest = length > 0.0f ? length * test_random_float( n, 20, 0.6f, 1.6f ) : 0.03f,
+        .load = bends ? test_random_float( n, 21, 0.5f, 2.0f ) * 1e-3f : test_random_float( n, 22, 50.0f, 400.0f ),
+        .ramp = bends ? ( n % 3 == 0 ? 0.2f : 40.0f ) : 0.0f,
+        .damping = n % 4 == 0 ? 0.0f : test_random_float( n, 23, 0.0f, 0.1f ),
+    };
+}
+
+static inline springs* new_springs( void )
+{
+    springs* s = aligned_alloc( 64, ( sizeof( springs ) + 63 ) / 64 * 64 );
+    assert_non_null( s );
+    memset( s, 0, sizeof( *s ) );
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        for ( int k = 0; k < 3 && row < VERTICES; ++k )
+        {
+            s->position[row][k] = test_random_float( row, k, -0.1f, 0.1f );
+            s->velocity[row][k] = test_random_float( row, 3 + k, -1.0f, 1.0f );
+            s->start[row][k] = test_random_float( row, 6 + k, -1.0f, 1.0f );
+            s->direction[row][k] = test_random_float( row, 9 + k, -1.0f, 1.0f );
+        }
+        s->position[row][3] = row < VERTICES ? test_random_float( row, 12, 1e-4f, 1e-3f ) : 1.0f;
+    }
+    // two pairs of coincident vertices, and one that nothing is linked to
+    memcpy( s->position[40], s->position[41], 3 * sizeof( float ) );
+    memcpy( s->position[300], s->position[900], 3 * sizeof( float ) );
+    add_spring( s, 40, 41, false );
+    add_spring( s, 300, 900, true );
+    for ( int i = 1; i < VERTICES; ++i )
+    {
+        const int near = 1 + test_random( i, 31, i < 20 ? i : 20 ), far = test_random( i, 32, VERTICES );
+        add_spring( s, i, i - near, false );
+        add_spring( s, i, far != i ? far : 1 + i % 7, i % 3 != 0 );
+        add_spring( s, i, ( i + 13 ) % VERTICES, true );
+    }
+    place_entries( s );
+    return s;
+}
+
+static inline wisp_spring_links links_of( const springs* s )
+{
+    return ( wisp_spring_links ){
+        .begin = s->begin,
+        .other4 = s->other4,
+        .rest = s->rest,
+        .load = s->load,
+        .ramp = s->ramp,
+        .damping = s->damping,
+    };
+}
+
+static const float STEP = 1.0f / 120.0f;
+
+enum
+{
+    REPEAT = 1,
+    AXIAL = 2,
+    FULL = 4,
+    VARIANTS = 8,
+};
+
+static inline void assemble( const wisp_kernels* k, springs* s, int variant )
+{
+    const wisp_spring_job job = {
+        .links = links_of( s ),
+        .position = s->position[0],
+        .velocity = s->velocity[0],
+        .start = s->start[0],
+        .seconds = STEP,
+        .repeat = ( variant & REPEAT ) != 0,
+        .axial_damping = ( variant & AXIAL ) != 0,
+        .full_jacobian = ( variant & FULL ) != 0,
+        .axis = s->axis,
+        .rhs = s->rhs,
+        .inverse = s->inverse,
+    };
+    s->undirected = k->spring_assemble( &job, 0, SLICES );
+}
+
+static inline wisp_conjugate_job conjugate( springs* s )
+{
+    return ( wisp_conjugate_job ){
+        .links = links_of( s ),
+        .axis = (const float( * )[4][8])s->axis,
+        .position = s->position[0],
+        .inverse = (const float( * )[6][8])s->inverse,
+        .filter = (const float( * )[6][8])s->filter,
+        .filtered = s->filtered,
+        .direction = s->direction[0],
+        .product = s->product,
+        .residual = s->rhs,
+        .solution = s->solution,
+        .search = s->search,
+    };
+}
+
+// Every third slice is filtered: rows are free, slide, move along a line or stick.
+static inline void make_filters( springs* s )
+{
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        float n[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            n[k] = test_random_float( row, 40 + k, -1.0f, 1.0f );
+        }
+        const float length = sqrtf( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
+        const int kind = row % 4;
+        for ( int a = 0, i = 0; a < 3; ++a )
+        {
+            for ( int b = a; b < 3; ++b, ++i )
+            {
+                const float unit = a == b ? 1.0f : 0.0f, nn = n[a] * n[b] / ( length * length );
+                s->filter[row / 8][i][row % 8] = kind == 0 ? unit : kind == 1 ? unit - nn : kind == 2 ? nn : 0.0f;
+            }
+        }
+        s->filtered[row / 8] = row / 8 % 3 == 0 ? 1 : 0;
+    }
+}

@@ -1,0 +1,616 @@
+// Springs and conjugate gradients over rows: every table gives the same bits, and forces, derivatives, right sides and
+// products are those of plain formulas in double precision.
+#include "springs_state.h"
+
+// ---- every table ----
+
+static void every_table_solves_to_the_same_bits( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int variant = 0; variant < VARIANTS; ++variant )
+    {
+        springs* first = NULL;
+        for ( int t = 0; t < count; ++t )
+        {
+            springs* s = new_springs();
+            make_filters( s );
+            assemble( tables[t], s, variant );
+            const wisp_conjugate_job job = conjugate( s );
+            s->sum[0] = tables[t]->conjugate_advance( &job, 0.0f, 0, SLICES );
+            s->sum[1] = tables[t]->spring_product( &job, 0, SLICES );
+            s->sum[2] = tables[t]->conjugate_advance( &job, 0.37f, 0, SLICES );
+            tables[t]->conjugate_turn( &job, 0.61f, 0, SLICES );
+            s->sum[3] = tables[t]->spring_product( &job, 0, SLICES );
+            if ( first != NULL && memcmp( s, first, sizeof( *s ) ) != 0 )
+            {
+                fail_msg( "%s differs from %s: variant %d", tables[t]->isa, tables[0]->isa, variant );
+            }
+            free( t > 0 ? s : NULL );
+            first = t == 0 ? s : first;
+        }
+        free( first );
+    }
+}
+
+static void sums_are_those_of_blocks_in_order( void** state )
+{
+    (void)state;
+    springs *whole = new_springs(), *cut = new_springs();
+    assemble( widest_table(), whole, 0 );
+    assemble( widest_table(), cut, 0 );
+    const wisp_conjugate_job a = conjugate( whole ), b = conjugate( cut );
+    const double product = widest_table()->spring_product( &a, 0, SLICES );
+    const double advance = widest_table()->conjugate_advance( &a, 0.5f, 0, SLICES );
+    double products = 0.0, advances = 0.0;
+    for ( int begin = 0; begin < SLICES; begin += 64 )
+    {
+        products += widest_table()->spring_product( &b, begin, begin + 64 < SLICES ? begin + 64 : SLICES );
+    }
+    for ( int begin = 0; begin < SLICES; begin += 64 )
+    {
+        advances += widest_table()->conjugate_advance( &b, 0.5f, begin, begin + 64 < SLICES ? begin + 64 : SLICES );
+    }
+    assert_true( product == products );
+    assert_true( advance == advances );
+    assert_memory_equal( whole, cut, sizeof( *whole ) );
+    free( whole );
+    free( cut );
+}
+
+// ---- the arc ----
+
+// Eight bending links of length 1 that are y long, each between a vertex and one at the origin, with a ramp so steep that it
+// is the arc that counts.
+typedef struct arcs
+{
+    _Alignas( 64 ) float position[16][4];
+    _Alignas( 64 ) float nothing[16][4];
+    int32_t begin[5];
+    _Alignas( 64 ) int32_t other4[1][8];
+    _Alignas( 64 ) float one[1][8], ramp[1][8], zero[1][8], axis[1][4][8], rhs[2][3][8], inverse[2][6][8];
+} arcs;
+
+static void bend_arcs( const float y[8], arcs* a )
+{
+    *a = ( arcs ){ .begin = { 0, 0, 1, 1, 1 } };
+    for ( int lane = 0; lane < 8; ++lane )
+    {
+        a->position[lane][0] = y[lane];
+        a->position[lane][3] = a->position[8 + lane][3] = 1.0f;
+        a->other4[0][lane] = 4 * ( 8 + lane );
+        a->one[0][lane] = 1.0f;
+        a->ramp[0][lane] = 1e12f;
+    }
+    const wisp_spring_job job = {
+        .links = { a->begin, (const int32_t( * )[8])a->other4, (const float( * )[8])a->one,
+                   (const float( * )[8])a->one, (const float( * )[8])a->ramp, (const float( * )[8])a->zero },
+        .position = a->position[0],
+        .velocity = a->nothing[0],
+        .start = a->nothing[0],
+        .seconds = 1.0f,
+        .axis = a->axis,
+        .rhs = a->rhs,
+        .inverse = a->inverse,
+    };
+    assert_int_equal( widest_table()->spring_assemble( &job, 0, 1 ), 0 );
+}
+
+// The fit is within 3e-9 of F s and 6e-7 of F', s = sqrt( y + 0.217 ) being 0.47 to 1.1. Rounding: t carries three roundings of a
+// number of up to 1.1 and a factor of 3.1, which a polynomial of slope 2.5 to 4 carries on; the sum, the root and the
+// quotient round F itself. F' is the difference of two such numbers, over 2 s^2.
+static void assert_arc( float y, double load, double slope )
+{
+    const double f = triangle_oracle_arc_load( (double)y ), df = triangle_oracle_arc_slope( (double)y );
+    const double s2 = (double)y + 0.217;
+    assert_near( load, f, 3e-9 / sqrt( s2 ) + 6.0 * EPSILON * fabs( f ), "load at 1e6 y", (int)( 1e6f * y ) );
+    const double rounding = 6.0 * EPSILON * ( fabs( f ) + 2.0 * s2 * df ) / ( 2.0 * s2 );
+    assert_near( slope, df, 6e-7 + rounding, "slope at 1e6 y", (int)( 1e6f * y ) );
+}
+
+static void an_arc_has_the_load_and_slope_of_its_equation( void** state )
+{
+    (void)state;
+    arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
+    assert_non_null( a );
+    for ( int n = 0; n < 8192; n += 8 )
+    {
+        float y[8];
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            y[lane] = (float)( n + lane + 1 ) / 8192.0f;
+        }
+        y[7] = n == 8184 ? 1.0f - 0.5f * FLT_EPSILON : y[7];
+        y[0] = n == 0 ? 1e-6f : y[0];
+        bend_arcs( y, a );
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            // towards the other end, which is at the origin
+            const double root = -(double)a->axis[0][0][lane];
+            assert_arc( y[lane], -(double)a->rhs[0][0][lane], root * root );
+        }
+    }
+    free( a );
+}
+
+static void an_arc_as_long_as_at_rest_or_longer_pulls_nowhere( void** state )
+{
+    (void)state;
+    arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
+    assert_non_null( a );
+    const float y[8] = { 1.0f, 1.0f + FLT_EPSILON, 1.5f, 2.0f, 10.0f, 1e3f, 1e6f, 1e9f };
+    bend_arcs( y, a );
+    for ( int lane = 0; lane < 8; ++lane )
+    {
+        assert_true( a->rhs[0][0][lane] == 0.0f && a->axis[0][0][lane] == 0.0f );
+        assert_near( (double)a->inverse[0][0][lane], 1.0, 4.0 * EPSILON, "inverse of a mass of 1 kg, lane", lane );
+    }
+    free( a );
+}
+
+// ---- plain formulas ----
+
+// A link at its ends, in double: pull, K1', K2', and how far single precision may be from them.
+typedef struct term
+{
+    double3 d;
+    double pull, along, across;           // N; kg, with time and damping
+    double damping_along, damping_across; // kg
+    double pull_off, along_off;           // bounds
+} term;
+
+static term term_of( const springs* s, const spring* l, int variant )
+{
+    const double h = (double)STEP, damping = h * (double)l->damping, rest = (double)l->rest, load = (double)l->load;
+    const double3 way = double3_sub( vector( s->position[l->j] ), vector( s->position[l->i] ) );
+    const double r = double3_length( way ), y = r / rest;
+    term t = { .d = way };
+    if ( r == 0.0 )
+    {
+        t.along = t.damping_along = damping;
+        t.across = t.damping_across = ( variant & AXIAL ) != 0 ? 0.0 : damping;
+        return t;
+    }
+    t.d = double3_scale( 1.0 / r, way );
+    double k1 = 0.0, k2 = 0.0;
+    if ( l->bends == false && r >= rest )
+    {
+        t.pull = load * ( r - rest );
+        k1 = load;
+        k2 = t.pull / r;
+        t.pull_off = 4.0 * EPSILON * load * r; // r has some four roundings
+        t.along_off = 0.0;
+    }
+    else if ( l->bends && r < rest )
+    {
+        const double arc = load * triangle_oracle_arc_load( y ), straight = (double)l->ramp * ( r - rest );
+        const bool ramps = arc < straight;
+        t.pull = ramps ? straight : arc;
+        k1 = ramps ? (double)l->ramp : load / rest * triangle_oracle_arc_slope( y );
+        k2 = ( variant & FULL ) != 0 ? t.pull / r : 0.0;
+        t.pull_off = ramps ? 4.0 * EPSILON * (double)l->ramp * r : 16.0 * EPSILON * fabs( arc );
+        t.along_off = ramps ? 0.0 : h * h * 100.0 * EPSILON * k1; // a difference over 2 s^2, above
+    }
+    t.damping_along = damping;
+    t.damping_across = ( variant & AXIAL ) != 0 ? 0.0 : damping;
+    t.along = h * h * k1 + t.damping_along;
+    t.across = h * h * k2 + t.damping_across;
+    return t;
+}
+
+// K2' u + ( K1' - K2' ) d d'u
+static double3 spread( double3 d, double along, double across, double3 u )
+{
+    return double3_add( double3_scale( across, u ), double3_scale( ( along - across ) * double3_dot( d, u ), d ) );
+}
+
+// Where the larger of two bending loads is a matter of rounding, so is the slope.
+static bool is_at_a_corner( const springs* s, const spring* l )
+{
+    const double r = double3_distance( vector( s->position[l->i] ), vector( s->position[l->j] ) ),
+                 rest = (double)l->rest;
+    const double arc = (double)l->load * triangle_oracle_arc_load( fmin( r / rest, 1.0 ) );
+    const double straight = (double)l->ramp * ( r - rest );
+    return fabs( r - rest ) < 1e-5 * rest || ( l->bends && fabs( arc - straight ) < 1e-4 * fabs( arc ) );
+}
+
+typedef struct plain_rows
+{
+    double3 rhs[ROWS];
+    double off[ROWS]; // kg m/s
+    double matrix[ROWS][3][3];
+    double size[ROWS]; // kg, sums of what the matrix is a sum of
+    int undirected;
+} plain_rows;
+
+static void add_matrix( double matrix[3][3], const term* t )
+{
+    const double d[3] = { t->d.x, t->d.y, t->d.z };
+    for ( int a = 0; a < 3; ++a )
+    {
+        for ( int b = 0; b < 3; ++b )
+        {
+            matrix[a][b] += ( t->along - t->across ) * d[a] * d[b] + ( a == b ? t->across : 0.0 );
+        }
+    }
+}
+
+static void add_plain( plain_rows* p, const springs* s, const spring* l, int variant )
+{
+    const bool repeat = ( variant & REPEAT ) != 0;
+    const term t = term_of( s, l, variant );
+    const bool lost = double3_length( t.d ) == 0.0;
+    const double h = (double)STEP, along = repeat ? t.damping_along : t.along;
+    const double across = repeat ? t.damping_across : t.across;
+    const double3 u = double3_sub( vector( s->velocity[l->i] ), vector( s->velocity[l->j] ) );
+    const double3 drag = lost ? double3_scale( across, u ) : spread( t.d, along, across, u );
+    const double3 push = double3_sub( double3_scale( h * t.pull, t.d ), drag );
+    const double off =
+        h * t.pull_off + 8.0 * EPSILON * h * fabs( t.pull ) +
+        ( 12.0 * EPSILON * ( along + fabs( across ) ) + t.along_off ) * ( double3_length( u ) + EPSILON );
+    p->rhs[l->i] = double3_add( p->rhs[l->i], push );
+    p->rhs[l->j] = double3_sub( p->rhs[l->j], push );
+    const int ends[2] = { l->i, l->j };
+    for ( int k = 0; k < 2; ++k )
+    {
+        p->off[ends[k]] += off;
+        p->size[ends[k]] += fabs( t.along ) + fabs( t.across );
+        add_matrix( p->matrix[ends[k]], &t );
+    }
+    p->undirected += lost ? 2 : 0;
+}
+
+static plain_rows* plain_formulas( const springs* s, int variant )
+{
+    plain_rows* p = calloc( 1, sizeof( plain_rows ) );
+    assert_non_null( p );
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        const double m = (double)s->position[row][3];
+        p->matrix[row][0][0] = p->matrix[row][1][1] = p->matrix[row][2][2] = p->size[row] = m;
+        if ( ( variant & REPEAT ) != 0 )
+        {
+            const double3 back = double3_sub( vector( s->start[row] ), vector( s->velocity[row] ) );
+            p->rhs[row] = double3_scale( m, back );
+            p->off[row] = 4.0 * EPSILON * m * double3_length( back );
+        }
+    }
+    for ( int k = 0; k < s->link_count; ++k )
+    {
+        add_plain( p, s, s->link + k, variant );
+    }
+    return p;
+}
+
+// Neither may a link of the tangle stand at a corner of its law, where one precision takes the one side and one the other.
+static void forces_and_right_sides_are_those_of_plain_formulas( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    for ( int k = 2; k < s->link_count; ++k )
+    {
+        assert_false( is_at_a_corner( s, s->link + k ) );
+    }
+    for ( int variant = 0; variant < VARIANTS; ++variant )
+    {
+        plain_rows* p = plain_formulas( s, variant );
+        assemble( widest_table(), s, variant );
+        assert_int_equal( s->undirected, p->undirected );
+        assert_int_equal( s->undirected, 4 );
+        for ( int row = 0; row < ROWS; ++row )
+        {
+            const double3 found = lane_vector( (const float( * )[3][8])s->rhs, row );
+            // a row of up to 30 links adds as many roundings of its partial sums, which the bound of each link has
+            assert_near( double3_distance( found, p->rhs[row] ), 0.0, p->off[row] + 1e-30, "right side of row", row );
+        }
+        free( p );
+    }
+    free( s );
+}
+
+static void rows_that_pad_have_nothing_to_say( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    for ( int variant = 0; variant < VARIANTS; ++variant )
+    {
+        assemble( widest_table(), s, variant );
+        const wisp_conjugate_job job = conjugate( s );
+        widest_table()->spring_product( &job, 0, SLICES );
+        for ( int row = VERTICES; row < ROWS; ++row )
+        {
+            assert_true( double3_length( lane_vector( (const float( * )[3][8])s->rhs, row ) ) == 0.0 );
+            assert_true( double3_length( lane_vector( (const float( * )[3][8])s->product, row ) ) == 0.0 );
+            assert_near( (double)s->inverse[row / 8][0][row % 8], 1.0, 4.0 * EPSILON, "inverse of row", row );
+            assert_true( s->inverse[row / 8][1][row % 8] == 0.0f );
+        }
+        // lanes of a row with fewer links than its slice have
+        for ( int slice = 0; slice < SLICES; ++slice )
+        {
+            for ( int e = s->begin[2 * slice]; e < s->begin[2 * slice + 2]; ++e )
+            {
+                for ( int lane = 0; lane < 8; ++lane )
+                {
+                    const bool pads = s->rest[e][lane] == 0.0f;
+                    const float sum = s->axis[e][0][lane] + s->axis[e][1][lane] + s->axis[e][2][lane];
+                    assert_true( pads == false || ( sum == 0.0f && s->axis[e][3][lane] == 0.0f ) );
+                }
+            }
+        }
+    }
+    free( s );
+}
+
+// ---- the inverse ----
+
+static double3 times_inverse( const springs* s, int row, double3 v )
+{
+    const float( *m )[8] = ( (const float( * )[6][8])s->inverse )[row / 8];
+    const int l = row % 8;
+    const double xx = (double)m[0][l], xy = (double)m[1][l], xz = (double)m[2][l], yy = (double)m[3][l];
+    const double yz = (double)m[4][l], zz = (double)m[5][l];
+    return double3_make( xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z,
+                         xz * v.x + yz * v.y + zz * v.z );
+}
+
+// |1 - P A| of a row, over the largest entry of A times that of P: what a condition number multiplies.
+static double doubt_of( const springs* s, const plain_rows* p, int row )
+{
+    double worst = 0.0;
+    for ( int column = 0; column < 3; ++column )
+    {
+        const double3 a = { p->matrix[row][0][column], p->matrix[row][1][column], p->matrix[row][2][column] };
+        const double3 unit = { column == 0, column == 1, column == 2 };
+        worst = fmax( worst, double3_distance( times_inverse( s, row, a ), unit ) );
+    }
+    return worst;
+}
+
+static double condition_of( const springs* s, const plain_rows* p, int row )
+{
+    double trace = 0.0, inverse = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int diagonal[3] = { 0, 3, 5 };
+        trace += p->matrix[row][k][k];
+        inverse += (double)s->inverse[row / 8][diagonal[k]][row % 8];
+    }
+    return trace * inverse;
+}
+
+// From the lightest mass to the heaviest. An adjugate is a difference of products, so its error is the square of the condition
+// number in roundings: a sum of traces is above 9 for the identity.
+static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    for ( int row = 0; row < VERTICES; ++row )
+    {
+        s->position[row][3] = powf( 10.0f, test_random_float( row, 50, -12.0f, 12.0f ) );
+    }
+    for ( int k = 0; k < s->link_count; ++k )
+    {
+        s->link[k].damping = 0.05f; // so that no direction of a light vertex is free
+    }
+    place_entries( s );
+    for ( int variant = 0; variant < FULL; ++variant )
+    {
+        if ( ( variant & AXIAL ) != 0 )
+        {
+            continue;
+        }
+        plain_rows* p = plain_formulas( s, variant );
+        assemble( widest_table(), s, variant );
+        for ( int row = 1; row < ROWS; ++row )
+        {
+            const double condition = condition_of( s, p, row );
+            assert_true( condition >= 8.9 );
+            assert_near( doubt_of( s, p, row ), 0.0, 4.0 * EPSILON * condition * condition, "inverse of row", row );
+        }
+        free( p );
+    }
+    free( s );
+}
+
+// One link that is k h^2 / m = 1 to 1e12 times as heavy as the vertex at its end: conjugate gradients need r'Pr > 0 for any r.
+static void the_preconditioner_is_positive_however_light_a_vertex_is( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    s->link_count = 0;
+    memset( s->rest, 0, sizeof( s->rest ) );
+    memset( s->damping, 0, sizeof( s->damping ) );
+    for ( int i = 0; i + 1 < VERTICES; i += 2 )
+    {
+        add_spring( s, i, i + 1, false );
+        spring* l = s->link + s->link_count - 1;
+        l->rest = 0.999999f * (float)double3_distance( vector( s->position[i] ), vector( s->position[i + 1] ) );
+        l->load = 200.0f;
+        l->damping = 0.0f;
+        s->position[i][3] = s->position[i + 1][3] =
+            200.0f * STEP * STEP * powf( 10.0f, -12.0f * (float)i / VERTICES );
+    }
+    place_entries( s );
+    assemble( widest_table(), s, 0 );
+    for ( int i = 0; i < VERTICES; ++i )
+    {
+        for ( int n = 0; n < 16; ++n )
+        {
+            const double3 r = { (double)test_random_float( i, 100 + 3 * n, -1.0f, 1.0f ),
+                                (double)test_random_float( i, 101 + 3 * n, -1.0f, 1.0f ),
+                                (double)test_random_float( i, 102 + 3 * n, -1.0f, 1.0f ) };
+            const double squared = double3_dot( r, times_inverse( s, i, r ) );
+            if ( !( squared > 0.0 && isfinite( squared ) ) )
+            {
+                fail_msg( "r'Pr is %g where the link outweighs the mass %g times", squared,
+                          200.0 * (double)( STEP * STEP ) / (double)s->position[i][3] );
+            }
+        }
+    }
+    free( s );
+}
+
+// ---- the product ----
+
+static void a_product_is_that_of_the_matrix( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    for ( int variant = 0; variant < VARIANTS; ++variant )
+    {
+        assemble( widest_table(), s, variant & ~FULL );
+        plain_rows* p = calloc( 1, sizeof( plain_rows ) );
+        assert_non_null( p );
+        double truth = 0.0, size = 0.0;
+        for ( int row = 0; row < ROWS; ++row )
+        {
+            p->rhs[row] = double3_scale( (double)s->position[row][3], vector( s->direction[row] ) );
+        }
+        for ( int k = 0; k < s->link_count; ++k )
+        {
+            const spring* l = s->link + k;
+            const term t = term_of( s, l, variant & ~FULL );
+            const double3 u = double3_sub( vector( s->direction[l->i] ), vector( s->direction[l->j] ) );
+            const double along = double3_length( t.d ) > 0.0 ? t.along : t.across;
+            const double3 push = spread( t.d, along, t.across, u );
+            const double off = ( 16.0 * EPSILON * ( t.along + t.across ) + t.along_off ) * double3_length( u );
+            p->rhs[l->i] = double3_add( p->rhs[l->i], push );
+            p->rhs[l->j] = double3_sub( p->rhs[l->j], push );
+            p->off[l->i] += off;
+            p->off[l->j] += off;
+        }
+        const wisp_conjugate_job job = conjugate( s );
+        const double sum = widest_table()->spring_product( &job, 0, SLICES );
+        for ( int row = 0; row < ROWS; ++row )
+        {
+            const double3 found = lane_vector( (const float( * )[3][8])s->product, row );
+            const double rounding =
+                EPSILON * (double)s->position[row][3] * double3_length( vector( s->direction[row] ) );
+            assert_near( double3_distance( found, p->rhs[row] ), 0.0, p->off[row] + 2.0 * rounding, "product of row",
+                         row );
+            truth += double3_dot( vector( s->direction[row] ), p->rhs[row] );
+            size += 2.0 * ( p->off[row] + rounding );
+        }
+        assert_near( sum, truth, size + 64.0 * EPSILON * truth, "c . q of variant", variant );
+        free( p );
+    }
+    free( s );
+}
+
+static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS][4] )
+{
+    memcpy( s->direction, q, sizeof( s->direction ) );
+    const wisp_conjugate_job job = conjugate( s );
+    widest_table()->spring_product( &job, 0, SLICES );
+    double sum = 0.0;
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        sum += double3_dot( vector( p[row] ), lane_vector( (const float( * )[3][8])s->product, row ) );
+    }
+    return sum;
+}
+
+// Both ends of a link compute the same axis from differences of opposite signs.
+static void the_matrix_is_symmetric_and_positive( void** state )
+{
+    (void)state;
+    springs* s = new_springs();
+    static float p[ROWS][4], q[ROWS][4];
+    for ( int variant = 0; variant < FULL; ++variant )
+    {
+        assemble( widest_table(), s, variant );
+        for ( int n = 0; n < 8; ++n )
+        {
+            memset( p, 0, sizeof( p ) );
+            memset( q, 0, sizeof( q ) );
+            for ( int i = 0; i < 3 * VERTICES; ++i )
+            {
+                p[i / 3][i % 3] = test_random_float( i, 60 + n, -1.0f, 1.0f );
+                q[i / 3][i % 3] = test_random_float( i, 70 + n, -1.0f, 1.0f );
+            }
+            const double pq = product_of( s, (const float( * )[4])p, (const float( * )[4])q );
+            const double qp = product_of( s, (const float( * )[4])q, (const float( * )[4])p );
+            const double pp = product_of( s, (const float( * )[4])p, (const float( * )[4])p );
+            const double qq = product_of( s, (const float( * )[4])q, (const float( * )[4])q );
+            assert_true( pp > 0.0 && qq > 0.0 );
+            assert_near( pq, qp, 8.0 * EPSILON * sqrt( pp * qq ), "p'Aq of variant", variant );
+        }
+    }
+    free( s );
+}
+
+// ---- vectors ----
+
+static void an_advance_and_a_turn_are_what_they_say( void** state )
+{
+    (void)state;
+    springs *s = new_springs(), *before = new_springs();
+    make_filters( s );
+    assemble( widest_table(), s, 0 );
+    const wisp_conjugate_job job = conjugate( s );
+    widest_table()->spring_product( &job, 0, SLICES );
+    memcpy( before, s, sizeof( *s ) );
+    const float a = 0.25f, b = 0.5f;
+    const double sum = widest_table()->conjugate_advance( &job, a, 0, SLICES );
+    double truth = 0.0, size = 0.0;
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        const double3 c = vector( before->direction[row] ),
+                      q = lane_vector( (const float( * )[3][8])before->product, row );
+        const double3 dv = double3_scale( (double)a, c );
+        const double3 was = lane_vector( (const float( * )[3][8])before->rhs, row );
+        const double3 r = double3_sub( was, double3_scale( (double)a, q ) );
+        assert_near( double3_distance( lane_vector( (const float( * )[3][8])s->solution, row ), dv ), 0.0, 0.0, "dv",
+                     row );
+        assert_near( double3_distance( lane_vector( (const float( * )[3][8])s->rhs, row ), r ), 0.0,
+                     EPSILON * ( double3_length( was ) + double3_length( q ) ), "r", row );
+        float( *f )[8] = s->filter[row / 8];
+        const int l = row % 8;
+        const bool filtered = s->filtered[row / 8] != 0;
+        const double m[6] = { filtered ? (double)f[0][l] : 1.0, filtered ? (double)f[1][l] : 0.0,
+                              filtered ? (double)f[2][l] : 0.0, filtered ? (double)f[3][l] : 1.0,
+                              filtered ? (double)f[4][l] : 0.0, filtered ? (double)f[5][l] : 1.0 };
+        const double3 rows[3] = { { m[0], m[1], m[2] }, { m[1], m[3], m[4] }, { m[2], m[4], m[5] } };
+        const double3 left = { double3_dot( rows[0], r ), double3_dot( rows[1], r ), double3_dot( rows[2], r ) };
+        const double3 held = times_inverse( s, row, left );
+        const double3 search = { double3_dot( rows[0], held ), double3_dot( rows[1], held ),
+                                 double3_dot( rows[2], held ) };
+        const double scale = ( double3_length( was ) + double3_length( q ) ) *
+                             ( (double)s->inverse[row / 8][0][l] + (double)s->inverse[row / 8][3][l] +
+                               (double)s->inverse[row / 8][5][l] );
+        assert_near( double3_distance( lane_vector( (const float( * )[3][8])s->search, row ), search ), 0.0,
+                     16.0 * EPSILON * scale, "s", row );
+        truth += double3_dot( left, search );
+        size += ( double3_length( was ) + double3_length( q ) ) * scale;
+    }
+    assert_near( sum, truth, 32.0 * EPSILON * size, "r . s", 0 );
+    widest_table()->conjugate_turn( &job, b, 0, SLICES );
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        const double3 search = lane_vector( (const float( * )[3][8])s->search, row );
+        const double3 c = double3_add( search, double3_scale( (double)b, vector( before->direction[row] ) ) );
+        assert_near( double3_distance( vector( s->direction[row] ), c ), 0.0, EPSILON * double3_length( c ) + 1e-30,
+                     "c", row );
+    }
+    free( s );
+    free( before );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_table_solves_to_the_same_bits ),
+        cmocka_unit_test( sums_are_those_of_blocks_in_order ),
+        cmocka_unit_test( an_arc_has_the_load_and_slope_of_its_equation ),
+        cmocka_unit_test( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere ),
+        cmocka_unit_test( forces_and_right_sides_are_those_of_plain_formulas ),
+        cmocka_unit_test( rows_that_pad_have_nothing_to_say ),
+        cmocka_unit_test( the_preconditioner_is_the_inverse_for_any_mass ),
+        cmocka_unit_test( the_preconditioner_is_positive_however_light_a_vertex_is ),
+        cmocka_unit_test( a_product_is_that_of_the_matrix ),
+        cmocka_unit_test( the_matrix_is_symmetric_and_positive ),
+        cmocka_unit_test( an_advance_and_a_turn_are_what_they_say ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,275 @@
+/// The engine of implicit cloth and the oracle side by side: the same sheet, disturbed, with the same switches, substep by
+/// substep. What bodies there are, the oracle is told by the engine.
+#pragma once
+
+#include "implicit_cloth_fixture.h"
+
+#include "oracle/triangle_oracle.h"
+
+enum
+{
+    DUEL_SIDE = 8,
+    DUEL_VERTICES = DUEL_SIDE * DUEL_SIDE,
+    DUEL_TRIANGLES = 2 * ( DUEL_SIDE - 1 ) * ( DUEL_SIDE - 1 ),
+};
+
+typedef struct duel
+{
+    const char* name;
+    wisp_implicit_weights weights;
+    wisp_implicit_stiffness stiffness;
+    wisp_implicit_damping damping_form;
+    wisp_implicit_jacobian jacobian;
+    wisp_implicit_integrator integrator;
+    int repeats;                              // 0: one
+    float damping;                            // N s/m; 0: the default
+    bool cold, by_hand, carried, loose, near; // warm start off; pairs; a pin that moves; no pins; no look-ahead
+    float recovery;                           // m/s, of bodies
+    float dt;                                 // s
+} duel;
+
+typedef struct match
+{
+    const duel* rules;
+    hosted h;
+    wisp_entity cloth;
+    triangle_oracle oracle;
+    int32_t pairs[4 * DUEL_VERTICES];
+    int pair_count;
+    int steps;
+} match;
+
+static inline double3 widen( const float* v )
+{
+    return double3_make( (double)v[0], (double)v[1], (double)v[2] );
+}
+
+static inline size_t slot_of( match* m, int vertex )
+{
+    return (size_t)wisp_world_fabric( m->h.world, m->cloth )->vertex_slot[vertex];
+}
+
+static inline const float* quad_of( match* m, int vertex, wisp_component component )
+{
+    const float* column = wisp_world_column( m->h.world, m->cloth, component, 0 );
+    return column + slot_of( m, vertex ) * 4;
+}
+
+// Rows and columns of the sheet, which stretch.
+static inline void list_pairs( match* m )
+{
+    for ( int v = 0; v < DUEL_VERTICES; ++v )
+    {
+        const int others[2] = { v % DUEL_SIDE + 1 < DUEL_SIDE ? v + 1 : -1,
+                                v + DUEL_SIDE < DUEL_VERTICES ? v + DUEL_SIDE : -1 };
+        for ( int k = 0; k < 2; ++k )
+        {
+            if ( others[k] >= 0 )
+            {
+                m->pairs[2 * m->pair_count] = v;
+                m->pairs[2 * m->pair_count++ + 1] = others[k];
+            }
+        }
+    }
+}
+
+static inline wisp_implicit_cloth_def duel_def( match* m )
+{
+    const duel* r = m->rules;
+    wisp_implicit_cloth_def def = exact_def();
+    def.weights = r->weights;
+    def.stiffness = r->stiffness;
+    def.damping_form = r->damping_form;
+    def.jacobian = r->jacobian;
+    def.integrator = r->integrator;
+    def.newton_repeats = r->repeats > 0 ? r->repeats : 1;
+    def.damping = r->damping > 0.0f ? r->damping : def.damping;
+    def.warm_start = r->cold == false;
+    def.look_ahead = r->near == false;
+    if ( r->by_hand )
+    {
+        list_pairs( m );
+        def.stretch_pairs = m->pairs;
+        def.stretch_pair_count = m->pair_count;
+    }
+    return def;
+}
+
+static inline void match_params( const wisp_implicit_cloth_def* def, triangle_oracle_params* p )
+{
+    *p = triangle_oracle_default_params();
+    p->weights = (triangle_oracle_weights)def->weights;
+    p->stiffness = (triangle_oracle_stiffness)def->stiffness;
+    p->damping_form = (triangle_oracle_damping)def->damping_form;
+    p->jacobian = (triangle_oracle_jacobian)def->jacobian;
+    p->integrator = (triangle_oracle_integrator)def->integrator;
+    p->stretch_stiffness = (double)def->stretch_stiffness;
+    p->bend_stiffness = (double)def->bend_stiffness;
+    p->bend_rigidity = (double)def->bend_rigidity;
+    p->damping = (double)def->damping;
+    p->gravity = double3_make( 0.0, (double)EARTH.y, 0.0 );
+    p->newton_repeats = def->newton_repeats;
+    p->max_iterations = 1000;
+    p->warm_start = def->warm_start;
+    p->look_ahead = def->look_ahead;
+}
+
+// The oracle starts where the engine's floats are, with the masses that it has.
+static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_implicit_cloth_def* def )
+{
+    double3 points[DUEL_VERTICES];
+    double masses[DUEL_VERTICES];
+    int triangles[3 * DUEL_TRIANGLES], pairs[4 * DUEL_VERTICES];
+    for ( int v = 0; v < DUEL_VERTICES; ++v )
+    {
+        const float weight = quad_of( m, v, WISP_PARTICLE_POSITION )[3];
+        points[v] = widen( &mesh->points[v].x );
+        masses[v] = weight > 0.0f ? 1.0 / (double)weight : 1.0;
+    }
+    for ( int i = 0; i < 3 * DUEL_TRIANGLES; ++i )
+    {
+        triangles[i] = mesh->triangles[i];
+    }
+    for ( int i = 0; i < 2 * m->pair_count; ++i )
+    {
+        pairs[i] = m->pairs[i];
+    }
+    const triangle_oracle_def sheet = {
+        .count = DUEL_VERTICES,
+        .points = points,
+        .triangle_count = DUEL_TRIANGLES,
+        .triangles = triangles,
+        .masses = masses,
+        .stretch_pairs = m->pair_count > 0 ? pairs : NULL,
+        .stretch_pair_count = m->pair_count,
+    };
+    triangle_oracle_params params;
+    match_params( def, &params );
+    wisp_error error = { WISP_OK, "" };
+    if ( triangle_oracle_create( &sheet, &params, &m->oracle, &error ) != WISP_OK )
+    {
+        fail_msg( "no oracle: %s", error.sentence );
+    }
+    for ( int v = 0; v < DUEL_VERTICES; ++v )
+    {
+        m->oracle.x[v] = widen( quad_of( m, v, WISP_PARTICLE_POSITION ) );
+        m->oracle.v[v] = widen( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
+        if ( quad_of( m, v, WISP_PARTICLE_POSITION )[3] == 0.0f )
+        {
+            triangle_oracle_pin( &m->oracle, v );
+        }
+    }
+}
+
+/// A sheet whose vertices stand a millimetre and a half off a grid of a 32nd of a metre at rest, and another 2 mm off that in the
+/// beginning, moving up to 0.2 m/s.
+static inline match* open_match( const duel* rules )
+{
+    match* m = calloc( 1, sizeof( match ) );
+    assert_non_null( m );
+    m->rules = rules;
+    open_implicit( &m->h, 1 );
+    test_mesh mesh = test_plane( DUEL_SIDE, 0.03125f );
+    for ( int v = 0; v < DUEL_VERTICES; ++v )
+    {
+        mesh.points[v].x += test_random_float( v, 200, -1.5e-3f, 1.5e-3f );
+        mesh.points[v].z += test_random_float( v, 201, -1.5e-3f, 1.5e-3f );
+    }
+    const int32_t pins[2] = { 0, DUEL_SIDE - 1 };
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = pins;
+    surface.pin_count = rules->loose ? 0 : 2;
+    m->cloth = test_surface_of( m->h.world, &fabric, surface );
+    const wisp_implicit_cloth_def def = duel_def( m );
+    set_implicit( m->h.world, m->cloth, &def );
+    assert_status( m->h.world, wisp_set_gravity( m->h.world, m->cloth, EARTH ), WISP_OK );
+    crumple_sheet( m->h.world, m->cloth, 2e-3f, 0.2f );
+    start_oracle( m, &mesh, &def );
+    test_mesh_free( &mesh );
+    return m;
+}
+
+static inline void close_match( match* m )
+{
+    assert_int_equal( count_of( m->h.world, WISP_COUNT_HALTED ), 0 );
+    triangle_oracle_destroy( &m->oracle );
+    close_world( &m->h );
+    free( m );
+}
+
+// ---- bodies ----
+
+// What the engine has sensed in this substep of the body with this friction: its rows keep all but the names.
+static inline bool sensed_touch( void* user, int vertex, double3 x, triangle_oracle_touch* touch )
+{
+    match* m = user;
+    (void)x;
+    const size_t row = slot_of( m, vertex ) * WISP_TOUCHES;
+    const float* plane = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 1 );
+    const float* motion = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 2 );
+    const float* friction = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 3 );
+    for ( size_t k = row; k < row + WISP_TOUCHES; ++k )
+    {
+        const double3 n = widen( plane + 4 * k );
+        if ( double3_length( n ) > 0.5 && fabs( (double)friction[3 * k] - touch->still ) < 1e-6 )
+        {
+            touch->normal = double3_scale( 1.0 / double3_length( n ), n );
+            touch->gap = (double)plane[4 * k + 3];
+            touch->motion = widen( motion + 4 * k );
+            touch->margin = (double)motion[4 * k + 3];
+            touch->still = (double)friction[3 * k];
+            touch->slip = (double)friction[3 * k + 1];
+            touch->recovery = (double)friction[3 * k + 2];
+            return true;
+        }
+    }
+    return false;
+}
+
+// ---- a step of both ----
+
+static inline void carry_pin( match* m )
+{
+    const int32_t pin = DUEL_SIDE - 1;
+    const float t = (float)m->steps * m->rules->dt;
+    const wisp_vec3 target = { 0.21875f - 0.3f * t, 0.4f * t, 0.2f * t };
+    assert_status( m->h.world, wisp_move_pins( m->h.world, m->cloth, &pin, &target, 1 ), WISP_OK );
+    m->oracle.target[pin] = widen( &target.x );
+}
+
+/// @param friction [body_count] static friction, another one for each body
+static inline void step_both( match* m, const double* friction, int body_count )
+{
+    triangle_oracle_body body[WISP_TOUCHES];
+    for ( int k = 0; k < body_count; ++k )
+    {
+        body[k] = ( triangle_oracle_body ){
+            .shape = TRIANGLE_ORACLE_GIVEN, .still = friction[k], .touch = sensed_touch, .user = m
+        };
+    }
+    const triangle_oracle_bodies bodies = { body_count, body };
+    m->steps += 1;
+    if ( m->rules->carried )
+    {
+        carry_pin( m );
+    }
+    run_steps( m->h.world, 1, m->rules->dt );
+    triangle_oracle_step( &m->oracle, (double)m->rules->dt, &bodies );
+}
+
+/// The farthest that a vertex of the one is from that of the other, m.
+static inline double apart( match* m, int* vertex )
+{
+    double most = 0.0;
+    for ( int v = 0; v < DUEL_VERTICES; ++v )
+    {
+        const double distance = double3_distance( widen( quad_of( m, v, WISP_PARTICLE_POSITION ) ), m->oracle.x[v] );
+        if ( isnan( most ) == false && !( distance <= most ) )
+        {
+            most = distance;
+            *vertex = v;
+        }
+    }
+    return most;
+}
