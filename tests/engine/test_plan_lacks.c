@@ -175,7 +175,7 @@ static wisp_entity add_surface( wisp_world* world )
 }
 
 static const char* const MOVERS[] = { "particles.gravity", "particles.targets", "particles.predict",
-                                      "particles.velocity" };
+                                      "particles.velocity", "particles.damping" };
 
 static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
 {
@@ -215,16 +215,6 @@ static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
     wisp_world_destroy( world );
 }
 
-static void damping_of_a_solved_surface_still_acts( void** state )
-{
-    (void)state;
-    wisp_world* world = OPEN_WORLD( SHY );
-    wisp_entity e = add_surface( world );
-    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
-    assert_line( world, "particles.damping", "wave", "" );
-    wisp_world_destroy( world );
-}
-
 static void strain_limits_of_a_solved_surface_are_refused( void** state )
 {
     (void)state;
@@ -255,7 +245,6 @@ int main( void )
         cmocka_unit_test( a_printed_plan_says_what_keeps_a_pass_away ),
         cmocka_unit_test( a_solved_surface_is_moved_by_no_pass_of_the_engine ),
         cmocka_unit_test( a_surface_beside_a_solved_one_goes_on_falling ),
-        cmocka_unit_test( damping_of_a_solved_surface_still_acts ),
         cmocka_unit_test( strain_limits_of_a_solved_surface_are_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
