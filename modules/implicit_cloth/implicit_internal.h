@@ -53,7 +53,7 @@ typedef struct implicit_state
 /// What a particle remembers of its contacts from substep to substep.
 typedef struct implicit_contact
 {
-    int32_t body[WISP_TOUCHES];  ///< held; 0: none
+    int32_t body[WISP_TOUCHES];  ///< holds it, or it landed there; 0: none
     float pressed[WISP_TOUCHES]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
     float rubbed;                ///< kg m/s, impulse across
     int32_t slides, landed;
@@ -121,8 +121,6 @@ void implicit_links_release( implicit_links* links, const wisp_allocator* alloca
 /// conjugate.direction; the answer is in conjugate.solution, and what is left of the right side, which contact has to give,
 /// in conjugate.residual.
 implicit_outcome implicit_solve( implicit_system* system );
-/// Run a range function over the slices, with the system as its context.
-void implicit_for_slices( implicit_system* system, wisp_range_fn* run );
 
 // ---- implicit_contact.c ----
 

@@ -9,11 +9,6 @@ typedef struct slice_loop
     float factor;
 } slice_loop;
 
-void implicit_for_slices( implicit_system* system, wisp_range_fn* run )
-{
-    wisp_parallel_for( system->parallel, system->links->slice_count, system->grain, run, system );
-}
-
 static double add_up( const implicit_system* system )
 {
     double sum = 0.0;
@@ -48,7 +43,7 @@ static void turn_slices( void* context, int begin, int end, int worker )
 
 static double product( implicit_system* s )
 {
-    implicit_for_slices( s, multiply );
+    wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, multiply, s );
     return add_up( s );
 }
 
