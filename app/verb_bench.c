@@ -69,6 +69,21 @@ static void choose_case( struct argp_state* state, bench_arguments* arguments, c
     arguments->chosen[arguments->chosen_count++] = &cases[place];
 }
 
+// An option of one case is a mistake where that case does not run. Without a CASE all of them do.
+static void check_option( struct argp_state* state, const bench_arguments* arguments, const char* option,
+                          const char* name )
+{
+    bool runs = arguments->chosen_count == 0;
+    for ( int i = 0; i < arguments->chosen_count; ++i )
+    {
+        runs = runs || strcmp( arguments->chosen[i]->name, name ) == 0;
+    }
+    if ( runs == false )
+    {
+        argp_error( state, "%s is an option of the case '%s', which is not asked for", option, name );
+    }
+}
+
 static error_t parse( int key, char* argument, struct argp_state* state )
 {
     bench_arguments* arguments = state->input;
@@ -101,6 +116,16 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case ARGP_KEY_ARG:
             choose_case( state, arguments, argument );
+            return 0;
+        case ARGP_KEY_END:
+            if ( arguments->options.compare )
+            {
+                check_option( state, arguments, "--compare", "cloth" );
+            }
+            if ( arguments->options.pictures != NULL )
+            {
+                check_option( state, arguments, "--pictures", "figures" );
+            }
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
