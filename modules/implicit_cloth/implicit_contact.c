@@ -4,11 +4,6 @@
 
 #include <string.h>
 
-enum
-{
-    LANES = 8,
-};
-
 // A contact that counts in this substep.
 typedef struct touch
 {
@@ -53,25 +48,26 @@ static wisp_vec3 cross( wisp_vec3 a, wisp_vec3 b )
 
 static void write_filter( const implicit_system* s, int row, const float filter[6] )
 {
-    float* to = s->filter_floats + (size_t)( row / LANES ) * 6 * LANES + row % LANES;
+    float* to = s->filter_floats + (size_t)( row / WISP_SLICE ) * 6 * WISP_SLICE + row % WISP_SLICE;
     for ( int i = 0; i < 6; ++i )
     {
-        to[i * LANES] = filter[i];
+        to[i * WISP_SLICE] = filter[i];
     }
 }
 
-static wisp_vec3 read_lanes( const float ( *vectors )[3][LANES], int row )
+static wisp_vec3 read_lanes( const float ( *vectors )[3][WISP_SLICE], int row )
 {
-    const float( *v )[LANES] = vectors[row / LANES];
-    const int lane = row % LANES;
+    const float( *v )[WISP_SLICE] = vectors[row / WISP_SLICE];
+    const int lane = row % WISP_SLICE;
     return ( wisp_vec3 ){ v[0][lane], v[1][lane], v[2][lane] };
 }
 
 // S v of a row.
 static wisp_vec3 filtered( const implicit_system* s, int row, wisp_vec3 v )
 {
-    const float* f = s->filter_floats + (size_t)( row / LANES ) * 6 * LANES + row % LANES;
-    const float xx = f[0], xy = f[LANES], xz = f[2 * LANES], yy = f[3 * LANES], yz = f[4 * LANES], zz = f[5 * LANES];
+    const float* f = s->filter_floats + (size_t)( row / WISP_SLICE ) * 6 * WISP_SLICE + row % WISP_SLICE;
+    const float xx = f[0], xy = f[WISP_SLICE], xz = f[2 * WISP_SLICE], yy = f[3 * WISP_SLICE], yz = f[4 * WISP_SLICE],
+                zz = f[5 * WISP_SLICE];
     return ( wisp_vec3 ){ xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z,
                           xz * v.x + yz * v.y + zz * v.z };
 }
@@ -83,9 +79,9 @@ static void open_slice( const implicit_system* s, int slice )
     if ( s->filtered[slice] == 0 )
     {
         s->filtered[slice] = 1;
-        for ( int lane = 0; lane < LANES; ++lane )
+        for ( int lane = 0; lane < WISP_SLICE; ++lane )
         {
-            write_filter( s, slice * LANES + lane, IDENTITY );
+            write_filter( s, slice * WISP_SLICE + lane, IDENTITY );
         }
     }
 }
@@ -93,7 +89,7 @@ static void open_slice( const implicit_system* s, int slice )
 // A row whose velocity shall be `goal` as far as the filter takes its freedom away.
 static void hold_row( const implicit_system* s, int row, const float filter[6], wisp_vec3 goal )
 {
-    open_slice( s, row / LANES );
+    open_slice( s, row / WISP_SLICE );
     write_filter( s, row, filter );
     float* to = s->goal + (size_t)row * 4;
     to[0] = goal.x;
@@ -400,7 +396,7 @@ void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int
         return;
     }
     implicit_contact* contact = f->contact + slot;
-    const wisp_vec3 left = read_lanes( (const float( * )[3][LANES])s->conjugate.residual, row );
+    const wisp_vec3 left = read_lanes( (const float( * )[3][WISP_SLICE])s->conjugate.residual, row );
     const wisp_vec3 impulse = subtract( filtered( s, row, left ), left );
     const int count = merge( touches, found );
     for ( int i = 0; i < found; ++i )

@@ -1,11 +1,6 @@
 // Energies of the links, asked for rarely: plain loops in double, in a fixed order.
 #include "implicit_internal.h"
 
-enum
-{
-    LANES = 8,
-};
-
 static const double PI = 3.14159265358979323846;
 
 // sinc u = y on [0, pi] by Newton's method.
@@ -83,9 +78,9 @@ static double row_distance( const float* position, const implicit_links* links, 
 static void add_entry( const implicit_links* links, const float* position, int slice, int entry, bool bends,
                        wisp_implicit_cloth_figures* out )
 {
-    for ( int lane = 0; lane < LANES; ++lane )
+    for ( int lane = 0; lane < WISP_SLICE; ++lane )
     {
-        const int row = slice * LANES + lane, other = links->springs.other4[entry][lane] / 4;
+        const int row = slice * WISP_SLICE + lane, other = links->springs.other4[entry][lane] / 4;
         if ( other <= row )
         {
             continue;

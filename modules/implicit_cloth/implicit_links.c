@@ -5,7 +5,6 @@
 
 enum
 {
-    LANES = 8,
     WINDOW = 256, // slots that may change places for the sake of less padding; near enough to stay in the near caches
 };
 
@@ -76,9 +75,9 @@ static size_t place_entries( const row_cook* r, const int32_t* row_slot, int sli
         for ( size_t list = 0; list < 2; ++list )
         {
             int32_t most = 0;
-            for ( int lane = 0; lane < LANES; ++lane )
+            for ( int lane = 0; lane < WISP_SLICE; ++lane )
             {
-                const int32_t slot = row_slot[slice * LANES + lane];
+                const int32_t slot = row_slot[slice * WISP_SLICE + lane];
                 const int32_t degree = slot >= 0 ? r->degree[2 * (size_t)slot + list] : 0;
                 most = degree > most ? degree : most;
             }
@@ -93,16 +92,16 @@ static size_t place_entries( const row_cook* r, const int32_t* row_slot, int sli
 // The arrays behind wisp_spring_links, to be written.
 typedef struct entry_arrays
 {
-    int32_t ( *other4 )[LANES];
-    float ( *rest )[LANES], ( *load )[LANES], ( *ramp )[LANES], ( *damping )[LANES];
+    int32_t ( *other4 )[WISP_SLICE];
+    float ( *rest )[WISP_SLICE], ( *load )[WISP_SLICE], ( *ramp )[WISP_SLICE], ( *damping )[WISP_SLICE];
 } entry_arrays;
 
 static void write_end( row_cook* r, const int32_t* begin, const entry_arrays* out, const implicit_pair* pair,
                        int list, int32_t own, int32_t other )
 {
     const int32_t row = r->slot_row[own];
-    const int32_t entry = begin[2 * ( row / LANES ) + list] + r->filled[2 * (size_t)row + (size_t)list]++;
-    const int lane = row % LANES;
+    const int32_t entry = begin[2 * ( row / WISP_SLICE ) + list] + r->filled[2 * (size_t)row + (size_t)list]++;
+    const int lane = row % WISP_SLICE;
     out->other4[entry][lane] = 4 * r->slot_row[other];
     out->rest[entry][lane] = pair->rest;
     out->load[entry][lane] = pair->load;
@@ -116,9 +115,9 @@ static void write_entries( row_cook* r, const int32_t* begin, int slice_count, c
     {
         for ( int entry = begin[2 * slice]; entry < begin[2 * slice + 2]; ++entry )
         {
-            for ( int lane = 0; lane < LANES; ++lane )
+            for ( int lane = 0; lane < WISP_SLICE; ++lane )
             {
-                out->other4[entry][lane] = 4 * ( slice * LANES + lane );
+                out->other4[entry][lane] = 4 * ( slice * WISP_SLICE + lane );
             }
         }
     }
@@ -145,7 +144,7 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
                                  int row_count, const int32_t* begin, size_t entry_count )
 {
     const implicit_cook* cook = r->cook;
-    const size_t lanes = LANES * sizeof( float ), slices = (size_t)row_count / LANES;
+    const size_t lanes = WISP_SLICE * sizeof( float ), slices = (size_t)row_count / WISP_SLICE;
     size_t bytes = 0;
     reserve( &bytes, 1, sizeof( implicit_links ) );
     const size_t slot_at = reserve( &bytes, (size_t)row_count, sizeof( int32_t ) );
@@ -163,16 +162,16 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
     }
     memset( memory, 0, bytes );
     const entry_arrays out = {
-        .other4 = ( int32_t( * )[LANES] )(void*)( memory + at[0] ),
-        .rest = ( float( * )[LANES] )(void*)( memory + at[1] ),
-        .load = ( float( * )[LANES] )(void*)( memory + at[2] ),
-        .ramp = ( float( * )[LANES] )(void*)( memory + at[3] ),
-        .damping = ( float( * )[LANES] )(void*)( memory + at[4] ),
+        .other4 = ( int32_t( * )[WISP_SLICE] )(void*)( memory + at[0] ),
+        .rest = ( float( * )[WISP_SLICE] )(void*)( memory + at[1] ),
+        .load = ( float( * )[WISP_SLICE] )(void*)( memory + at[2] ),
+        .ramp = ( float( * )[WISP_SLICE] )(void*)( memory + at[3] ),
+        .damping = ( float( * )[WISP_SLICE] )(void*)( memory + at[4] ),
     };
     implicit_links* links = (implicit_links*)(void*)memory;
     *links = ( implicit_links ){
         .row_count = row_count,
-        .slice_count = row_count / LANES,
+        .slice_count = row_count / WISP_SLICE,
         .stretch_count = cook->stretch_count,
         .bend_count = cook->bend_count,
         .most_neighbours = cook->most_neighbours,
@@ -189,18 +188,19 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
     write_entries( r, begin, links->slice_count, &out );
     links->springs = ( wisp_spring_links ){
         .begin = (const int32_t*)(void*)( memory + begin_at ),
-        .other4 = (const int32_t( * )[LANES])out.other4,
-        .rest = (const float( * )[LANES])out.rest,
-        .load = (const float( * )[LANES])out.load,
-        .ramp = (const float( * )[LANES])out.ramp,
-        .damping = (const float( * )[LANES])out.damping,
+        .other4 = (const int32_t( * )[WISP_SLICE])out.other4,
+        .rest = (const float( * )[WISP_SLICE])out.rest,
+        .load = (const float( * )[WISP_SLICE])out.load,
+        .ramp = (const float( * )[WISP_SLICE])out.ramp,
+        .damping = (const float( * )[WISP_SLICE])out.damping,
     };
     return links;
 }
 
 static implicit_links* cook_rows( implicit_cook* cook, const wisp_implicit_cloth_def* def )
 {
-    const size_t vertices = (size_t)cook->fabric->vertex_count, rows = ( vertices + LANES - 1 ) / LANES * LANES;
+    const size_t vertices = (size_t)cook->fabric->vertex_count,
+                 rows = ( vertices + WISP_SLICE - 1 ) / WISP_SLICE * WISP_SLICE;
     row_cook r = {
         .cook = cook,
         .degree = implicit_cook_push( cook, 2 * vertices, sizeof( int32_t ) ),
@@ -208,14 +208,14 @@ static implicit_links* cook_rows( implicit_cook* cook, const wisp_implicit_cloth
         .filled = implicit_cook_push( cook, 2 * rows, sizeof( int32_t ) ),
     };
     int32_t* row_slot = implicit_cook_push( cook, rows, sizeof( int32_t ) );
-    int32_t* begin = implicit_cook_push( cook, 2 * rows / LANES + 1, sizeof( int32_t ) );
+    int32_t* begin = implicit_cook_push( cook, 2 * rows / WISP_SLICE + 1, sizeof( int32_t ) );
     if ( r.degree == NULL || r.slot_row == NULL || r.filled == NULL || row_slot == NULL || begin == NULL )
     {
         return NULL;
     }
     count_degrees( &r );
     order_rows( &r, row_slot, (int)rows );
-    const size_t entries = place_entries( &r, row_slot, (int)( rows / LANES ), begin );
+    const size_t entries = place_entries( &r, row_slot, (int)( rows / WISP_SLICE ), begin );
     return assemble( &r, def, row_slot, (int)rows, begin, entries );
 }
 

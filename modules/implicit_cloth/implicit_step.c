@@ -7,7 +7,6 @@
 
 enum
 {
-    LANES = 8,
     ONE_BLOCK = 256, // slices; a smaller surface is solved by one worker, for waking another costs more
     GRAIN = 64,      // slices a block of a larger one
 };
@@ -84,7 +83,7 @@ static void gather_slices( void* context, int begin, int end, int worker )
     for ( int slice = begin; slice < end; ++slice )
     {
         s->system.filtered[slice] = 0;
-        for ( int row = slice * LANES; row < ( slice + 1 ) * LANES; ++row )
+        for ( int row = slice * WISP_SLICE; row < ( slice + 1 ) * WISP_SLICE; ++row )
         {
             gather_row( s, row );
             implicit_touch_row( &s->system, &s->feeler, row, tally );
@@ -94,7 +93,8 @@ static void gather_slices( void* context, int begin, int end, int worker )
         }
     }
     s->motion[begin / s->system.grain] = motion;
-    const size_t first = (size_t)begin * LANES * 4, bytes = (size_t)( end - begin ) * LANES * 4 * sizeof( float );
+    const size_t first = (size_t)begin * WISP_SLICE * 4,
+                 bytes = (size_t)( end - begin ) * WISP_SLICE * 4 * sizeof( float );
     memcpy( s->point + first, s->system.place + first, bytes );
     memcpy( s->velocity + first, s->system.start + first, bytes );
 }
@@ -112,7 +112,7 @@ static void assemble_slices( void* context, int begin, int end, int worker )
 static bool guess_row( step* s, int row )
 {
     const implicit_system* system = &s->system;
-    const int slot = system->links->row_slot[row], lane = row % LANES;
+    const int slot = system->links->row_slot[row], lane = row % WISP_SLICE;
     const bool warm = s->columns.change != NULL && system->spring.repeat == false && slot >= 0;
     const float *goal = system->goal + (size_t)row * 4, *v = s->velocity + (size_t)row * 4;
     float free[3] = { 0.0f }, held[3] = { 0.0f };
@@ -122,20 +122,20 @@ static bool guess_row( step* s, int row )
         held[k] = goal[3] != 0.0f ? goal[k] - v[k] : 0.0f;
     }
     float* guess = system->conjugate.direction + (size_t)row * 4;
-    if ( system->filtered[row / LANES] != 0 )
+    if ( system->filtered[row / WISP_SLICE] != 0 )
     {
-        const float* f = system->filter_floats + (size_t)( row / LANES ) * 6 * LANES + lane;
+        const float* f = system->filter_floats + (size_t)( row / WISP_SLICE ) * 6 * WISP_SLICE + lane;
         const float d[3] = { free[0] - held[0], free[1] - held[1], free[2] - held[2] };
-        free[0] = held[0] + f[0] * d[0] + f[LANES] * d[1] + f[2 * LANES] * d[2];
-        free[1] = held[1] + f[LANES] * d[0] + f[3 * LANES] * d[1] + f[4 * LANES] * d[2];
-        free[2] = held[2] + f[2 * LANES] * d[0] + f[4 * LANES] * d[1] + f[5 * LANES] * d[2];
+        free[0] = held[0] + f[0] * d[0] + f[WISP_SLICE] * d[1] + f[2 * WISP_SLICE] * d[2];
+        free[1] = held[1] + f[WISP_SLICE] * d[0] + f[3 * WISP_SLICE] * d[1] + f[4 * WISP_SLICE] * d[2];
+        free[2] = held[2] + f[2 * WISP_SLICE] * d[0] + f[4 * WISP_SLICE] * d[1] + f[5 * WISP_SLICE] * d[2];
     }
     memcpy( guess, free, sizeof( free ) );
     guess[3] = 0.0f;
     const float* rubbing = system->rubbing + (size_t)row * 4;
     for ( int k = 0; k < 3; ++k )
     {
-        system->conjugate.residual[row / LANES][k][lane] += rubbing[k];
+        system->conjugate.residual[row / WISP_SLICE][k][lane] += rubbing[k];
     }
     return free[0] != 0.0f || free[1] != 0.0f || free[2] != 0.0f;
 }
@@ -145,7 +145,7 @@ static void prepare_slices( void* context, int begin, int end, int worker )
     (void)worker;
     step* s = context;
     bool guessed = false;
-    for ( int row = begin * LANES; row < end * LANES; ++row )
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
         guessed = guess_row( s, row ) || guessed;
     }
@@ -161,13 +161,13 @@ static void move_slices( void* context, int begin, int end, int worker )
     (void)worker;
     step* s = context;
     const float h = s->system.spring.seconds;
-    for ( int row = begin * LANES; row < end * LANES; ++row )
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
         const float* place = s->system.place + (size_t)row * 4;
         float *v = s->velocity + (size_t)row * 4, *x = s->point + (size_t)row * 4;
         for ( int k = 0; k < 3; ++k )
         {
-            v[k] += s->system.conjugate.solution[row / LANES][k][row % LANES];
+            v[k] += s->system.conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
             x[k] = place[k] + h * v[k];
         }
     }
@@ -284,7 +284,7 @@ static void scatter_row( step* s, int row )
 static void scatter_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    for ( int row = begin * LANES; row < end * LANES; ++row )
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
         scatter_row( context, row );
     }
@@ -296,10 +296,10 @@ static void doubt_slices( void* context, int begin, int end, int worker )
     (void)worker;
     step* s = context;
     float worst = 0.0f;
-    for ( int row = begin * LANES; row < end * LANES; ++row )
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
-        float( *b )[LANES] = s->system.conjugate.residual[row / LANES];
-        const int lane = row % LANES;
+        float( *b )[WISP_SLICE] = s->system.conjugate.residual[row / WISP_SLICE];
+        const int lane = row % WISP_SLICE;
         if ( s->system.goal[(size_t)row * 4 + 3] == 0.0f )
         {
             const float size = sqrtf( b[0][lane] * b[0][lane] + b[1][lane] * b[1][lane] + b[2][lane] * b[2][lane] );
@@ -390,9 +390,9 @@ static bool find_room( step* s, int worker )
     y->spring.position = y->conjugate.position = s->point;
     y->spring.velocity = s->velocity;
     y->spring.start = y->start;
-    y->conjugate.axis = (const float( * )[4][LANES])y->spring.axis;
-    y->conjugate.inverse = (const float( * )[6][LANES])y->spring.inverse;
-    y->conjugate.filter = ( const float( * )[6][LANES] )(const void*)y->filter_floats;
+    y->conjugate.axis = (const float( * )[4][WISP_SLICE])y->spring.axis;
+    y->conjugate.inverse = (const float( * )[6][WISP_SLICE])y->spring.inverse;
+    y->conjugate.filter = ( const float( * )[6][WISP_SLICE] )(const void*)y->filter_floats;
     y->conjugate.filtered = y->filtered;
     y->conjugate.residual = y->spring.rhs;
     return true;

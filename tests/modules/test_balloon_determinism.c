@@ -1,6 +1,7 @@
 // The same bits for any number of workers, any instruction set and after any restart, and the same as yesterday:
 // data/golden/balloon.hash. WISP_GOLDEN=write in the environment writes that file anew. And a warm step asks for no memory.
 #include "balloon_engine_fixture.h"
+#include "golden_file.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -141,47 +142,14 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
     }
 }
 
-static void write_golden( const golden_meshes* meshes )
+static golden_hash run_numbered( int number, const void* context )
 {
-    FILE* file = fopen( golden_file, "w" );
-    assert_non_null( file );
-    for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
-    {
-        fprintf( file, "%s %016" PRIx64 "\n", CASES[n].name, hash_case( CASES + n, meshes, 1, NULL ) );
-    }
-    assert_int_equal( fclose( file ), 0 );
+    return ( golden_hash ){ CASES[number].name, hash_case( CASES + number, context, 1, NULL ) };
 }
 
 static void balloons_are_those_of_the_golden_file( void** state )
 {
-    const char* mode = getenv( "WISP_GOLDEN" );
-    if ( mode != NULL && strcmp( mode, "write" ) == 0 )
-    {
-        write_golden( *state );
-    }
-    FILE* file = fopen( golden_file, "r" );
-    if ( file == NULL )
-    {
-        fail_msg( "%s cannot be read; WISP_GOLDEN=write makes it", golden_file );
-    }
-    char name[64];
-    uint64_t hash;
-    int lines = 0, wrong = 0;
-    while ( fscanf( file, "%63s %" SCNx64, name, &hash ) == 2 )
-    {
-        assert_true( lines < WISP_COUNT( CASES ) );
-        assert_string_equal( name, CASES[lines].name );
-        uint64_t now = hash_case( CASES + lines, *state, 1, NULL );
-        if ( now != hash )
-        {
-            print_error( "           %s is %016" PRIx64 ", it was %016" PRIx64 "\n", name, now, hash );
-            wrong += 1;
-        }
-        lines += 1;
-    }
-    fclose( file );
-    assert_int_equal( lines, WISP_COUNT( CASES ) );
-    assert_int_equal( wrong, 0 );
+    golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, *state );
 }
 
 // A hash that forgot a vertex would let everything pass.

@@ -1,6 +1,7 @@
 // The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
 // data/golden/cloth.hash. WISP_GOLDEN=write in the environment writes that file anew.
 #include "cloth_fixture.h"
+#include "golden_file.h"
 
 #include <inttypes.h>
 
@@ -152,48 +153,16 @@ static void workers_instruction_sets_and_hosts_do_not_change_a_bit( void** state
     }
 }
 
-static void write_golden( void )
+static golden_hash run_numbered( int number, const void* context )
 {
-    FILE* file = fopen( golden_file, "w" );
-    assert_non_null( file );
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        fprintf( file, "%s %016" PRIx64 "\n", cases[n].name, run_case( cases + n, &PLAIN, NULL ).motion );
-    }
-    assert_int_equal( fclose( file ), 0 );
+    (void)context;
+    return ( golden_hash ){ cases[number].name, run_case( cases + number, &PLAIN, NULL ).motion };
 }
 
 static void motion_is_that_of_the_golden_file( void** state )
 {
     (void)state;
-    const char* mode = getenv( "WISP_GOLDEN" );
-    if ( mode != NULL && strcmp( mode, "write" ) == 0 )
-    {
-        write_golden();
-    }
-    FILE* file = fopen( golden_file, "r" );
-    if ( file == NULL )
-    {
-        fail_msg( "%s cannot be read; WISP_GOLDEN=write makes it", golden_file );
-    }
-    char name[64];
-    uint64_t hash;
-    int lines = 0, wrong = 0;
-    while ( fscanf( file, "%63s %" SCNx64, name, &hash ) == 2 )
-    {
-        assert_true( lines < WISP_COUNT( cases ) );
-        assert_string_equal( name, cases[lines].name );
-        uint64_t now = run_case( cases + lines, &PLAIN, NULL ).motion;
-        if ( now != hash )
-        {
-            print_error( "           %s is %016" PRIx64 ", it was %016" PRIx64 "\n", name, now, hash );
-            wrong += 1;
-        }
-        lines += 1;
-    }
-    fclose( file );
-    assert_int_equal( lines, WISP_COUNT( cases ) );
-    assert_int_equal( wrong, 0 );
+    golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
 }
 
 // A hash that forgot something would let everything pass.

@@ -1,0 +1,62 @@
+/// Hashes of cases in a file of data/golden, a line each: its name, then sixteen digits.
+#pragma once
+
+#include <inttypes.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// What a case is called, and what it hashes to now.
+typedef struct golden_hash
+{
+    const char* name;
+    uint64_t hash;
+} golden_hash;
+
+typedef golden_hash golden_case_fn( int number, const void* context );
+
+static inline void golden_write( const char* path, int count, golden_case_fn* run, const void* context )
+{
+    FILE* file = fopen( path, "w" );
+    assert_non_null( file );
+    for ( int n = 0; n < count; ++n )
+    {
+        const golden_hash now = run( n, context );
+        fprintf( file, "%s %016" PRIx64 "\n", now.name, now.hash );
+    }
+    assert_int_equal( fclose( file ), 0 );
+}
+
+/// All cases are as the file has them, in its order. WISP_GOLDEN=write in the environment writes it anew first.
+static inline void golden_check( const char* path, int count, golden_case_fn* run, const void* context )
+{
+    const char* mode = getenv( "WISP_GOLDEN" );
+    if ( mode != NULL && strcmp( mode, "write" ) == 0 )
+    {
+        golden_write( path, count, run, context );
+    }
+    FILE* file = fopen( path, "r" );
+    if ( file == NULL )
+    {
+        fail_msg( "%s cannot be read; WISP_GOLDEN=write makes it", path );
+    }
+    char name[64];
+    uint64_t hash;
+    int lines = 0, wrong = 0;
+    while ( fscanf( file, "%63s %" SCNx64, name, &hash ) == 2 )
+    {
+        assert_true( lines < count );
+        const golden_hash now = run( lines, context );
+        assert_string_equal( name, now.name );
+        if ( now.hash != hash )
+        {
+            print_error( "           %s is %016" PRIx64 ", it was %016" PRIx64 "\n", name, now.hash, hash );
+            wrong += 1;
+        }
+        lines += 1;
+    }
+    fclose( file );
+    assert_int_equal( lines, count );
+    assert_int_equal( wrong, 0 );
+}
