@@ -1,6 +1,7 @@
 // A scene is simulated up to the frame that is wanted; frame 0 is the start, frame n follows step n.
 #include "picture_source.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 typedef struct simulation
@@ -9,6 +10,7 @@ typedef struct simulation
     scene_world world;
     scene_world_options options;
     bool has_world;
+    bool shows_layers; ///< boundary particles or their normals are drawn
 } simulation;
 
 static bool is_surface( const picture_body* body )
@@ -68,6 +70,65 @@ static wisp_status start_world( simulation* s, wisp_error* error )
     return status;
 }
 
+// ---- boundary particles ----
+
+static const wisp_boundary_def* layer_of( const simulation* s, int body )
+{
+    const int surface = body - s->scene.strands_count;
+    const bool has_layer = s->shows_layers && surface >= 0 && surface < s->scene.surface_count &&
+                           s->scene.surfaces[surface].has_boundary;
+    return has_layer ? &s->scene.surfaces[surface].boundary : NULL;
+}
+
+// What decides how large balls are. A spacing that is left out is half of the mean edge where the mesh starts; edges of
+// two triangles count twice here, which only a picture may do.
+static float layer_spacing( const simulation* s, int body, const wisp_boundary_def* def )
+{
+    const scene_body from = scene_world_body( &s->world, body );
+    const wisp_vec3* points = s->world.surfaces[body - s->scene.strands_count].mesh.points;
+    double sum = 0.0;
+    for ( int t = 0; t < from.triangle_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const wisp_vec3 a = points[from.triangles[3 * t + k]], b = points[from.triangles[3 * t + ( k + 1 ) % 3]];
+            sum += sqrt( (double)( ( b.x - a.x ) * ( b.x - a.x ) + ( b.y - a.y ) * ( b.y - a.y ) +
+                                   ( b.z - a.z ) * ( b.z - a.z ) ) );
+        }
+    }
+    const float half_edge = from.triangle_count > 0 ? (float)( sum / ( 6.0 * from.triangle_count ) ) : 0.0f;
+    return def->spacing > 0.0f ? def->spacing : fmaxf( half_edge, 1e-6f );
+}
+
+// Before the first step there are none.
+static wisp_status read_layer( picture_source* source, simulation* s, int body, wisp_error* error )
+{
+    picture_layer* layer = &source->bodies[body].layer;
+    layer->count = 0;
+    if ( layer->spacing == 0.0f || s->world.next_step == 0 )
+    {
+        return WISP_OK;
+    }
+    wisp_boundary_view view;
+    wisp_status status = scene_world_layer( &s->world, body - s->scene.strands_count, &view, error );
+    status = status == WISP_OK ? picture_make_layer( source, body, view.samples->count, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
+    for ( int i = 0; i < view.samples->count; ++i )
+    {
+        const float* p = view.samples->quads + 4 * (size_t)i;
+        const float* n = view.samples->normals + 4 * (size_t)i;
+        layer->points[i] = ( wisp_vec3 ){ p[0], p[1], p[2] };
+        layer->normals[i] = ( wisp_vec3 ){ n[0], n[1], n[2] };
+    }
+    layer->count = view.samples->count;
+    layer->edge_count = view.samples->edge_count;
+    return WISP_OK;
+}
+
 // ---- frames ----
 
 static wisp_status read_body( picture_source* source, simulation* s, int body, wisp_error* error )
@@ -89,7 +150,7 @@ static wisp_status read_body( picture_source* source, simulation* s, int body, w
             status = scene_world_colours( &s->world, body, b->colours, error );
         }
     }
-    return status;
+    return status == WISP_OK ? read_layer( source, s, body, error ) : status;
 }
 
 static wisp_status step_to( picture_source* source, simulation* s, int frame, wisp_error* error )
@@ -216,6 +277,8 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
     {
         status = picture_no_memory( source, error );
     }
+    const wisp_boundary_def* layer = layer_of( s, body );
+    to->layer.spacing = layer ? layer_spacing( s, body, layer ) : 0.0f;
     return status;
 }
 
@@ -257,6 +320,7 @@ wisp_status picture_open_scene( picture_source* source, const picture_source_def
     source->input = &scene_input;
     source->state = s;
     s->options = def->world;
+    s->shows_layers = def->layer != PICTURE_LAYER_NONE || def->has_layer_normals;
     wisp_status status = wisp_scene_read( def->path, &s->scene, error );
     if ( status == WISP_OK )
     {

@@ -1,5 +1,6 @@
 #include "picture_source.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,24 @@ wisp_status picture_make_points( picture_source* source, int body, bool has_valu
         b->values = calloc( count, sizeof *b->values );
     }
     return b->points && ( b->values || !has_values ) ? WISP_OK : picture_no_memory( source, error );
+}
+
+wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error )
+{
+    picture_layer* layer = &source->bodies[body].layer;
+    layer->count = 0;
+    if ( count <= layer->room )
+    {
+        return WISP_OK;
+    }
+    free( layer->points );
+    free( layer->normals );
+    // A layer that grows from frame to frame is not made room for in each of them.
+    const size_t room = (size_t)count + ( count <= INT_MAX / 2 ? (size_t)count / 4 : 0 );
+    layer->points = malloc( room * sizeof *layer->points );
+    layer->normals = malloc( room * sizeof *layer->normals );
+    layer->room = layer->points && layer->normals ? (int)room : 0;
+    return layer->room > 0 ? WISP_OK : picture_no_memory( source, error );
 }
 
 wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_error* error )
@@ -203,6 +222,24 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
         def->path );
 }
 
+// Who names a look of boundary particles wants to see some.
+static wisp_status check_layers( const picture_source* source, const picture_source_def* def, wisp_error* error )
+{
+    bool has_layer = false;
+    for ( int i = 0; i < source->body_count; ++i )
+    {
+        has_layer = has_layer || source->bodies[i].layer.spacing > 0.0f;
+    }
+    const bool is_asked = def->layer == PICTURE_LAYER_NORMAL || def->layer == PICTURE_LAYER_CLASS;
+    if ( has_layer || !( is_asked || def->has_layer_normals ) )
+    {
+        return WISP_OK;
+    }
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "%s: it has no boundary points; a surface of a scene has some with the key 'boundary'",
+                      def->path );
+}
+
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error )
 {
     *out = ( picture_source ){ .path = def->path, .value = def->value, .frame = -1, .step = 1.0 };
@@ -211,6 +248,10 @@ wisp_status picture_source_open( const picture_source_def* def, picture_source* 
     if ( status == WISP_OK )
     {
         status = open_kind( out, kind, def, error );
+    }
+    if ( status == WISP_OK )
+    {
+        status = check_layers( out, def, error );
     }
     if ( status != WISP_OK )
     {
@@ -278,6 +319,8 @@ void picture_source_close( picture_source* source )
         free( source->bodies[i].widths );
         free( source->bodies[i].colours );
         free( source->bodies[i].values );
+        free( source->bodies[i].layer.points );
+        free( source->bodies[i].layer.normals );
     }
     free( source->bodies );
     free( source->points );

@@ -16,6 +16,25 @@ typedef enum picture_value
     PICTURE_SPEED,  ///< m/s
 } picture_value;
 
+/// How boundary particles are drawn.
+typedef enum picture_layer_look
+{
+    PICTURE_LAYER_AUTO,   ///< as with PICTURE_LAYER_NORMAL, where there are some
+    PICTURE_LAYER_NORMAL, ///< their colour is the direction of their normal
+    PICTURE_LAYER_CLASS,  ///< their colour says whether they are on an edge or inside a triangle
+    PICTURE_LAYER_NONE,   ///< not at all
+} picture_layer_look;
+
+/// Boundary particles of a body of the loaded frame.
+typedef struct picture_layer
+{
+    wisp_vec3* points;  ///< [count], those on edges first
+    wisp_vec3* normals; ///< [count] unit
+    int count, edge_count;
+    int room;      ///< how many the arrays hold
+    float spacing; ///< m, about what is between them; 0: the body has no layer
+} picture_layer;
+
 /// A body of the loaded frame. Arrays belong to the source.
 typedef struct picture_body
 {
@@ -30,6 +49,7 @@ typedef struct picture_body
     float* widths;      ///< [vertex_count] m, diameters of strands; null where nothing tells them
     wisp_vec3* colours; ///< [vertex_count] linear RGB of strands, or null
     float* values;      ///< [vertex_count] strain or speed, or null where there is none
+    picture_layer layer;
 } picture_body;
 
 typedef struct picture_source picture_source;
@@ -64,12 +84,15 @@ typedef struct picture_source_def
     const char* path;
     const char* mesh; ///< the triangles of a point cache, or null
     picture_value value;
+    picture_layer_look layer;
+    bool has_layer_normals;    ///< normals of boundary particles are drawn as lines
     scene_world_options world; ///< for scenes
 } picture_source_def;
 
 /// @param def its texts must outlive the source
 /// @param out zero on failure
-/// @return WISP_BAD_INPUT the file is wrong, shows nothing, or cannot tell the value; WISP_IO_ERROR; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT the file is wrong, shows nothing, cannot tell the value, or lacks the layer that was asked
+///         for; WISP_IO_ERROR; WISP_NO_MEMORY
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error );
 
 /// Load a frame, unless it is loaded already.
@@ -94,6 +117,8 @@ wisp_status picture_open_still( picture_source* source, file_kind kind, const pi
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error );
 /// Make room for the points of a body that knows its vertex_count, and for values if it has some.
 wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error );
+/// Make room for boundary particles, those that there are being lost.
+wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error );
 wisp_status picture_no_memory( const picture_source* source, wisp_error* error );
 
 /// Whether every edge of a mesh has two triangles or more, an even number.

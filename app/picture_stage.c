@@ -114,6 +114,81 @@ static bool add_mesh( picture_stage* stage, const picture_look* look, const pict
     return is_solid || colour_by_value( stage, look, body, &mesh->colours );
 }
 
+// ---- boundary particles ----
+
+// Of their spacing. The source draws its points so large.
+#define BALL_RADIUS 0.3f
+#define LINE_LENGTH 0.8f
+#define LINE_RADIUS 0.03f
+
+// Displays show about the square root of linear colour, and directions are to be told apart on displays.
+static wisp_vec3 direction_colour( wisp_vec3 n )
+{
+    const wisp_vec3 c = { 0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z };
+    return ( wisp_vec3 ){ c.x * c.x, c.y * c.y, c.z * c.z };
+}
+
+static bool add_balls( picture_stage* stage, const picture_look* look, const picture_body* body )
+{
+    const picture_layer* layer = &body->layer;
+    wisp_vec3* colours = keep( stage, (size_t)layer->count * sizeof *colours );
+    for ( int i = 0; colours && i < layer->count; ++i )
+    {
+        colours[i] = look->layer != PICTURE_LAYER_CLASS ? direction_colour( layer->normals[i] )
+                                                        : render_palette( i < layer->edge_count ? 2 : 5 );
+    }
+    render_points* points = &stage->points[stage->scene.points_count++];
+    *points = render_default_points();
+    points->name = body->name;
+    points->points = layer->points;
+    points->colours = colours;
+    points->count = layer->count;
+    points->radius = BALL_RADIUS * layer->spacing;
+    return colours != NULL;
+}
+
+// A line is a strand of two vertices.
+static bool add_normals( picture_stage* stage, const picture_body* body )
+{
+    const picture_layer* layer = &body->layer;
+    if ( layer->count > INT32_MAX / 2 )
+    {
+        return false;
+    }
+    const float length = LINE_LENGTH * layer->spacing;
+    wisp_vec3* ends = keep( stage, 2 * (size_t)layer->count * sizeof *ends );
+    int32_t* offsets = keep( stage, ( (size_t)layer->count + 1 ) * sizeof *offsets );
+    for ( int i = 0; ends && offsets && i < layer->count; ++i )
+    {
+        const wisp_vec3 p = layer->points[i], n = layer->normals[i];
+        ends[2 * i] = p;
+        ends[2 * i + 1] = ( wisp_vec3 ){ p.x + length * n.x, p.y + length * n.y, p.z + length * n.z };
+        offsets[i] = 2 * i;
+    }
+    if ( !ends || !offsets )
+    {
+        return false;
+    }
+    offsets[layer->count] = 2 * layer->count;
+    render_curves* curves = &stage->curves[stage->scene.curves_count++];
+    *curves = render_default_curves();
+    curves->name = body->name;
+    curves->points = ends;
+    curves->offsets = offsets;
+    curves->strand_count = layer->count;
+    curves->radius = LINE_RADIUS * layer->spacing;
+    return true;
+}
+
+static bool add_layer( picture_stage* stage, const picture_look* look, const picture_body* body )
+{
+    const bool has_balls = body->layer.count > 0 && look->layer != PICTURE_LAYER_NONE;
+    const bool has_lines = body->layer.count > 0 && look->has_layer_normals;
+    return ( !has_balls || add_balls( stage, look, body ) ) && ( !has_lines || add_normals( stage, body ) );
+}
+
+// ---- all bodies ----
+
 wisp_status picture_stage_make( const picture_source* source, const picture_look* look, picture_stage* out,
                                 wisp_error* error )
 {
@@ -122,9 +197,10 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
         .scene = render_default_scene(),
         .meshes = calloc( count, sizeof *out->meshes ),
         .curves = calloc( count, sizeof *out->curves ),
-        .blocks = calloc( 2 * count, sizeof *out->blocks ),
+        .points = calloc( count, sizeof *out->points ),
+        .blocks = calloc( 4 * count, sizeof *out->blocks ),
     };
-    bool made = out->meshes && out->curves && out->blocks;
+    bool made = out->meshes && out->curves && out->points && out->blocks;
     int cloths = 0, balloons = 0;
     for ( int i = 0; i < source->body_count && made; ++i )
     {
@@ -136,7 +212,7 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
         }
         else if ( body->triangle_count > 0 && !picture_is_floor( body ) )
         {
-            made = add_mesh( out, look, body, colour );
+            made = add_mesh( out, look, body, colour ) && add_layer( out, look, body );
         }
     }
     if ( !made )
@@ -146,6 +222,7 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
     }
     out->scene.meshes = out->meshes;
     out->scene.curves = out->curves;
+    out->scene.points = out->points;
     out->scene.has_ground = look->has_ground;
     out->scene.ground_height = look->ground_height;
     out->scene.background_top = look->background[0];
@@ -161,6 +238,7 @@ void picture_stage_release( picture_stage* stage )
     }
     free( stage->blocks );
     free( stage->curves );
+    free( stage->points );
     free( stage->meshes );
     *stage = ( picture_stage ){ 0 };
 }

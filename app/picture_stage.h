@@ -8,6 +8,8 @@ typedef struct picture_look
 {
     picture_value value;
     float range[2]; ///< values at the ends of the colour map
+    picture_layer_look layer;
+    bool has_layer_normals;
     bool has_ground;
     float ground_height;
     wisp_vec3 background[2];
@@ -19,6 +21,7 @@ typedef struct picture_stage
     render_scene scene;
     render_mesh* meshes;
     render_curves* curves;
+    render_points* points;
     void** blocks; ///< [block_count] colours and radii
     int block_count;
 } picture_stage;

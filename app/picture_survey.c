@@ -228,6 +228,8 @@ picture_look picture_survey_look( const picture_survey* survey )
     picture_look look = {
         .value = options->source.value,
         .range = { options->range[0], options->range[1] },
+        .layer = options->source.layer,
+        .has_layer_normals = options->source.has_layer_normals,
         .has_ground = options->ground == PICTURE_GROUND_HEIGHT,
         .ground_height = options->ground_height,
         .background = { options->background[0], options->background[1] },

@@ -46,7 +46,8 @@ static const struct argp_option option_list[] = {
     { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
-    { "pictures", KEY_PICTURES, "FOLDER", 0, "Write pictures of the case `figures` to FOLDER and link them", 0 },
+    { "pictures", KEY_PICTURES, "FOLDER", 0,
+      "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER and link them", 0 },
     { "compare", KEY_COMPARE, NULL, 0,
       "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
     { 0 },
@@ -69,18 +70,21 @@ static void choose_case( struct argp_state* state, bench_arguments* arguments, c
     arguments->chosen[arguments->chosen_count++] = &cases[place];
 }
 
-// An option of one case is a mistake where that case does not run. Without a CASE all of them do.
+// An option of some cases is a mistake where none of them runs. Without a CASE all of them do.
+// @param names the cases, between spaces @param told the same in words
 static void check_option( struct argp_state* state, const bench_arguments* arguments, const char* option,
-                          const char* name )
+                          const char* names, const char* told )
 {
     bool runs = arguments->chosen_count == 0;
     for ( int i = 0; i < arguments->chosen_count; ++i )
     {
-        runs = runs || strcmp( arguments->chosen[i]->name, name ) == 0;
+        char word[40];
+        snprintf( word, sizeof( word ), " %s ", arguments->chosen[i]->name );
+        runs = runs || strstr( names, word ) != NULL;
     }
     if ( runs == false )
     {
-        argp_error( state, "%s is an option of the case '%s', which is not asked for", option, name );
+        argp_error( state, "%s is an option of the %s, which is not asked for", option, told );
     }
 }
 
@@ -120,11 +124,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case ARGP_KEY_END:
             if ( arguments->options.compare )
             {
-                check_option( state, arguments, "--compare", "cloth" );
+                check_option( state, arguments, "--compare", " cloth ", "case 'cloth'" );
             }
             if ( arguments->options.pictures != NULL )
             {
-                check_option( state, arguments, "--pictures", "figures" );
+                check_option( state, arguments, "--pictures", " figures boundary contact ",
+                              "cases 'figures', 'boundary' and 'contact'" );
             }
             return 0;
         default:

@@ -122,6 +122,28 @@ static void print_stages( const wisp_frozen_hair_def* def )
             def->clump ? " clump" : "" );
 }
 
+// What is asked for; where a number is left out, it comes from the mesh.
+static void print_layer( const wisp_boundary_def* layer )
+{
+    char spacing[40] = "half of the mean edge";
+    if ( layer->spacing > 0.0f )
+    {
+        snprintf( spacing, sizeof spacing, "%g m", (double)layer->spacing );
+    }
+    printf( "    boundary: %s spacing, %s apart\n", layer->policy == WISP_SPACING_EVEN ? "even" : "exact", spacing );
+}
+
+static void print_contact( const wisp_contact_def* contact, const char* self )
+{
+    char thickness[48] = "a quarter of the mean edge";
+    if ( contact->thickness > 0.0f )
+    {
+        snprintf( thickness, sizeof thickness, "%g m", (double)contact->thickness );
+    }
+    printf( "    contact%s: %s thick, friction %g%s\n", self, thickness, (double)contact->friction,
+            contact->enabled ? "" : ", not enabled" );
+}
+
 static void print_motion( const wisp_scene* scene, const wisp_scene_strands* entry )
 {
     static const char* const stretches[] = { "direct", "links", "follow" };
@@ -130,6 +152,10 @@ static void print_motion( const wisp_scene* scene, const wisp_scene_strands* ent
     {
         printf( "    dynamics: stretch %s, bend %s%s\n", stretches[entry->dynamics.stretch],
                 bends[entry->dynamics.bend], entry->has_grid ? ", grid" : "" );
+    }
+    if ( entry->has_contact )
+    {
+        print_contact( &entry->contact, "" );
     }
     if ( entry->on_surface >= 0 )
     {
@@ -208,6 +234,14 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
     if ( entry->has_implicit )
     {
         printf( "    implicit cloth%s\n", entry->has_quad_links ? ", quad links" : "" );
+    }
+    if ( entry->has_contact )
+    {
+        print_contact( &entry->contact, entry->contact.self ? ", also with itself" : "" );
+    }
+    if ( entry->has_boundary )
+    {
+        print_layer( &entry->boundary );
     }
 }
 

@@ -27,6 +27,8 @@ enum
     KEY_FOV,
     KEY_GROUND,
     KEY_BACKGROUND,
+    KEY_BOUNDARY,
+    KEY_NORMALS,
 };
 
 static const char doc[] =
@@ -68,6 +70,12 @@ static const struct argp_option option_list[] = {
     { "color", 0, 0, OPTION_ALIAS | OPTION_HIDDEN, 0, 4 },
     { "range", KEY_RANGE, "LOW,HIGH", 0,
       "Strain or speed at the ends of the colours, instead of what the frames have", 4 },
+    { "boundary", KEY_BOUNDARY, "WHAT", 0,
+      "Boundary points of a scene as balls coloured by normal (default), by class: on an edge or inside a triangle, "
+      "or "
+      "none",
+      4 },
+    { "normals", KEY_NORMALS, 0, 0, "Normals of boundary points as short lines", 4 },
     { "ground", KEY_GROUND, "WHERE", 0,
       "auto (default): a level plane of the scene, or below the lowest point; none; or y in metres", 4 },
     { "background", KEY_BACKGROUND, "WHAT", 0,
@@ -173,12 +181,20 @@ static bool parse_view( int key, char* argument, struct argp_state* state )
 static bool parse_look( int key, char* argument, struct argp_state* state )
 {
     static const char* const values[] = { "body", "strain", "speed" };
+    static const char* const layers[] = { "normal", "class", "none" };
+    static const picture_layer_look looks[] = { PICTURE_LAYER_NORMAL, PICTURE_LAYER_CLASS, PICTURE_LAYER_NONE };
     picture_options* options = state->input;
     switch ( key )
     {
         case KEY_COLOUR:
             options->source.value =
                 (picture_value)option_word( state, "--colour", argument, values, WISP_COUNT( values ) );
+            return true;
+        case KEY_BOUNDARY:
+            options->source.layer = looks[option_word( state, "--boundary", argument, layers, WISP_COUNT( layers ) )];
+            return true;
+        case KEY_NORMALS:
+            options->source.has_layer_normals = true;
             return true;
         case KEY_RANGE:
             parse_range( state, argument, options );

@@ -1,7 +1,9 @@
 #include "verbs.h"
 
 #include "profile_samples.h"
+#include "file_kind.h"
 #include "progress.h"
+#include "run_layers.h"
 #include "run_recorder.h"
 #include "scene.h"
 #include "stats.h"
@@ -22,6 +24,7 @@ typedef struct run_options
     results_format format;
     const char* output;
     run_recorder_def recorder;
+    const char* boundary; ///< file of boundary points, or null
 } run_options;
 
 /// What the steps leave behind.
@@ -30,6 +33,7 @@ typedef struct run_record
     profile_samples profile;
     double* ms; ///< [steps]
     int steps;
+    run_layers* layers; ///< or null
 } run_record;
 
 // ---- the command line ----
@@ -46,6 +50,7 @@ enum
     KEY_TRACK,
     KEY_TRACK_FILE,
     KEY_VERIFY,
+    KEY_BOUNDARY,
 };
 
 static const char doc[] =
@@ -53,7 +58,12 @@ static const char doc[] =
     "\v"
     "A recording has the start and the state after each step, or after every Nth. Its extension decides what it is: "
     ".wisp (every bit, for wisp render and --verify), .pc2 (point caches, a file a body), .pvd (ParaView), .obj (a "
-    "numbered file a frame) or .usda.\n" STATUS_HELP;
+    "numbered file a frame) or .usda.\n"
+    "\n"
+    "Files of --boundary have the vertices of the mesh and behind them the boundary points, each with its normal and "
+    "the "
+    "number of its edge or triangle. They are numbered as the frames of a recording, of which 1 is the start: "
+    "FILE_0002.ply, or FILE_SURFACE_0002.ply of several surfaces.\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
     { "steps", KEY_STEPS, "N", 0, "Simulate N steps instead of the scene's", 0 },
@@ -62,9 +72,10 @@ static const struct argp_option option_list[] = {
     { "format", KEY_FORMAT, "FORMAT", 0, "Summary as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE instead of standard output", 0 },
     { "record", KEY_RECORD, "FILE", 0, "Record where every vertex is (.wisp, .pc2, .pvd, .obj, .usda)", 0 },
-    { "every", KEY_EVERY, "N", 0, "Record and track every Nth step, default 1", 0 },
+    { "every", KEY_EVERY, "N", 0, "Record, track and write boundary points every Nth step, default 1", 0 },
     { "track", KEY_TRACK, "BODY:VERTEX[,VERTEX...]", 0, "Follow vertices of a body; may be said again", 0 },
     { "track-file", KEY_TRACK_FILE, "FILE.csv", 0, "Where the tracks go", 0 },
+    { "boundary", KEY_BOUNDARY, "FILE.ply", 0, "Write the boundary points of all surfaces that have some", 0 },
     { "verify", KEY_VERIFY, "FILE.wisp", 0, "Fail unless each frame has the bits of this recording", 0 },
     { 0 },
 };
@@ -117,8 +128,14 @@ static bool parse_recorder( int key, char* argument, struct argp_state* state, r
     }
 }
 
-static void check( struct argp_state* state, const run_recorder_def* def )
+static void check( struct argp_state* state, const run_options* options )
 {
+    const run_recorder_def* def = &options->recorder;
+    if ( options->boundary && !file_ends_in( options->boundary, ".ply" ) )
+    {
+        argp_error( state, "--boundary: '%s' does not end in .ply, the format of points with normals",
+                    options->boundary );
+    }
     if ( ( def->track_count > 0 ) != ( def->track_file != NULL ) )
     {
         argp_error( state, "--track says what is followed and --track-file where it goes: both or neither" );
@@ -154,6 +171,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_OUTPUT:
             options->output = argument;
             return 0;
+        case KEY_BOUNDARY:
+            options->boundary = argument;
+            return 0;
         case ARGP_KEY_ARG:
             if ( options->scene )
             {
@@ -165,7 +185,7 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             argp_error( state, "which scene?" );
             return 0;
         case ARGP_KEY_SUCCESS:
-            check( state, &options->recorder );
+            check( state, options );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -202,6 +222,10 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
         if ( status == WISP_OK )
         {
             status = run_recorder_step( recorder, error );
+        }
+        if ( status == WISP_OK )
+        {
+            status = run_layers_step( record->layers, error );
         }
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
@@ -271,6 +295,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     }
     row->hash = wisp_world_hash( world->world );
     row->has_hash = true;
+    run_layers_put( record->layers, &row->size );
 }
 
 // What went wrong now and then, and was answered for.
@@ -341,6 +366,7 @@ static void add_notes( results* out, const scene_world* world, const run_record*
                           scene->command_count - world->next_command, scene->command_count );
     }
     add_solver_notes( out, world );
+    run_layers_report( record->layers, out );
     add_warnings( out, world->world );
     results_add_note( out, "Hash %016llx", (unsigned long long)wisp_world_hash( world->world ) );
 }
@@ -383,7 +409,12 @@ static wisp_status simulate_and_record( const run_options* options, scene_world*
 {
     run_recorder* recorder = NULL;
     int steps = options->steps > 0 ? options->steps : world->scene->steps;
-    wisp_status status = run_recorder_open( &options->recorder, world, &recorder, error );
+    const run_layers_def layers = { options->boundary, options->recorder.every };
+    wisp_status status = run_layers_open( &layers, world, steps, &record->layers, error );
+    if ( status == WISP_OK )
+    {
+        status = run_recorder_open( &options->recorder, world, &recorder, error );
+    }
     if ( status == WISP_OK )
     {
         status = simulate( world, steps, recorder, record, error );
@@ -415,6 +446,7 @@ static wisp_status run_scene( const run_options* options, const wisp_scene* scen
     }
     status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
+    run_layers_close( record.layers );
     free( record.ms );
     scene_world_destroy( &world );
     return status;

@@ -203,6 +203,20 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     return wisp_world_create( &def, &out->world, error );
 }
 
+// How contacts are found is the world's, not a guest's.
+static wisp_status set_contact( scene_world* out, wisp_error* error )
+{
+    const wisp_scene* scene = out->scene;
+    wisp_status status = scene->has_contact ? wisp_set_contact_settings( out->world, &scene->contact ) : WISP_OK;
+    if ( status == WISP_OK && ( scene->want_contact_figures || scene->want_crossings ) )
+    {
+        status = wisp_want_contact_figures( out->world, true, scene->want_crossings );
+    }
+    return status == WISP_OK
+               ? WISP_OK
+               : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( out->world ) );
+}
+
 static wisp_status wish_all( scene_world* out, int strands )
 {
     const wisp_scene_strands* entry = &out->scene->strands[strands];
@@ -282,6 +296,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     wisp_status status = out->entities && out->grooms
                              ? create_world( options, out, error )
                              : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its strands", scene->name );
+    status = status == WISP_OK ? set_contact( out, error ) : status;
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
         status = scene->strands[i].is_curves ? WISP_OK : add_strands( out, i, error );

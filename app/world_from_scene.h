@@ -119,12 +119,13 @@ scene_body scene_world_body( const scene_world* world, int body );
 /// What may be asked of a body from the next step on.
 typedef enum scene_wish
 {
-    SCENE_WISH_POINTS, ///< strands and surfaces
-    SCENE_WISH_STRAIN, ///< surfaces, strands with dynamics
-    SCENE_WISH_SPEED,  ///< surfaces, strands with dynamics
-    SCENE_WISH_WIDTH,  ///< strands with a look
-    SCENE_WISH_COLOUR, ///< strands with a look
-    SCENE_WISH_QUALITY ///< surfaces, strands with dynamics
+    SCENE_WISH_POINTS,  ///< strands and surfaces
+    SCENE_WISH_STRAIN,  ///< surfaces, strands with dynamics
+    SCENE_WISH_SPEED,   ///< surfaces, strands with dynamics
+    SCENE_WISH_WIDTH,   ///< strands with a look
+    SCENE_WISH_COLOUR,  ///< strands with a look
+    SCENE_WISH_QUALITY, ///< surfaces, strands with dynamics
+    SCENE_WISH_NORMALS  ///< surfaces
 } scene_wish;
 
 /// Ask for more than the scene does; asking twice is asking once. Nothing is asked of a collider: its points are known.
@@ -138,6 +139,15 @@ wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* o
 
 /// A number a vertex. @param wish strain, speed (zero before the first step) or width @param out [vertex_count]
 wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish wish, float* out, wisp_error* error );
+
+/// Unit normal of every vertex of a surface. Before the first step: zero.
+/// @param out [vertex_count]
+wisp_status scene_world_normals( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
+
+/// The boundary particles of a surface that has some, where the last step has left it.
+/// @param surface index into the scene's surfaces
+/// @return WISP_CONFLICT it has none, or no step was made
+wisp_status scene_world_layer( const scene_world* world, int surface, wisp_boundary_view* out, wisp_error* error );
 
 /// Colour of every vertex of strands. @param out [vertex_count] linear RGB
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );

@@ -90,6 +90,7 @@ static wisp_component component_of( const scene_world* world, body_place place, 
                : wish == SCENE_WISH_STRAIN  ? WISP_POINT_STRAIN
                : wish == SCENE_WISH_SPEED   ? WISP_POINT_SPEED
                : wish == SCENE_WISH_QUALITY ? WISP_QUALITY
+               : wish == SCENE_WISH_NORMALS ? WISP_SURFACE_NORMALS
                                             : 0;
     }
     if ( place.kind != SCENE_BODY_STRANDS )
@@ -122,6 +123,7 @@ static wisp_status find_component( const scene_world* world, int body, scene_wis
         [SCENE_WISH_WIDTH] = "width",
         [SCENE_WISH_COLOUR] = "colour",
         [SCENE_WISH_QUALITY] = "quality",
+        [SCENE_WISH_NORMALS] = "normals",
     };
     *out = component_of( world, place_of( world, body ), wish );
     return *out ? WISP_OK
@@ -206,6 +208,24 @@ wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish 
         return WISP_OK;
     }
     return copy_column( world, body, component, sizeof *out, out, error );
+}
+
+wisp_status scene_world_normals( const scene_world* world, int body, wisp_vec3* out, wisp_error* error )
+{
+    wisp_component component;
+    wisp_status status = find_component( world, body, SCENE_WISH_NORMALS, &component, error );
+    if ( status != WISP_OK || world->next_step > 0 )
+    {
+        return status == WISP_OK ? copy_column( world, body, component, sizeof *out, out, error ) : status;
+    }
+    memset( out, 0, (size_t)scene_world_body( world, body ).vertex_count * sizeof *out );
+    return WISP_OK;
+}
+
+wisp_status scene_world_layer( const scene_world* world, int surface, wisp_boundary_view* out, wisp_error* error )
+{
+    wisp_status status = wisp_read_boundary( world->world, world->surfaces[surface].entity, out );
+    return status == WISP_OK ? WISP_OK : fail_at_body( world, world->scene->strands_count + surface, status, error );
 }
 
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error )

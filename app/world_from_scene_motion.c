@@ -31,6 +31,10 @@ static wisp_status set_dynamics( scene_world* world, int strands )
         status = wisp_set_strand_grid( world->world, entity, &entry->grid );
     }
     status = status == WISP_OK ? set_collision( world, strands ) : status;
+    if ( status == WISP_OK && entry->has_contact )
+    {
+        status = wisp_set_contact( world->world, entity, &entry->contact );
+    }
     if ( status == WISP_OK && entry->on_surface >= 0 )
     {
         status = wisp_root_strands( world->world, entity, world->surfaces[entry->on_surface].entity );

@@ -275,6 +275,14 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     {
         status = wisp_set_collision( world->world, entity, &entry->collision );
     }
+    if ( status == WISP_OK && entry->has_contact )
+    {
+        status = wisp_set_contact( world->world, entity, &entry->contact );
+    }
+    if ( status == WISP_OK && entry->has_boundary )
+    {
+        status = wisp_set_boundary( world->world, entity, &entry->boundary );
+    }
     return status;
 }
 

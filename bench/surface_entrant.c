@@ -71,9 +71,10 @@ static wisp_status add_surface( const surface_recipe* recipe, surface_entrant* e
 wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entrant* out, wisp_error* error )
 {
     *out = ( surface_entrant ){ .fabric = recipe->fabric, .recipe = *recipe };
+    const wisp_module* const modules[] = { recipe->module, recipe->second };
     wisp_world_def def = wisp_default_world_def();
-    def.modules = &recipe->module;
-    def.module_count = 1;
+    def.modules = modules;
+    def.module_count = recipe->second != NULL ? 2 : 1;
     def.log = forget;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;

@@ -10,7 +10,8 @@
 /// What there is besides the effect. Start from surface_default_recipe().
 typedef struct surface_recipe
 {
-    const wisp_module* module; ///< the one effect of the world
+    const wisp_module* module; ///< the effect of the world
+    const wisp_module* second; ///< another module beside it, or null
     wisp_fabric* fabric;       ///< the caller's, who keeps it until the entrant is gone
     const wisp_vec3* points;   ///< [vertex_count] where the vertices start; null: the rest shape
     const int32_t* pins;

@@ -73,6 +73,28 @@ extern "C"
     WISP_API wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error );
     WISP_API wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error );
 
+    // ---- points on a mesh ----
+
+    /// Points on the edges of a mesh and inside its triangles.
+    typedef struct wisp_mesh_layer
+    {
+        const wisp_vec3* normals; ///< [vertex_count] of the mesh; unit, or zero where there is none
+        const int32_t* edges;     ///< [edge_count][2] vertices
+        int edge_count;
+        const float* points;        ///< [point_count][4] m; the fourth is the element as int bits: an edge, or
+                                    ///< edge_count + a triangle
+        const float* point_normals; ///< [point_count][4] unit; the fourth is not looked at
+        int point_count;
+    } wisp_mesh_layer;
+
+    /// Write a mesh with points on it as little-endian PLY: the vertices, then the points, each with its normal (nx,
+    /// ny, nz) and the number of its element, which is -1 of a vertex; the triangles; the edges as vertex1 and vertex2.
+    /// It is read back as a mesh with vertices of no triangle.
+    /// @return as wisp_mesh_write(); also WISP_BAD_INPUT a point, a normal or an element that cannot be (the sentence
+    ///         names it)
+    WISP_API wisp_status wisp_mesh_write_layer( const char* path, const wisp_mesh* mesh, const wisp_mesh_layer* layer,
+                                                wisp_error* error );
+
     // ---- recipes ----
 
     typedef enum wisp_mesh_shape

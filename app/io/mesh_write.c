@@ -36,7 +36,7 @@ wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wi
 }
 
 // Bytes are put one by one: the machine that writes may be big-endian.
-static unsigned char* put_u32( unsigned char* bytes, uint32_t value )
+unsigned char* mesh_put_u32( unsigned char* bytes, uint32_t value )
 {
     for ( int i = 0; i < 4; ++i )
     {
@@ -45,11 +45,24 @@ static unsigned char* put_u32( unsigned char* bytes, uint32_t value )
     return bytes + 4;
 }
 
-static unsigned char* put_float( unsigned char* bytes, float value )
+unsigned char* mesh_put_float( unsigned char* bytes, float value )
 {
     uint32_t bits;
     memcpy( &bits, &value, sizeof bits );
-    return put_u32( bytes, bits );
+    return mesh_put_u32( bytes, bits );
+}
+
+void mesh_put_triangles( FILE* out, const wisp_mesh* mesh )
+{
+    unsigned char row[13];
+    for ( int t = 0; t < mesh->triangle_count; ++t )
+    {
+        const int32_t* triangle = mesh->triangles + 3 * t;
+        row[0] = 3;
+        mesh_put_u32( mesh_put_u32( mesh_put_u32( row + 1, (uint32_t)triangle[0] ), (uint32_t)triangle[1] ),
+                      (uint32_t)triangle[2] );
+        fwrite( row, 1, sizeof row, out );
+    }
 }
 
 wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
@@ -64,19 +77,13 @@ wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wi
              "element vertex %d\nproperty float x\nproperty float y\nproperty float z\n"
              "element face %d\nproperty list uchar int vertex_indices\nend_header\n",
              WISP_VERSION_STRING, mesh->vertex_count, mesh->triangle_count );
-    unsigned char row[13];
+    unsigned char row[12];
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         wisp_vec3 p = mesh->points[v];
-        put_float( put_float( put_float( row, p.x ), p.y ), p.z );
-        fwrite( row, 1, 12, out );
-    }
-    for ( int t = 0; t < mesh->triangle_count; ++t )
-    {
-        const int32_t* triangle = mesh->triangles + 3 * t;
-        row[0] = 3;
-        put_u32( put_u32( put_u32( row + 1, (uint32_t)triangle[0] ), (uint32_t)triangle[1] ), (uint32_t)triangle[2] );
+        mesh_put_float( mesh_put_float( mesh_put_float( row, p.x ), p.y ), p.z );
         fwrite( row, 1, sizeof row, out );
     }
+    mesh_put_triangles( out, mesh );
     return WISP_OK;
 }

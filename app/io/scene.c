@@ -269,7 +269,12 @@ wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, w
     *out = ( wisp_scene ){ 0 };
     const scene_source source = { name, text, size, error };
     wisp_scene scene = {
-        .step_seconds = 1.0f / 60.0f, .steps = 1, .substeps = 1, .iterations = 1, .gravity = { 0.0f, -9.8f, 0.0f }
+        .step_seconds = 1.0f / 60.0f,
+        .steps = 1,
+        .substeps = 1,
+        .iterations = 1,
+        .gravity = { 0.0f, -9.8f, 0.0f },
+        .contact = wisp_default_contact_settings(),
     };
 
     io_numbers numbers;

@@ -5,9 +5,11 @@
 #pragma once
 
 #include "balloon/balloon.h"
+#include "boundary/boundary.h"
 #include "climate/climate.h"
 #include "cloth/cloth.h"
 #include "collision/collision.h"
+#include "contact/contact.h"
 #include "frozen_hair/frozen_hair.h"
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
@@ -87,6 +89,8 @@ extern "C"
         int mass_count;                    ///< length of dynamics.vertex_masses, 0 if that is null
         wisp_strand_grid_def grid;
         wisp_collision_def collision;
+        bool has_contact;
+        wisp_contact_def contact;
         wisp_scene_path head;
         wisp_vec3 head_pivot; ///< m, where the head stands at the start, not turned; unless given, the pose's place
         int on_surface;       ///< index into the scene's surfaces, of the one that roots are on; -1: none
@@ -170,6 +174,9 @@ extern "C"
         int tile_size;
         bool has_collision;
         wisp_collision_def collision;
+        bool has_contact, has_boundary;
+        wisp_contact_def contact;
+        wisp_boundary_def boundary;
 
         bool want_points; ///< also if an output writes them
         bool want_normals, want_strain, want_speed, want_quality;
@@ -233,6 +240,11 @@ extern "C"
         int workers; ///< 0 is one a core
 
         wisp_vec3 gravity; ///< m/s^2, of surfaces and of strands that move
+
+        bool has_contact;
+        wisp_contact_settings contact; ///< how the contacts of all guests are found; the defaults if not written
+        bool want_contact_figures;     ///< of all guests together
+        bool want_crossings;           ///< and how many there are at the end of each step
 
         wisp_scene_strands* strands; ///< [strands_count], in the order of the file
         int strands_count;

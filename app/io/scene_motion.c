@@ -109,7 +109,7 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
 static wisp_status check_curves( scene_reader* r, const scene_node* node )
 {
     static const char* const keys[] = { "transform", "dynamics",    "head",    "on_surface", "grid",
-                                        "ghosts",    "frozen_hair", "climate", "collision" };
+                                        "ghosts",    "frozen_hair", "climate", "collision",  "contact" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );
@@ -147,7 +147,7 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
 // What only strands that move can take; ghosts are at least kept out of bodies.
 static wisp_status check_still( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
-    static const char* const keys[] = { "head", "on_surface", "grid", "collision" };
+    static const char* const keys[] = { "head", "on_surface", "grid", "collision", "contact" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );

@@ -7,12 +7,14 @@ extern const scene_block SCENE_BLOCK_OF_ALL;  // over wisp_scene
 extern const scene_block SCENE_STRANDS_BLOCK; // over wisp_scene_strands
 extern const scene_block SCENE_MAKE_BLOCK;    // over wisp_groom_recipe
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
-    SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK; // over wisp_scene_strands
-extern const scene_block SCENE_COMMAND_BLOCK;                           // over wisp_scene_command
-extern const scene_block SCENE_EVENT_BLOCK;                             // over scene_event
-extern const scene_block SCENE_OUTPUT_BLOCK;                            // over wisp_scene_output
-extern const scene_block SCENE_SURFACE_BLOCK;                           // over wisp_scene_surface
-extern const scene_block SCENE_BOX_BLOCK;                               // over wisp_scene_box
+    SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
+    SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
+extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_command
+extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event
+extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
+extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
+extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_BOX_BLOCK;                           // over wisp_scene_box
 
 // Readers that fill what they are pointed at.
 scene_read_fn scene_read_name, scene_read_file;      // const char*
@@ -29,7 +31,7 @@ scene_read_fn scene_read_strands_name;               // int, an index into the s
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
 scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands,
-    scene_read_script, scene_read_outputs;
+    scene_read_script, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
 scene_read_fn scene_read_make, scene_read_curve, scene_read_want;                           // wisp_scene_strands
@@ -51,6 +53,9 @@ typedef struct scene_event
 /// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
 wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,
                                   wisp_scene_path* path );
+
+/// scene_contact.c: what the layer of a surface must be besides what its table says.
+wisp_status scene_check_boundary( scene_reader* reader, const scene_node* node, const wisp_scene_surface* surface );
 
 /// scene_motion.c: what an entry of strands must be besides what its tables say.
 wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, const wisp_scene_strands* strands );

@@ -228,6 +228,7 @@ static wisp_scene_strands plain_entry( const scene_reader* r, const scene_node* 
         .dynamics = wisp_default_strand_dynamics_def(),
         .grid = wisp_default_strand_grid_def(),
         .collision = wisp_default_collision_def(),
+        .contact = wisp_default_contact_def(),
         .on_surface = -1,
         .ghosts = wisp_default_ghosts_def(),
         .targets = -1,

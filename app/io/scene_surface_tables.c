@@ -171,6 +171,8 @@ static const scene_field SURFACE_FIELDS[] = {
     { "sweep", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size },
     { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK },
+    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK },
+    { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK },
     { "want", SCENE_CUSTOM, .read = scene_read_surface_want },
 };
 #undef AT

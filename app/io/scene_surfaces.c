@@ -409,7 +409,8 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "'levels' are used by cloth alone, and there is no key 'cloth'" );
     }
-    status = s->has_implicit ? check_implicit( r, node, s ) : WISP_OK;
+    status = s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK;
+    status = status || !s->has_implicit ? status : check_implicit( r, node, s );
     status = status || !s->has_cloth ? status : check_cloth( r, node, s );
     return status || !s->has_balloon ? status : check_balloon( r, node, s );
 }
@@ -432,6 +433,8 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
         .implicit = wisp_default_implicit_cloth_def(),
         .sweep = wisp_default_fabric_def().sweep,
         .collision = wisp_default_collision_def(),
+        .contact = wisp_default_contact_def(),
+        .boundary = wisp_default_boundary_def(),
     };
     wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
     return status ? status : check_entry( r, node, surface );

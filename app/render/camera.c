@@ -49,6 +49,14 @@ static void grow_by_curves( render_bounds* bounds, const render_curves* curves )
     }
 }
 
+static void grow_by_points( render_bounds* bounds, const render_points* points )
+{
+    for ( int i = 0; i < points->count; ++i )
+    {
+        grow( bounds, points->points[i], points->radius );
+    }
+}
+
 wisp_status render_scene_bounds( const render_scene* scene, render_bounds* bounds, wisp_error* error )
 {
     wisp_status status = check_scene( scene, error );
@@ -64,6 +72,10 @@ wisp_status render_scene_bounds( const render_scene* scene, render_bounds* bound
     for ( int i = 0; i < scene->curves_count; ++i )
     {
         grow_by_curves( bounds, &scene->curves[i] );
+    }
+    for ( int i = 0; i < scene->points_count; ++i )
+    {
+        grow_by_points( bounds, &scene->points[i] );
     }
     return WISP_OK;
 }

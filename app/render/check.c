@@ -191,6 +191,24 @@ static wisp_status check_curves( const render_curves* curves, int number, wisp_e
     return status == WISP_OK ? check_radii( &body, curves, error ) : status;
 }
 
+// ---- points ----------------------------------------------------------------------------------------------------
+
+static wisp_status check_balls( const render_points* points, int number, wisp_error* error )
+{
+    body_name body = name_of( "points", points->name, number );
+    if ( points->count < 0 || ( points->count > 0 && points->points == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d points do not fit their array", body.text, points->count );
+    }
+    if ( !( points->radius > 0.0f && points->radius <= RENDER_FARTHEST ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: radius %g is not above 0 and up to %g", body.text,
+                          (double)points->radius, (double)RENDER_FARTHEST );
+    }
+    wisp_status status = check_points( &body, points->points, points->count, error );
+    return status == WISP_OK ? check_colours( &body, points->colour, points->colours, points->count, error ) : status;
+}
+
 // ---- the whole -------------------------------------------------------------------------------------------------
 
 static wisp_status check_surroundings( const render_scene* scene, wisp_error* error )
@@ -214,6 +232,12 @@ wisp_status check_scene( const render_scene* scene, wisp_error* error )
         return wisp_fail( error, WISP_BAD_INPUT, "picture: %d meshes and %d sets of curves do not fit their arrays",
                           scene->mesh_count, scene->curves_count );
     }
+    if ( scene->points_count < 0 || scene->points_count > BODIES_MAX ||
+         ( scene->points_count > 0 && scene->points == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "picture: %d sets of points do not fit their array",
+                          scene->points_count );
+    }
     wisp_status status = check_surroundings( scene, error );
     for ( int i = 0; i < scene->mesh_count && status == WISP_OK; ++i )
     {
@@ -222,6 +246,10 @@ wisp_status check_scene( const render_scene* scene, wisp_error* error )
     for ( int i = 0; i < scene->curves_count && status == WISP_OK; ++i )
     {
         status = check_curves( &scene->curves[i], i, error );
+    }
+    for ( int i = 0; i < scene->points_count && status == WISP_OK; ++i )
+    {
+        status = check_balls( &scene->points[i], i, error );
     }
     return status;
 }

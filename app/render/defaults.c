@@ -41,6 +41,11 @@ render_curves render_default_curves( void )
     return ( render_curves ){ .radius = 4e-5f, .colour = { 0.20f, 0.088f, 0.038f } };
 }
 
+render_points render_default_points( void )
+{
+    return ( render_points ){ .radius = 0.01f, .colour = PALETTE[7] };
+}
+
 render_scene render_default_scene( void )
 {
     return ( render_scene ){

@@ -77,9 +77,8 @@ wisp_vec3 light_of_key( const stage* s, wisp_vec3 place, wisp_vec3 towards, floa
             return rgb_grey( 0.0f );
         }
         // Past the whole strand, so that it counts once; past the skin of a mesh by a hair's breadth.
-        bool is_curve = hit.body >= s->scene->mesh_count;
         float step = s->lift;
-        if ( is_curve )
+        if ( stage_is_curve( s, hit.body ) )
         {
             const render_curves* curves = &s->scene->curves[hit.body - s->scene->mesh_count];
             step += 2.0f * trace_radius( &s->widening, curves, hit.primitive );

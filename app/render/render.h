@@ -44,13 +44,26 @@ typedef struct render_curves
     wisp_vec3 colour;         ///< default chestnut
 } render_curves;
 
+/// Points as matte balls. Fill from render_default_points().
+typedef struct render_points
+{
+    const char* name;         ///< for sentences; null: the number of the points
+    const wisp_vec3* points;  ///< [count], finite
+    const wisp_vec3* colours; ///< [count], or null: the one colour below
+    int count;                ///<
+    float radius;             ///< m, > 0, default 0.01
+    wisp_vec3 colour;         ///< default sand
+} render_points;
+
 /// What a picture shows. Fill from render_default_scene().
 typedef struct render_scene
 {
     const render_mesh* meshes;
     const render_curves* curves;
+    const render_points* points;
     int mesh_count;
     int curves_count;
+    int points_count;
     bool has_ground;          ///< default false
     float ground_height;      ///< m, y; seen from above only. Its squares are 1, 2 or 5 times a power of ten metres
     wisp_vec3 background_top; ///< default a cool grey
@@ -59,6 +72,7 @@ typedef struct render_scene
 
 render_mesh render_default_mesh( render_material material );
 render_curves render_default_curves( void );
+render_points render_default_points( void );
 render_scene render_default_scene( void );
 
 /// Colours that go well beside each other, for the bodies of one scene. @param body any number, counted round

@@ -167,9 +167,25 @@ void stage_release( stage* s )
 
 // ---- hits ------------------------------------------------------------------------------------------------------
 
+bool stage_is_points( const stage* s, int body )
+{
+    return body >= s->scene->mesh_count + s->scene->curves_count;
+}
+
+bool stage_is_curve( const stage* s, int body )
+{
+    return body >= s->scene->mesh_count && !stage_is_points( s, body );
+}
+
 static const render_curves* curves_of( const stage* s, int body )
 {
     return &s->scene->curves[body - s->scene->mesh_count];
+}
+
+static wisp_vec3 point_colour( const stage* s, const trace_hit* hit )
+{
+    const render_points* points = &s->scene->points[hit->body - s->scene->mesh_count - s->scene->curves_count];
+    return points->colours != NULL ? points->colours[hit->primitive] : points->colour;
 }
 
 // Strands of one colour would run together into one surface: each is a little lighter or darker than the next. The
@@ -206,7 +222,11 @@ static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit
 
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
 {
-    if ( hit->body >= s->scene->mesh_count )
+    if ( stage_is_points( s, hit->body ) )
+    {
+        return point_colour( s, hit );
+    }
+    if ( stage_is_curve( s, hit->body ) )
     {
         return curve_colour( curves_of( s, hit->body ), hit );
     }
@@ -223,7 +243,11 @@ wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )
 
 wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
 {
-    if ( body >= s->scene->mesh_count )
+    if ( stage_is_points( s, body ) )
+    {
+        return rgb_grey( 0.0f );
+    }
+    if ( stage_is_curve( s, body ) )
     {
         // Brown hair takes blue first; what is left behind several strands is warm.
         return ( wisp_vec3 ){ 0.62f * sqrtf( sqrtf( colour.x ) ), 0.62f * sqrtf( sqrtf( colour.y ) ),
@@ -310,11 +334,12 @@ surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hi
     out.face = v3_dot( hit->normal, ray->direction ) > 0.0f ? v3_scale( hit->normal, -1.0f ) : hit->normal;
     out.normal = out.face;
     out.lifted = v3_mul_add( out.place, s->lift, out.face );
-    if ( hit->body >= s->scene->mesh_count )
+    // A ball is as round as its normal says, and solid, which is what an empty surface is.
+    if ( stage_is_curve( s, hit->body ) )
     {
         shape_curve( s, ray, hit, &out );
     }
-    else
+    else if ( !stage_is_points( s, hit->body ) )
     {
         shape_mesh( s, hit, &out );
     }

@@ -66,4 +66,8 @@ wisp_vec3 stage_colour( const stage* s, const trace_hit* hit );
 /// Light that comes through the skin of a body, once; nothing for solids.
 wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour );
 
+/// Which kind of body has this number.
+bool stage_is_curve( const stage* s, int body );
+bool stage_is_points( const stage* s, int body );
+
 surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hit );

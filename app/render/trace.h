@@ -17,8 +17,8 @@ typedef struct trace_ray
 typedef struct trace_hit
 {
     float distance;   ///< m
-    int body;         ///< meshes by their number, then curves
-    int primitive;    ///< triangle; for curves the first of the segment's two vertices
+    int body;         ///< meshes by their number, then curves, then points
+    int primitive;    ///< triangle; for curves the first of the segment's two vertices; the point
     float u, v;       ///< weights of a triangle's second and third vertex; u along a segment
     wisp_vec3 normal; ///< of the surface itself, unit length, either side
 } trace_hit;

@@ -15,7 +15,7 @@ struct trace_tree
 {
     RTCDevice device;
     RTCScene scene;
-    int mesh_count;
+    int mesh_count, curves_count;
     const unsigned** segments; // [curves_count] first vertex of each segment, in Embree's own index buffers
     enum RTCError reason;      // of the first error since the device was made
     char words[200];           // and what Embree said
@@ -174,6 +174,36 @@ static wisp_status add_curves( trace_tree* tree, const render_curves* curves, in
     return embree_fault( tree, error );
 }
 
+static wisp_status add_points( trace_tree* tree, const render_points* points, int body, wisp_error* error )
+{
+    if ( points->count == 0 )
+    {
+        return WISP_OK;
+    }
+    RTCGeometry geometry = rtcNewGeometry( tree->device, RTC_GEOMETRY_TYPE_SPHERE_POINT );
+    if ( geometry == NULL )
+    {
+        return embree_fault( tree, error );
+    }
+    float* balls =
+        new_buffer( geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 4 * sizeof( float ), (size_t)points->count );
+    if ( balls == NULL )
+    {
+        rtcReleaseGeometry( geometry );
+        return embree_fault( tree, error );
+    }
+    for ( int i = 0; i < points->count; ++i )
+    {
+        float* ball = balls + 4 * (size_t)i;
+        ball[0] = points->points[i].x;
+        ball[1] = points->points[i].y;
+        ball[2] = points->points[i].z;
+        ball[3] = points->radius;
+    }
+    attach( tree, geometry, body );
+    return embree_fault( tree, error );
+}
+
 // ---- the tree --------------------------------------------------------------------------------------------------
 
 // One thread builds: trees that several threads build may differ, and where two surfaces meet so would the hits.
@@ -208,6 +238,10 @@ static wisp_status fill( trace_tree* tree, const render_scene* scene, const trac
     {
         status = add_curves( tree, &scene->curves[i], i, widening, error );
     }
+    for ( int i = 0; i < scene->points_count && status == WISP_OK; ++i )
+    {
+        status = add_points( tree, &scene->points[i], scene->mesh_count + scene->curves_count + i, error );
+    }
     if ( status == WISP_OK )
     {
         rtcCommitScene( tree->scene );
@@ -226,10 +260,11 @@ wisp_status trace_build( const render_scene* scene, const trace_widening* wideni
         free( tree );
         free( segments );
         return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for %d bodies",
-                          scene->mesh_count + scene->curves_count );
+                          scene->mesh_count + scene->curves_count + scene->points_count );
     }
     tree->segments = segments;
     tree->mesh_count = scene->mesh_count;
+    tree->curves_count = scene->curves_count;
     wisp_status status = fill( tree, scene, widening, error );
     if ( status != WISP_OK )
     {
@@ -300,7 +335,7 @@ bool trace_nearest( const trace_tree* tree, const trace_ray* ray, trace_hit* hit
         return false;
     }
     int body = (int)found.hit.geomID;
-    bool is_curve = body >= tree->mesh_count;
+    bool is_curve = body >= tree->mesh_count && body - tree->mesh_count < tree->curves_count;
     *hit = ( trace_hit ){
         .distance = found.ray.tfar,
         .body = body,

@@ -16,6 +16,9 @@ void KERNEL( strand_align )( const wisp_strand_align_job* job, int group_begin, 
 void KERNEL( strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
 void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
                              wisp_range_search_result* result );
+void KERNEL( box_overlap )( const wisp_box_stream* stream, const int32_t* runs, int run_count,
+                            wisp_box_group* group );
+void KERNEL( rank_order )( int32_t* items, int count, int32_t* out );
 int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
                                  int slice_first, int slice_last );
 float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
@@ -29,6 +32,13 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end );
 void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end );
 void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
 void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end );
+void KERNEL( ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads );
+int KERNEL( blend_two )( const wisp_blend_job* job, int begin, int end );
+int KERNEL( blend_three )( const wisp_blend_job* job, int begin, int end );
+void KERNEL( hold_edges )( const wisp_hold_job* job, int begin, int end );
+void KERNEL( hold_triangles )( const wisp_hold_job* job, int begin, int end );
+void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end );
+void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end );
 void KERNEL( push )( const wisp_push_job* job, int begin, int end );
 void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end );

@@ -114,6 +114,42 @@ void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end )
     }
 }
 
+// Every triangle counts alike: a mean of unit normals, not of area vectors. A triangle without area has no direction, and what
+// pads a ring is one; one with a corner that is not finite must not spoil its neighbours.
+LANE_INLINE lane8v add_face_normal( lane8v sum, lane8v across )
+{
+    const lane8 squared = lane8v_dot( across, across ), one = lane8_set1( 1.0f );
+    const lane8m known =
+        lane8m_and( lane8_ge( squared, lane8_set1( FLT_MIN ) ), lane8_le( squared, lane8_set1( FLT_MAX ) ) );
+    const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );
+    const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() };
+    return lane8v_add( sum, lane8v_select( known, lane8v_scale( across, scale ), nothing ) );
+}
+
+void KERNEL( ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        lane8v point, sum = { lane8_zero(), lane8_zero(), lane8_zero() };
+        lane8 weight;
+        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
+        lane8v a = { lane8_zero(), lane8_zero(), lane8_zero() };
+        for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+        {
+            const lane8v b = lane8v_sub( load_neighbours( job, e ), point );
+            sum = add_face_normal( sum, lane8v_cross( a, b ) );
+            a = b;
+        }
+        // a sum that cancels leaves rounding of unit vectors, which is no direction
+        const lane8 squared = lane8v_dot( sum, sum );
+        const lane8m known = lane8_ge( squared, lane8_set1( WISP_BLEND_LEAST * WISP_BLEND_LEAST ) );
+        const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );
+        const lane8v unit = lane8v_scale( sum, lane8_select( known, scale, lane8_zero() ) );
+        lane8_store_xyzw_contiguous( quads + (size_t)slice * 32, unit.x, unit.y, unit.z, lane8_zero() );
+    }
+}
+
 void KERNEL( push )( const wisp_push_job* job, int begin, int end )
 {
     const lane8 factor = lane8_set1( job->factor );

@@ -314,6 +314,21 @@ LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
     }
 }
 
+LANE_INLINE lane8 lane8_spread_first( lane8 row )
+{
+    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0x00 ), _mm_shuffle_ps( row.high, row.high, 0x00 ) };
+}
+
+LANE_INLINE lane8 lane8_spread_second( lane8 row )
+{
+    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0x55 ), _mm_shuffle_ps( row.high, row.high, 0x55 ) };
+}
+
+LANE_INLINE lane8 lane8_spread_third( lane8 row )
+{
+    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xaa ), _mm_shuffle_ps( row.high, row.high, 0xaa ) };
+}
+
 LANE_INLINE lane8 lane8_spread_last( lane8 row )
 {
     return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xff ), _mm_shuffle_ps( row.high, row.high, 0xff ) };

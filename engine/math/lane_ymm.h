@@ -211,6 +211,21 @@ LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
     }
 }
 
+LANE_INLINE lane8 lane8_spread_first( lane8 row )
+{
+    return _mm256_permute_ps( row, 0x00 );
+}
+
+LANE_INLINE lane8 lane8_spread_second( lane8 row )
+{
+    return _mm256_permute_ps( row, 0x55 );
+}
+
+LANE_INLINE lane8 lane8_spread_third( lane8 row )
+{
+    return _mm256_permute_ps( row, 0xaa );
+}
+
 LANE_INLINE lane8 lane8_spread_last( lane8 row )
 {
     return _mm256_permute_ps( row, 0xff );

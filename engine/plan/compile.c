@@ -28,7 +28,8 @@ store_mask plan_mask( const wisp_component* uses )
 
 static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask a_writes = plan_mask( a->writes ), b_writes = plan_mask( b->writes );
+    store_mask a_writes = plan_mask( a->writes ) | plan_mask( a->across );
+    store_mask b_writes = plan_mask( b->writes ) | plan_mask( b->across );
     return ( a_writes & ( b_writes | plan_mask( b->reads ) ) ) != 0 || ( b_writes & plan_mask( a->reads ) ) != 0;
 }
 
@@ -202,7 +203,8 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
         const plan_section section = plan_section_of( pass->stage );
         if ( ( live & ~loop & store_bit( i ) ) != 0 && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
         {
-            possible = possible && ( plan_mask( pass->writes ) & ( writes | reads ) ) == 0 &&
+            possible = possible &&
+                       ( ( plan_mask( pass->writes ) | plan_mask( pass->across ) ) & ( writes | reads ) ) == 0 &&
                        ( plan_mask( pass->reads ) & writes ) == 0;
         }
     }

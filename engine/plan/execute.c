@@ -66,6 +66,11 @@ int wisp_frame_iterations( const wisp_frame* frame )
     return frame->iterations;
 }
 
+bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity )
+{
+    return entity_of( frame, entity )->halted != 0;
+}
+
 void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence )
 {
     entity_of( frame, entity )->halted = 1; // only passes that run on the entity halt it, one at a time

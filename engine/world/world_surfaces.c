@@ -101,6 +101,8 @@ static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_enti
         [WISP_TABLE_PARTICLE] = fabric->slot_count,
         [WISP_TABLE_LINK] = fabric->link_order.slot_count,
         [WISP_TABLE_HINGE] = fabric->hinge_order.slot_count,
+        [WISP_TABLE_EDGE] = fabric->edge_count,
+        [WISP_TABLE_TRIANGLE] = fabric->triangle_count,
     };
     wisp_entity entity;
     if ( store_add( &world->store, rows, &entity ) == false )

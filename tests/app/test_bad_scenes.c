@@ -177,7 +177,7 @@ static const bad_scene BAD_SCENES[] = {
     { "entry_is_text.yaml",
       ":2:11: strands[0]: must be a mapping ({} takes the defaults), not 'hair'" },
     { "escape_in_key.yaml",
-      ":2:1: unknown key 'st?[31m?rands', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" },
+      ":2:1: unknown key 'st?[31m?rands', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, commands, script, output" },
     { "escape_in_value.yaml",
       ":6:21: strands[0].frozen_hair.clump.gap: must be one of prose, printed, closing, wet, not 'pr?ose', did you mean 'prose'?" },
     { "exponent_for_whole.yaml",
@@ -237,7 +237,7 @@ static const bad_scene BAD_SCENES[] = {
     { "list_too_short.yaml",
       ":6:36: strands[0].frozen_hair.freeze.stretch_stiffness: the list has 2 numbers, but 3 strands are made" },
     { "long_key.yaml",
-      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" },
+      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, commands, script, output" },
     { "long_number.yaml",
       ":2:8: steps: must be a whole number, not '11111111111111111111111111111111111111111111...'" },
     { "make_delaunay_few.yaml",
@@ -273,7 +273,7 @@ static const bad_scene BAD_SCENES[] = {
     { "make_vertices_few.yaml",
       ":4:26: surfaces[0].make: 30 vertices are not within half and twice of 10 columns times 10 rows" },
     { "merge_key.yaml",
-      ":2:1: unknown key '<<', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" },
+      ":2:1: unknown key '<<', known are wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, commands, script, output" },
     { "millimetres.yaml",
       ":6:24: strands[0].frozen_hair.clump.radius: '10 mm' has a unit; lengths are plain numbers in metres" },
     { "milliseconds.yaml",
@@ -443,9 +443,9 @@ static const bad_scene BAD_SCENES[] = {
     { "surface_two_sources.yaml",
       ":4:5: surfaces[0]: has more than one of 'file', 'make' and 'instance_of'" },
     { "surface_unknown_key.yaml",
-      ":6:5: surfaces[0]: unknown key 'gravitation', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, want" },
+      ":6:5: surfaces[0]: unknown key 'gravitation', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, contact, boundary, want" },
     { "surface_unknown_key_far.yaml",
-      ":6:5: surfaces[0]: unknown key 'colour', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, want" },
+      ":6:5: surfaces[0]: unknown key 'colour', known are name, file, make, instance_of, repair, require, transform, area_density, vertex_mass, pins, pin_box, pin_nearest, pin_keyframes, pin_pivot, velocity, angular_velocity, gravity, damping, strain_limit, cloth, balloon, implicit, levels, sweep, tile_size, collision, contact, boundary, want" },
     { "surfaces_mapping.yaml",
       ":3:11: surfaces: must be a list of surfaces, not a mapping" },
     { "surfaces_too_many_vertices.yaml",
@@ -523,13 +523,17 @@ static const bad_scene BAD_SCENES[] = {
 
 static int scene_count( void )
 {
-    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT;
+    return WISP_COUNT( BAD_SCENES ) + BAD_SCENES_MOTION_COUNT + BAD_SCENES_IMPLICIT_COUNT + BAD_SCENES_CONTACT_COUNT;
 }
 
 static const bad_scene* scene_at( int i )
 {
     const int motion = i - WISP_COUNT( BAD_SCENES ), implicit = motion - BAD_SCENES_MOTION_COUNT;
-    return motion < 0 ? &BAD_SCENES[i] : implicit < 0 ? &BAD_SCENES_MOTION[motion] : &BAD_SCENES_IMPLICIT[implicit];
+    const int contact = implicit - BAD_SCENES_IMPLICIT_COUNT;
+    return motion < 0     ? &BAD_SCENES[i]
+           : implicit < 0 ? &BAD_SCENES_MOTION[motion]
+           : contact < 0  ? &BAD_SCENES_IMPLICIT[implicit]
+                          : &BAD_SCENES_CONTACT[contact];
 }
 
 static const bad_scene* find( const char* file )

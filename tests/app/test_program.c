@@ -132,7 +132,7 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
     assert_usage( "bench papre", "did you mean 'paper'?" );
     assert_usage( "bench --format xml", "--format" );
     assert_usage( "bench paper --compare", "--compare is an option of the case 'cloth'" );
-    assert_usage( "bench cloth --pictures here", "--pictures is an option of the case 'figures'" );
+    assert_usage( "bench cloth --pictures here", "--pictures is an option of the cases 'figures', 'boundary' and 'contact'" );
 }
 
 // ---- files ----

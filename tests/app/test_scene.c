@@ -398,7 +398,7 @@ static void columns_count_characters_and_not_bytes( void** state )
     (void)state;
     demand_refusal( "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
                     "scenes/test.yaml:1:14: unknown key '\xc3\xa4', known are wisp, step_seconds, steps, substeps, "
-                    "iterations, workers, gravity, strands, surfaces, colliders, commands, script, output" );
+                    "iterations, workers, gravity, contact, strands, surfaces, colliders, commands, script, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"make\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: '\xc3\xa4\xc3\xa4' is not a name: 1 to 64 of the "
                     "characters A-Z a-z 0-9 _ -" );

@@ -17,9 +17,9 @@ typedef struct fake_pass
     const char* name; // as the plan prints it
     wisp_stage stage;
     wisp_domain domain;
-    const char *needs, *lacks, *reads, *writes; // letters; null for none
-    char on_change;                             // a letter, or 0
-    bool asks;                                  // is_due answers what fake.due says
+    const char *needs, *lacks, *reads, *writes, *across; // letters; null for none
+    char on_change;                                      // a letter, or 0
+    bool asks;                                           // is_due answers what fake.due says
     int grain;
 } fake_pass;
 
@@ -104,6 +104,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
         fill_uses( pass.lacks, f->lacks );
         fill_uses( pass.reads, f->reads );
         fill_uses( pass.writes, f->writes );
+        fill_uses( pass.across, f->across );
         status = wisp_declare_pass( r, &pass );
     }
     return status;

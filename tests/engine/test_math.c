@@ -333,10 +333,15 @@ static void rows_of_quads_become_lanes_and_back( void** state )
         {
             assert_same_bits( got[l], l % 4 < 3 ? rows[1][row + l / 4 * 4] : 0.0f, 8 * row + l );
         }
-        lane8_storeu( got, lane8_spread_last( q[row] ) );
-        for ( int l = 0; l < 8; ++l )
+        const lane8 numbers[4] = { lane8_spread_first( q[row] ), lane8_spread_second( q[row] ),
+                                   lane8_spread_third( q[row] ), lane8_spread_last( q[row] ) };
+        for ( int k = 0; k < 4; ++k )
         {
-            assert_same_bits( got[l], rows[row][l / 4 * 4 + 3], 8 * row + l );
+            lane8_storeu( got, numbers[k] );
+            for ( int l = 0; l < 8; ++l )
+            {
+                assert_same_bits( got[l], rows[row][l / 4 * 4 + k], 8 * row + l );
+            }
         }
     }
     lane8_transpose_quads( q );

@@ -62,6 +62,33 @@ static void demand_path( const wisp_scene_path* path )
     }
 }
 
+static void demand_contact( const wisp_contact_def* c )
+{
+    demand( c->thickness >= 0.0f && isfinite( c->thickness ) && c->friction >= 0.0f && isfinite( c->friction ) );
+    demand( c->recovery_speed >= 0.0f && isfinite( c->recovery_speed ) );
+}
+
+static void demand_settings( const wisp_scene* scene )
+{
+    const wisp_contact_settings* c = &scene->contact;
+    demand( c->features >= 0 && c->features < WISP_CONTACT_FEATURES_COUNT );
+    demand( c->search >= 0 && c->search < WISP_PAIR_SEARCH_COUNT );
+    demand( c->margin > 0.0f && isfinite( c->margin ) );
+    demand( c->sample_spacing == 0.0f || ( c->features == WISP_CONTACT_SAMPLES && isfinite( c->sample_spacing ) ) );
+    demand( c->guard || c->features == WISP_CONTACT_EXACT );
+    demand( scene->has_contact || !( scene->want_contact_figures || scene->want_crossings ) );
+}
+
+static void demand_layer( const wisp_boundary_def* b )
+{
+    demand( b->policy >= 0 && b->policy < WISP_SPACING_COUNT && b->rounding >= 0 && b->rounding < WISP_ROUND_COUNT );
+    demand( b->spacing >= 0.0f && isfinite( b->spacing ) && b->hysteresis >= 0.0f && b->hysteresis <= 0.5f );
+    demand( b->limit >= 1 && b->curvature_gain >= 0.0f && isfinite( b->strain_gain ) );
+    demand( b->most_spacing == 0.0f || b->least_spacing <= b->most_spacing );
+    demand( b->pixel_angle > 0.0f && b->pixels > 0.0f && isfinite( b->eye.x ) );
+    demand( b->by_screen || ( b->eye.x == 0.0f && b->eye.y == 0.0f && b->eye.z == 0.0f ) );
+}
+
 static void demand_dynamics( const wisp_scene_strands* strands )
 {
     const wisp_strand_dynamics_def* d = &strands->dynamics;
@@ -74,6 +101,8 @@ static void demand_dynamics( const wisp_scene_strands* strands )
     }
     demand( strands->has_dynamics || !( strands->has_grid || strands->has_head ) );
     demand( strands->has_dynamics || strands->has_ghosts || !strands->has_collision );
+    demand( strands->has_dynamics || !strands->has_contact );
+    demand_contact( &strands->contact );
     demand( !( strands->has_head && strands->on_surface >= 0 ) );
     demand_path( &strands->head );
 }
@@ -166,6 +195,8 @@ static void demand_surface( const wisp_scene* scene, int i )
     demand_path( &s->pin_path );
     demand_balloon( s );
     demand_implicit( scene, s );
+    demand_contact( &s->contact );
+    demand_layer( &s->boundary );
 }
 
 static void demand_collider( const wisp_scene_collider* c )
@@ -203,6 +234,7 @@ static void demand_scene( const wisp_scene* scene )
     demand( scene->step_seconds > 0.0f && isfinite( scene->step_seconds ) && scene->steps >= 0 );
     demand( scene->substeps >= 1 && scene->iterations >= 1 );
     demand( scene->workers >= 0 && scene->workers <= WISP_MAX_WORKERS );
+    demand_settings( scene );
     for ( int i = 0; i < scene->strands_count; ++i )
     {
         demand_strands( scene, i );

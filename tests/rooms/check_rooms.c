@@ -377,7 +377,8 @@ static bool check_file( checker* c, const char* path )
 // Words that name data or geometry, which an engine may speak of although a folder's name has them.
 static bool is_generic( const char* word )
 {
-    static const char words[] = " strand strands hair look cloth triangle triangles boundary particle particles implicit ";
+    static const char words[] =
+        " strand strands hair look cloth triangle triangles boundary particle particles implicit contact ";
     char between[66];
     snprintf( between, sizeof( between ), " %s ", word );
     return strstr( words, between ) != NULL;

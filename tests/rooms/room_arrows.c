@@ -17,7 +17,7 @@ static const engine_room engine_rooms[] = {
     { "math", 1, " base.h random.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
     { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h " },
-    { "space", 3, " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h " },
+    { "space", 3, " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h samples.h box_pairs.h crossings.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },
     { "plan", 4, NULL },

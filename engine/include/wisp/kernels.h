@@ -84,6 +84,26 @@ typedef struct wisp_range_search_result
     int capped;                    ///< grows by the queries that ran into the limit
 } wisp_range_search_result;
 
+/// Boxes as streams, sorted so that those which are asked together lie together.
+typedef struct wisp_box_stream
+{
+    const float *low[3], *high[3]; ///< [slot] m, padded by 8 that overlap nothing
+    const int32_t* item;           ///< [slot] the box's number, padded by 8
+} wisp_box_stream;
+
+/// Boxes that ask for those which overlap them, and what they found.
+typedef struct wisp_box_group
+{
+    int count;                  ///< of askers
+    float box[WISP_SLICE][6];   ///< low x, y, z, high x, y, z
+    int32_t above[WISP_SLICE];  ///< only items of a higher number
+    int32_t* found[WISP_SLICE]; ///< lists; the first is the caller's, each other lies 8 entries behind the one before
+    int found_count[WISP_SLICE];
+} wisp_box_group;
+
+/// So many slots are compared with several askers at most.
+#define WISP_BOX_SHARED_MOST 1024
+
 /// Lists of slices: entry k of slice s is entries[8 (begin[s] + k) ..], one query a lane.
 typedef struct wisp_neighbour_list
 {
@@ -176,6 +196,53 @@ typedef struct wisp_ring_sums
     double volume;   ///< m^3, sum of (p - origin) . gradient / 3
     double weighted; ///< m^4/kg, sum of w |gradient|^2
 } wisp_ring_sums;
+
+/// Points that stand between three parents, or two, by weights: y = sum of w x, and the unit normal along the sum of w n.
+typedef struct wisp_blend_job
+{
+    const float* position;              ///< [slot][4] m
+    const float* normal;                ///< [slot][4] unit, the fourth 0; null: points get none
+    const int32_t ( *parents )[4];      ///< [point] slots times 4; padded to a multiple of 8, as are all of points
+    const float ( *weights )[4];        ///< [point]
+    const float ( *normal_weights )[4]; ///< [point] of normals; null: `weights`
+    float* quads;                       ///< [point][4] m; the fourth stays as it is
+    float* normals; ///< [point][4] the fourth is 0; where the sum is shorter than WISP_BLEND_LEAST
+                    ///< the normal stays as it is, and its fourth becomes 1
+} wisp_blend_job;
+
+/// Unit normals are true to about 1e-7 a number, so a shorter sum of opposite ones is a direction of rounding alone.
+#define WISP_BLEND_LEAST 1e-6f
+
+/// Which edges and triangles still have the extents, over the spacing, that their counts of points stand for? Only a sure
+/// yes is a yes: rounding is in the bounds.
+typedef struct wisp_hold_job
+{
+    const float* position;                 ///< [slot][4] m
+    const int32_t ( *pair4 )[2][8];        ///< edges: [slice] slots times 4 of the ends
+    const int32_t ( *corner4 )[3][8];      ///< triangles: [slice] a, b, c, slots times 4; a to b is the shortest side
+    float spacing;                         ///< m
+    const float* each;                     ///< [element] m; null: `spacing` for all
+    const float *low, *high;               ///< [element] of length over spacing, of a triangle's base over spacing
+    const float *low_height, *high_height; ///< [triangle] of height over spacing
+    uint8_t* held;                         ///< [slice] out: a bit an element
+} wisp_hold_job;
+
+/// Closest points of pairs, eight pairs at a time: a point and a triangle, or two segments. Triangles may be flat and
+/// segments without length. A pair with a number that is not finite, or one wider than 1e18 m, has a distance that is not
+/// finite; its weights and its normal are then of no use.
+typedef struct wisp_closest_job
+{
+    const float* quads; ///< [point][4] m; the fourth number is not looked at; 16-byte aligned
+    /// [group] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
+    const int32_t ( *point4 )[4][8];
+    float ( *distance )[8]; ///< [group] out, m; 0 below 1e-19 m
+    /// [group] out, barycentric, those of the second side negative; null: not wanted. The weights of a side sum to 1
+    /// without rounding, so that they mean the same anywhere.
+    float ( *weight )[4][8];
+    /// [group] out, unit, from the second side to the first; 0 where the distance is 0; null with weight. The plane
+    /// across it parts the sides as far as they are from each other.
+    float ( *normal )[3][8];
+} wisp_closest_job;
 
 /// Move particles along a gradient: p += w factor gradient.
 typedef struct wisp_push_job
@@ -431,6 +498,14 @@ typedef struct wisp_kernels
     /// Neighbours of queries [8 slice, 8 slice + count), count <= 8.
     void ( *range_search )( const wisp_range_search_job* job, int slice, int count,
                             wisp_range_search_result* result );
+    /// Find the boxes of some runs of slots that overlap the askers, touching included, in the order of slots. A lone asker
+    /// adds to its list. Lists have room for all that is compared and 8 more.
+    /// @param runs [run_count][2] first slot, and the one behind the last. Slots are compared in whole eights, so that the
+    ///             next run must not begin before the eights of this one end
+    void ( *box_overlap )( const wisp_box_stream* stream, const int32_t* runs, int run_count, wisp_box_group* group );
+    /// Put different numbers, none negative, in rising order. Takes time with the square of the count.
+    /// @param items [count] padded by 8, which may be overwritten @param out another array, padded likewise
+    void ( *rank_order )( int32_t* items, int count, int32_t* out );
     /// Distances of a list's pairs at one shape. distance [entry][8]
     /// @return how many are above 0 and below the radius
     int64_t ( *pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
@@ -452,7 +527,20 @@ typedef struct wisp_kernels
     void ( *ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
     void ( *ring_normal )( const wisp_ring_job* job, int begin,
                            int end ); ///< area-weighted unit normals, 0 if they cancel
+    /// Mean of the unit normals of the triangles around a vertex, normalised, whatever their areas; 0 if they cancel.
+    /// Triangles without area, and those with a corner that is not finite, add nothing. quads [slot][4], the fourth is 0
+    void ( *ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads );
     void ( *push )( const wisp_push_job* job, int begin, int end );
+    // points, multiples of 8
+    /// @return points without a normal, padding included
+    int ( *blend_two )( const wisp_blend_job* job, int begin, int end ); ///< reads the first two parents alone
+    int ( *blend_three )( const wisp_blend_job* job, int begin, int end );
+    // slices of eight elements
+    void ( *hold_edges )( const wisp_hold_job* job, int begin, int end );
+    void ( *hold_triangles )( const wisp_hold_job* job, int begin, int end );
+    // groups of eight pairs
+    void ( *closest_triangle )( const wisp_closest_job* job, int begin, int end );
+    void ( *closest_segments )( const wisp_closest_job* job, int begin, int end );
     // slots, multiples of 8
     void ( *tether )( const wisp_tether_job* job, int begin, int end );
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration

@@ -21,6 +21,8 @@ typedef enum wisp_table
     WISP_TABLE_PARTICLE,     ///< one slot of a fabric: vertices in its order, then what pads; a multiple of 8
     WISP_TABLE_LINK,         ///< one slot of a fabric's schedule of links; a multiple of 8
     WISP_TABLE_HINGE,        ///< one slot of a fabric's schedule of hinges; a multiple of 8
+    WISP_TABLE_EDGE,         ///< one edge of a surface, each once, in an order that its users agree on
+    WISP_TABLE_TRIANGLE,     ///< one triangle of a surface, in the user's order
     WISP_TABLE_COUNT,
 } wisp_table;
 
@@ -96,6 +98,9 @@ typedef struct wisp_pass
     wisp_component lacks[WISP_MAX_USES];  ///< zero-terminated: the entity must have none, or the pass does not exist
     wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
     wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
+    /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
+    /// passes of those entities, and neither make passes exist nor supply anything.
+    wisp_component across[WISP_MAX_USES];
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
@@ -164,6 +169,8 @@ WISP_API float wisp_frame_seconds( const wisp_frame* frame );
 /// Substeps of a step, and iterations of a substep. Which one runs is in the span.
 WISP_API int wisp_frame_substeps( const wisp_frame* frame );
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
+/// Is the entity left out of passes?
+WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );
 /// Leave the entity out of every pass from the next step on; the world counts it and logs the sentence. Thread-safe.
 WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );

@@ -1,0 +1,34 @@
+/// What `wisp run` tells and writes of boundary particles and of contact while a scene runs: how many points, how much
+/// was sampled anew, how near guests of contact came, and files with the points.
+#pragma once
+
+#include "results.h"
+#include "world_from_scene.h"
+
+typedef struct run_layers_def
+{
+    const char* file; ///< FILE.ply, of which each frame and surface is a file; or null
+    int every;        ///< steps between two of them, >= 1
+} run_layers_def;
+
+typedef struct run_layers run_layers;
+
+/// Ask the world for what the files hold. Call before the first step.
+/// @param steps how many will be made
+/// @param out receives it, for run_layers_close(); null if there is nothing to tell or to write, and on failure
+/// @return WISP_BAD_INPUT files are wanted of a scene without boundary particles; WISP_NO_MEMORY
+wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int steps, run_layers** out,
+                             wisp_error* error );
+
+/// Look at the world after a step, and write files if this step has some. Null is allowed.
+/// @return WISP_IO_ERROR; WISP_NO_MEMORY
+wisp_status run_layers_step( run_layers* layers, wisp_error* error );
+
+/// Put numbers of the whole run, and of the last step, into the row of the run. Null is allowed.
+void run_layers_put( const run_layers* layers, results_values* values );
+
+/// Add a row for each step, of a long run for 1000 of them at most, and the sentences. Null is allowed.
+void run_layers_report( const run_layers* layers, results* out );
+
+/// Null is allowed.
+void run_layers_close( run_layers* layers );

@@ -1,0 +1,146 @@
+// B4: how far normals of points are from those of the sphere that the mesh stands for.
+#include "boundary_bench.h"
+
+#include <math.h>
+
+static const double DEGREES = 57.29577951308232;
+// Between the longest edges there are some points then, on the finest sphere too.
+static const float NORMAL_SPACING = 0.025f;
+
+typedef struct angles
+{
+    double sum, most;
+    int count;
+} angles;
+
+static double angle_of( const float* a, const float* b )
+{
+    double cross = 0.0, dot = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int n = ( k + 1 ) % 3, l = ( k + 2 ) % 3;
+        const double c = (double)a[n] * (double)b[l] - (double)a[l] * (double)b[n];
+        cross += c * c;
+        dot += (double)a[k] * (double)b[k];
+    }
+    return DEGREES * atan2( sqrt( cross ), dot );
+}
+
+static void add_angle( angles* sum, double angle )
+{
+    sum->sum += angle;
+    sum->most = angle > sum->most || isnan( angle ) ? angle : sum->most;
+    sum->count += 1;
+}
+
+static double mean_of( const angles* sum )
+{
+    return sum->count > 0 ? sum->sum / sum->count : NAN;
+}
+
+typedef struct normal_look
+{
+    angles edge, inner, turn; // from the direction of the place; between neighbours on an edge
+} normal_look;
+
+static void look_at_normals( const wisp_boundary_view* view, normal_look* out )
+{
+    const wisp_samples* s = view->samples;
+    *out = ( normal_look ){ 0 };
+    for ( int p = 0; p < s->count; ++p )
+    {
+        const float* n = s->normals + 4 * (size_t)p;
+        add_angle( p < s->edge_count ? &out->edge : &out->inner, angle_of( n, s->quads + 4 * (size_t)p ) );
+    }
+    for ( int e = 0; e < view->edge_count; ++e )
+    {
+        for ( int p = s->begin[e] + 1; p < s->begin[e + 1]; ++p )
+        {
+            add_angle( &out->turn, angle_of( s->normals + 4 * (size_t)p, s->normals + 4 * (size_t)( p - 1 ) ) );
+        }
+    }
+}
+
+static wisp_status look_at_sphere( int segments, normal_look* look, int* vertices, wisp_error* error )
+{
+    const wisp_boundary_def def = layer_def( &layer_laws[0], NORMAL_SPACING );
+    wisp_mesh mesh = { 0 };
+    wisp_fabric* fabric = NULL;
+    layer_entrant entrant = { 0 };
+    wisp_boundary_view view;
+    wisp_status status = layer_sphere( segments, LAYER_RADIUS, &mesh, error );
+    status = status == WISP_OK ? layer_cook( &mesh, &fabric, error ) : status;
+    status = status == WISP_OK ? layer_enter( fabric, &def, 1, &entrant, error ) : status;
+    status = status == WISP_OK ? layer_step( &entrant, error ) : status;
+    status = status == WISP_OK ? layer_read( &entrant.surface, &view, error ) : status;
+    if ( status == WISP_OK )
+    {
+        look_at_normals( &view, look );
+        *vertices = mesh.vertex_count;
+    }
+    surface_entrant_destroy( &entrant.surface );
+    wisp_fabric_release( fabric );
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+static void add_sphere( int segments, int vertices, const normal_look* look, bool met, int table, results* out )
+{
+    cells row = { .count = 0 };
+    cells_put( &row, "%d x %d", segments, segments );
+    cells_put( &row, "%d", vertices );
+    cells_put( &row, "%d", look->edge.count );
+    cells_put( &row, "%d", look->inner.count );
+    cells_put_number( &row, mean_of( &look->edge ), 4 );
+    cells_put_number( &row, look->edge.most, 4 );
+    cells_put_number( &row, mean_of( &look->inner ), 4 );
+    cells_put_number( &row, look->inner.most, 4 );
+    cells_put_number( &row, look->turn.most, 4 );
+    cells_put( &row, "%s", met ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+    results_row* line = results_add_row( out, "boundary", "normals" );
+    if ( line != NULL )
+    {
+        line->workers = 1;
+        results_put( &line->size, "vertices", vertices );
+        results_put( &line->size, "points", look->edge.count + look->inner.count );
+        snprintf( line->error_reference, sizeof( line->error_reference ), "sphere" );
+        results_put( &line->error, "edge_mean_degrees", mean_of( &look->edge ) );
+        results_put( &line->error, "edge_max_degrees", look->edge.most );
+        results_put( &line->error, "inner_mean_degrees", mean_of( &look->inner ) );
+        results_put( &line->error, "inner_max_degrees", look->inner.most );
+    }
+}
+
+wisp_status boundary_normals( const boundary_plan* plan, results* out, wisp_error* error )
+{
+    static const char* const header[] = { "sphere",    "vertices",    "edge points", "inner points",    "edge, mean",
+                                          "edge, max", "inner, mean", "inner, max",  "turn a gap, max", "met" };
+    const int table =
+        results_add_table( out,
+                           "B4: degrees between a point's normal and its direction on spheres of 2.5 m, "
+                           "d 0.025; expected to fall with the mesh",
+                           WISP_COUNT( header ), header );
+    wisp_status status = WISP_OK;
+    double before = INFINITY;
+    for ( int i = 0; i < plan->sphere_count && status == WISP_OK; ++i )
+    {
+        normal_look look = { 0 };
+        int vertices = 0;
+        status = look_at_sphere( plan->segments[i], &look, &vertices, error );
+        const double mean = ( look.edge.sum + look.inner.sum ) / ( look.edge.count + look.inner.count );
+        const bool met = mean < before;
+        if ( status == WISP_OK )
+        {
+            add_sphere( plan->segments[i], vertices, &look, met, table, out );
+        }
+        if ( status == WISP_OK && !met )
+        {
+            results_add_failure( out,
+                                 "B4: normals on the sphere of %d slices are no nearer to it than on a coarser one.",
+                                 plan->segments[i] );
+        }
+        before = mean;
+    }
+    return status;
+}

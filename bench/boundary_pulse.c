@@ -1,0 +1,259 @@
+// B6: what it costs that counts change: a radius that pulsates, with and without hysteresis.
+#include "boundary_bench.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    PULSES = 11,
+    STILL = 0,
+    ALL_ANEW = 1,
+    SAMPLES_MAX = 20 * LAYER_PERIOD, // whole periods, so that all phases count alike
+    ROUNDS_MIN = 4,
+};
+
+static const float PULSE_SPACING = 0.05f;
+
+/// How a surface pulsates, and what came of it.
+typedef struct pulse
+{
+    double amplitude;
+    float hysteresis;
+    bool is_anew;
+    layer_entrant entrant;
+    double changed, changed_most; // share of the elements, mean and most of a step
+    double kept;                  // share of the points that stay of one step to the next
+    int points_least, points_most;
+    uint64_t hash;
+} pulse;
+
+static void make_pulses( pulse all[PULSES] )
+{
+    static const double amplitudes[] = { 0.001, 0.01, 0.1 };
+    static const float hysteresis[] = { 0.0f, 0.1f, 0.3f };
+    all[STILL] = ( pulse ){ 0 };
+    all[ALL_ANEW] = ( pulse ){ .is_anew = true };
+    for ( int i = 0; i < PULSES - 2; ++i )
+    {
+        all[2 + i] = ( pulse ){ .amplitude = amplitudes[i / 3], .hysteresis = hysteresis[i % 3] };
+    }
+}
+
+static wisp_status enter( const boundary_plan* plan, wisp_fabric* fabric, pulse* p, wisp_error* error )
+{
+    wisp_boundary_def def = layer_def( &layer_laws[0], PULSE_SPACING );
+    def.hysteresis = p->hysteresis;
+    wisp_status status = layer_enter( fabric, &def, plan->workers[0], &p->entrant, error );
+    p->entrant.amplitude = p->amplitude;
+    p->entrant.is_anew = p->is_anew;
+    return status;
+}
+
+// ---- what changes ----
+
+// Points of elements whose number of points is that of the step before.
+// @param before [elements], receives what is now
+static int count_kept( const wisp_samples* s, int elements, int32_t* before )
+{
+    int kept = 0;
+    for ( int e = 0; e < elements; ++e )
+    {
+        const int now = s->begin[e + 1] - s->begin[e];
+        kept += now == before[e] ? now : 0;
+        before[e] = now;
+    }
+    return kept;
+}
+
+static wisp_status count_step( pulse* p, int32_t* before, bool is_first, wisp_error* error )
+{
+    wisp_boundary_figures figures;
+    wisp_boundary_view view;
+    wisp_status status = layer_step( &p->entrant, error );
+    status = status == WISP_OK ? layer_read_figures( &p->entrant.surface, &figures, error ) : status;
+    status = status == WISP_OK ? layer_read( &p->entrant.surface, &view, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const int kept = count_kept( view.samples, figures.elements, before );
+    if ( !is_first )
+    {
+        const double share = (double)figures.changed_elements / figures.elements;
+        p->changed += share;
+        p->changed_most = fmax( p->changed_most, share );
+        p->kept += p->is_anew ? 0.0 : (double)kept / figures.points;
+        p->points_least = p->points_least == 0 || figures.points < p->points_least ? figures.points : p->points_least;
+        p->points_most = figures.points > p->points_most ? figures.points : p->points_most;
+    }
+    return WISP_OK;
+}
+
+static wisp_status count_changes( const boundary_plan* plan, const wisp_fabric* fabric, pulse* p, wisp_error* error )
+{
+    int32_t* before = calloc( (size_t)( fabric->edge_count + fabric->triangle_count ), sizeof( int32_t ) );
+    if ( before == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the counts of a step" );
+    }
+    // the first step samples everything and is none of the pulsation
+    wisp_status status = count_step( p, before, true, error );
+    for ( int step = 0; step < plan->pulse_steps && status == WISP_OK; ++step )
+    {
+        status = count_step( p, before, false, error );
+    }
+    wisp_boundary_view view;
+    status = status == WISP_OK ? layer_read( &p->entrant.surface, &view, error ) : status;
+    p->hash = status == WISP_OK ? layer_hash( &view ) : 0;
+    p->changed /= plan->pulse_steps;
+    p->kept /= plan->pulse_steps;
+    free( before );
+    return status;
+}
+
+// ---- what it costs ----
+
+static wisp_status time_all( const boundary_plan* plan, pulse all[PULSES], wisp_error* error )
+{
+    bench_variant variants[PULSES] = { { 0 } };
+    const bench_effort effort = { plan->pulse_seconds, ROUNDS_MIN, SAMPLES_MAX };
+    for ( int i = 0; i < PULSES; ++i )
+    {
+        variants[i] = ( bench_variant ){
+            .name = "pulse", .step = layer_step, .after = layer_keep_profile, .context = &all[i].entrant
+        };
+    }
+    wisp_status status = bench_interleave( variants, PULSES, &effort, error );
+    bench_free_samples( variants, PULSES );
+    return status;
+}
+
+static const char* name_of( const pulse* p )
+{
+    return p->is_anew ? "all anew" : p->amplitude == 0.0 ? "still" : "pulse";
+}
+
+static void add_pulse_row( const pulse* p, const stats_summary* ms, int workers, results* out )
+{
+    results_row* row = results_add_row( out, "boundary", name_of( p ) );
+    if ( row != NULL )
+    {
+        row->workers = workers;
+        row->ms_median = ms->median;
+        row->ms_p10 = ms->p10;
+        row->ms_p90 = ms->p90;
+        row->steps = ms->count;
+        row->hash = p->hash;
+        row->has_hash = true;
+        results_put( &row->size, "amplitude", p->amplitude );
+        results_put( &row->size, "hysteresis", (double)p->hysteresis );
+        results_put( &row->size, "points", p->points_most );
+        results_put( &row->size, "changed_share", p->changed );
+        results_put( &row->size, "kept_share", p->kept );
+        results_put( &row->stages, "boundary.points", ms->median );
+    }
+}
+
+static void add_pulse( pulse* p, const stats_summary times[2], int workers, int table, results* out )
+{
+    const stats_summary ms = layer_pass_ms( &p->entrant.surface, "boundary.points" );
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", name_of( p ) );
+    cells_put_number( &row, 100.0 * p->amplitude, 1 );
+    cells_put_number( &row, (double)p->hysteresis, 1 );
+    cells_put( &row, "%d .. %d", p->points_least, p->points_most );
+    cells_put_number( &row, 100.0 * p->changed, 2 );
+    cells_put_number( &row, 100.0 * p->changed_most, 1 );
+    cells_put_number( &row, 100.0 * p->kept, 2 );
+    cells_put_number( &row, ms.median, 4 );
+    cells_put_number( &row, ms.p90, 4 );
+    cells_put_number( &row, ms.median / times[STILL].median, 2 );
+    cells_put_number( &row, ms.median / times[ALL_ANEW].median, 2 );
+    cells_put_hash( &row, p->hash );
+    cells_end_row( &row, table, out );
+    add_pulse_row( p, &ms, workers, out );
+}
+
+// None changes in a surface that stands still, all where all is asked for, and fewer with hysteresis. Without it counts
+// follow from positions alone: after whole periods a layer is what it was.
+static void check_pulses( const pulse all[PULSES], results* out )
+{
+    if ( all[STILL].changed != 0.0 || all[ALL_ANEW].changed != 1.0 )
+    {
+        results_add_failure( out,
+                             "B6: of a surface that stands still %g of the elements are sampled anew, and %g where "
+                             "all are asked for.",
+                             all[STILL].changed, all[ALL_ANEW].changed );
+    }
+    for ( int i = 2; i < PULSES; ++i )
+    {
+        const pulse *p = all + i, *without = p - ( i - 2 ) % 3;
+        if ( p == without && p->hash != all[STILL].hash )
+        {
+            results_add_failure( out, "B6: after whole periods of +- %g %% the layer is not what it was.",
+                                 100.0 * p->amplitude );
+        }
+        if ( p->changed > without->changed )
+        {
+            results_add_failure( out, "B6: at %g %% hysteresis of %g changes more elements than none.",
+                                 100.0 * p->amplitude, (double)p->hysteresis );
+        }
+    }
+}
+
+static void write_pulses( const boundary_plan* plan, pulse all[PULSES], results* out )
+{
+    static const char* const header[] = { "surface",      "+- %",       "hysteresis",     "points",
+                                          "in case B, %", "at most, %", "points kept, %", "ms",
+                                          "p90",          "of still",   "of all anew",    "hash" };
+    const int table =
+        results_add_table( out,
+                           "B6: a radius that pulsates in 60 steps, d 0.05: elements whose counts change, "
+                           "and time of the pass that makes the points",
+                           WISP_COUNT( header ), header );
+    const stats_summary times[2] = { layer_pass_ms( &all[STILL].entrant.surface, "boundary.points" ),
+                                     layer_pass_ms( &all[ALL_ANEW].entrant.surface, "boundary.points" ) };
+    for ( int i = 0; i < PULSES; ++i )
+    {
+        add_pulse( all + i, times, plan->workers[0], table, out );
+    }
+    check_pulses( all, out );
+    results_add_note( out,
+                      "B6: shares are of %d steps after the first; hysteresis in spacings. points kept: of elements "
+                      "that have as many points as the step before. A step in which any count changes moves the "
+                      "points of all elements behind it.",
+                      plan->pulse_steps );
+}
+
+wisp_status boundary_pulses( const boundary_plan* plan, results* out, wisp_error* error )
+{
+    wisp_mesh mesh = { 0 };
+    wisp_fabric* fabric = NULL;
+    pulse* all = calloc( PULSES, sizeof( pulse ) );
+    if ( all == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for pulsating surfaces" );
+    }
+    make_pulses( all );
+    wisp_status status = layer_sphere( LAYER_SEGMENTS, LAYER_RADIUS, &mesh, error );
+    status = status == WISP_OK ? layer_cook( &mesh, &fabric, error ) : status;
+    for ( int i = 0; i < PULSES && status == WISP_OK; ++i )
+    {
+        status = enter( plan, fabric, all + i, error );
+        status = status == WISP_OK ? count_changes( plan, fabric, all + i, error ) : status;
+    }
+    status = status == WISP_OK ? time_all( plan, all, error ) : status;
+    if ( status == WISP_OK )
+    {
+        write_pulses( plan, all, out );
+    }
+    for ( int i = 0; i < PULSES; ++i )
+    {
+        surface_entrant_destroy( &all[i].entrant.surface );
+    }
+    free( all );
+    wisp_fabric_release( fabric );
+    wisp_mesh_release( &mesh );
+    return status;
+}

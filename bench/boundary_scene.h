@@ -1,0 +1,96 @@
+/// Surfaces with a layer of boundary particles: that stand still, pulsate, or are the balloon of the source; and what its
+/// equations in double precision say about the same positions.
+#pragma once
+
+#include "balloon_scene.h"
+
+#include "boundary/boundary.h"
+
+#define LAYER_RADIUS 2.5f ///< m, of the source's sphere
+#define LAYER_SEGMENTS 30 ///< slices and stacks of it
+#define LAYER_SPACING 0.1f
+#define LAYER_ITERATIONS 5
+#define LAYER_SKIN 0.9f   ///< stiffness of its distances
+#define LAYER_DECAY 31.7f ///< 1/s: velocity times 0.59 in 1/60 s
+#define LAYER_STEP ( 1.0f / 60.0f )
+#define LAYER_PERIOD 60 ///< steps of a pulsation
+
+/// A sphere of `segments` slices and as many stacks, its poles on the y axis.
+wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error );
+/// Cook without cross links: the source has none.
+wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error );
+
+/// Points at a spacing by one of the laws that are compared.
+typedef struct layer_law
+{
+    const char* name;
+    wisp_spacing policy;
+    wisp_rounding rounding;
+} layer_law;
+
+#define LAYER_LAWS 3
+extern const layer_law layer_laws[LAYER_LAWS]; ///< even, exact, and even without a gap above the spacing
+
+wisp_boundary_def layer_def( const layer_law* law, float spacing );
+
+/// A surface with a layer, as a bench_variant has it.
+typedef struct layer_entrant
+{
+    surface_entrant surface;
+    wisp_boundary_def def;
+    bool is_anew;    ///< every step samples everything anew: case B everywhere
+    bool has_little; ///< of two definitions that give the same points, the one that it has now
+    /// Of the radius: the surface is 1 + amplitude sin( 2 pi step / LAYER_PERIOD ) times as large. 0: it stands still
+    double amplitude;
+} layer_entrant;
+
+/// A surface that nothing acts on. @param fabric the caller's, who keeps it until the entrant is gone
+wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_entrant* out,
+                         wisp_error* error );
+/// Give a surface a layer, or another one. @param entrant of a world that has the module
+wisp_status layer_set( surface_entrant* entrant, const wisp_boundary_def* def, wisp_error* error );
+/// One step. @param context the entrant
+wisp_status layer_step( void* context, wisp_error* error );
+/// Keep the last step's profile.
+wisp_status layer_keep_profile( void* context );
+/// Milliseconds of a pass over the steps that were kept. @return NaN where it never ran
+stats_summary layer_pass_ms( surface_entrant* entrant, const char* pass );
+
+wisp_status layer_read( surface_entrant* entrant, wisp_boundary_view* out, wisp_error* error );
+wisp_status layer_read_figures( surface_entrant* entrant, wisp_boundary_figures* out, wisp_error* error );
+/// Hash of all that a layer shows.
+uint64_t layer_hash( const wisp_boundary_view* view );
+
+/// What a layer is beside the oracle's for the same positions.
+typedef struct layer_check
+{
+    int edge_points, inner_points;     ///< of the engine
+    int edge_expected, inner_expected; ///< of the oracle
+    double farthest;                   ///< m, of a point from where the oracle has it; infinite if the counts differ
+    double off_surface;                ///< m, of a point from its edge, or from the plane of its triangle
+    double reach;                      ///< m, the largest coordinate of a point
+} layer_check;
+
+/// @param triangles the user's, of the mesh that was cooked
+wisp_status layer_compare( surface_entrant* entrant, const wisp_mesh* mesh, const wisp_boundary_def* def,
+                           layer_check* out, wisp_error* error );
+/// Counts are the oracle's, and points lie where it has them, and on the surface, but for rounding.
+bool layer_check_is_met( const layer_check* check );
+
+/// Volume over that of the mesh.
+wisp_status layer_volume( surface_entrant* entrant, const wisp_mesh* mesh, double* volume, wisp_error* error );
+
+/// The balloon of the source. Start from layer_default_balloon().
+typedef struct layer_balloon
+{
+    float skin;       ///< stiffness of the distances
+    float multiplier; ///< of the rest volume
+    float gravity;    ///< m/s^2
+    bool is_hung;     ///< by its top
+    float seconds;    ///< a step
+} layer_balloon;
+
+layer_balloon layer_default_balloon( void );
+/// Its layer is not set yet. @param mesh whose first vertex along +y it is hung by
+wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, const layer_balloon* setting,
+                                 surface_entrant* out, wisp_error* error );

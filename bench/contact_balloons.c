@@ -1,0 +1,178 @@
+// Balloons that press on each other: how deep they overlap by distances that contact has no part in, whether forces
+// are equal and opposite, whether they come to rest, and what that costs.
+#include "contact_bench.h"
+#include "contact_overlap.h"
+
+#include <math.h>
+
+static const contact_way ways[] = {
+    { .name = "none", .is_off = true, .margin = 2.0f },
+    { .name = "samples, 2 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 2.0f, .margin = 2.0f },
+    { .name = "samples, 1 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 1.0f, .margin = 2.0f },
+    { .name = "exact, no guard", .margin = 2.0f, .no_guard = true },
+    { .name = "exact, margin 2", .margin = 2.0f },
+};
+
+enum
+{
+    LOOK_EVERY = 10, // steps: a look takes as long as some steps
+};
+
+/// What a balloon scene shows besides the tally.
+typedef struct press_look
+{
+    contact_overlap last;
+    double most;  // m, of all looks
+    double force; // N, of contact on the first balloon against x in the last step
+} press_look;
+
+static wisp_status look( contact_run* run, int number, void* context, wisp_error* error )
+{
+    press_look* l = (press_look*)context + number;
+    wisp_status status = contact_find_overlap( &run->seen, &l->last, error );
+    l->most = fmax( l->most, l->last.overlap );
+    double impulse[3] = { 0.0, 0.0, 0.0 };
+    if ( status == WISP_OK )
+    {
+        status = wisp_read_contact_impulse( run->seen.world, run->seen.surfaces[0], impulse );
+        status = status == WISP_OK ? WISP_OK : contact_fail( &run->seen, status, error );
+    }
+    l->force = -impulse[0] / (double)CONTACT_STEP;
+    return status;
+}
+
+static int begin_table( const contact_race* race, const char* what, results* out )
+{
+    char title[160];
+    snprintf( title, sizeof( title ), "Contact, %s of %d vertices each, %d steps of %d substeps", what,
+              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+    cells header = { .count = 0 };
+    cells_put( &header, "way" );
+    for ( int i = 0; i < race->teams->count; ++i )
+    {
+        cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
+    }
+    static const char* const names[] = { "steps",     "overlap %", "at most %", "crossings",   "at most",
+                                         "force N",   "wall %",    "uneven %",  "impulse N s", "unbalanced N s",
+                                         "speed m/s", "pairs",     "searches",  "hash",        "same" };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        cells_put( &header, "%s", names[i] );
+    }
+    return cells_begin_table( &header, title, out );
+}
+
+static void add_line( const contact_race* race, const contact_run* run, const press_look* l, bool is_pair, int table,
+                      results* out )
+{
+    const contact_tally* t = &run->tally;
+    const double percent = 100.0 / (double)PRESS_RADIUS;
+    const bool has_wall = is_pair && run->way.is_off == false;
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", run->way.name );
+    contact_race_put_times( race, run, &row );
+    cells_put( &row, "%d", run->steps );
+    cells_put_number( &row, percent * l->last.overlap, 3 );
+    cells_put_number( &row, percent * l->most, 3 );
+    cells_put( &row, "%d", t->crossings_last );
+    cells_put( &row, "%d", t->crossings_most );
+    cells_put_number( &row, has_wall ? l->force : NAN, 2 );
+    cells_put_number( &row, has_wall ? percent * l->last.patch : NAN, 1 );
+    cells_put_number( &row, has_wall ? percent * l->last.unevenness : NAN, 3 );
+    cells_put_number( &row, t->impulse, 4 );
+    cells_put( &row, "%.1e", t->unbalanced );
+    cells_put_number( &row, t->speed, 4 );
+    cells_put_number( &row, t->pairs, 0 );
+    cells_put_number( &row, t->searches, 2 );
+    cells_put_hash( &row, run->hash );
+    cells_put( &row, "%s", run->same_hash ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+}
+
+static void check( const contact_race* race, const contact_run* run, const press_look* l, results* out )
+{
+    static const double OVERLAP_MOST = 0.01; // of the radius (BAL-X1)
+    contact_race_check( race, run, out );
+    const bool is_tight = run->way.is_off == false && run->way.features == WISP_CONTACT_EXACT;
+    if ( is_tight && l->most > OVERLAP_MOST * (double)PRESS_RADIUS )
+    {
+        results_add_failure( out, "BAL-X1, %s, %s: balloons overlap by %.2f %% of the radius.", race->name,
+                             run->way.name, 100.0 * l->most / (double)PRESS_RADIUS );
+    }
+    // each row gives one side what it takes from the other; sums of a hundred thousand products in double remain
+    if ( run->tally.unbalanced > 1e-9 * fmax( run->tally.impulse, 1.0 ) )
+    {
+        results_add_failure( out, "BAL-X1, %s, %s: forces are not opposite by %.1e N s.", race->name, run->way.name,
+                             run->tally.unbalanced );
+    }
+}
+
+static wisp_status run_scene( const contact_race* race, const char* what, bool is_pair, results* out,
+                              wisp_error* error )
+{
+    contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
+    press_look looks[WISP_COUNT( ways )] = { { .most = 0.0 } };
+    contact_race mine = *race;
+    mine.context = looks;
+    const wisp_status status = contact_race_run( &mine, runs, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const int table = begin_table( race, what, out );
+    for ( int i = 0; i < race->way_count; ++i )
+    {
+        add_line( race, runs + i, looks + i, is_pair, table, out );
+        contact_race_add_rows( race, runs + i, out );
+        check( race, runs + i, looks + i, out );
+    }
+    return WISP_OK;
+}
+
+wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error* error )
+{
+    contact_scene scene;
+    wisp_status status = contact_make_balloon( plan->balloon_level, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    contact_race race = {
+        .scene = &scene,
+        .enter = contact_enter_pair,
+        .ways = ways,
+        .way_count = WISP_COUNT( ways ),
+        .steps = plan->balloon_steps,
+        .seconds = plan->balloon_seconds,
+        .teams = &plan->teams,
+        .look = look,
+        .look_every = LOOK_EVERY,
+        .options = plan->options,
+        .name = "contact.pair",
+        .begin = 0.7,
+        .span = 0.05,
+    };
+    status = run_scene( &race, "two balloons pressed together,", true, out, error );
+    race.enter = contact_enter_stack;
+    race.name = "contact.stack";
+    race.begin = 0.75;
+    race.span = 0.15;
+    status = status == WISP_OK ? run_scene( &race, "ten balloons in a box,", false, out, error ) : status;
+    contact_scene_free( &scene );
+    if ( status == WISP_OK )
+    {
+        results_add_note(
+            out,
+            "Contact, balloons: overlap: how much nearer than the thickness, or how deep in another balloon, a "
+            "vertex is, in %% of the radius, after the last step and at most; by signed distances, looked "
+            "at every %d steps. wall: how far from the axis vertices of the first balloon touch the "
+            "other; uneven: root mean square of their distances from a plane.",
+            LOOK_EVERY );
+        results_add_note(
+            out,
+            "Contact, balloons: force: on the first balloon of the pair, which is pressed by plates; impulse: of "
+            "all pairs in the last step; unbalanced: what forces on both sides did not cancel, at "
+            "most; speed: of the fastest vertex after the last step." );
+    }
+    return status;
+}

@@ -1,0 +1,37 @@
+/// The case `contact`: what finding pairs costs, what accuracy costs, and how balloons press on each other (BND-X4,
+/// BAL-X1, TRI-X2).
+#pragma once
+
+#include "bench.h"
+#include "contact_race.h"
+
+#define CONTACT_SIZES_MAX 4
+
+/// Sizes and steps. contact_default_plan() has those of the case; tests have smaller ones.
+typedef struct contact_plan
+{
+    int sheet_sides[CONTACT_SIZES_MAX], sphere_levels[CONTACT_SIZES_MAX], size_count; ///< of what is searched, rising
+    double brute_most;    ///< boxes compared by brute force at the most; beyond it, only a sample asks
+    double query_seconds; ///< about how long times of queries are taken
+    double fold_seconds, balloon_seconds; ///< that one way may take; it ends earlier where it would take longer
+    int fold_side, fold_steps;            ///< of the cloth
+    int balloon_level, balloon_steps;     ///< of pair and stack
+    int picture_side, picture_level, picture_steps; ///< of what pictures show
+    int picture_pixels;
+    contact_teams teams;
+    const bench_options* options; ///< for progress and pictures
+} contact_plan;
+
+/// Below 600 seconds the cloth has 24 vertices a side and not 64, and balloons are a level coarser; below 40
+/// seconds runs are shorter too, and the largest size of what is searched is left out.
+contact_plan contact_default_plan( const bench_options* options );
+
+/// All tables of a plan.
+wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error );
+
+typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_error* error );
+
+contact_fn contact_queries;  ///< grid, tree and brute force on the same boxes
+contact_fn contact_price;    ///< a folding cloth by features, guard, spacing and margin: what is missed, against cost
+contact_fn contact_balloons; ///< a pair pressed together, a stack in a box
+contact_fn contact_pictures; ///< both, and the cloth, if there is a folder for it

@@ -1,0 +1,133 @@
+// What accuracy costs: one folding cloth by every way to keep it from itself, and what each way misses.
+#include "contact_bench.h"
+
+#include <math.h>
+
+static const contact_way ways[] = {
+    { .name = "none", .is_off = true, .margin = 2.0f },
+    { .name = "samples, 4 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 4.0f, .margin = 2.0f },
+    { .name = "samples, 2 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 2.0f, .margin = 2.0f },
+    { .name = "samples, 1 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 1.0f, .margin = 2.0f },
+    { .name = "exact, no guard", .margin = 2.0f, .no_guard = true },
+    { .name = "exact, margin 1", .margin = 1.0f },
+    { .name = "exact, margin 2", .margin = 2.0f },
+    { .name = "exact, margin 4", .margin = 4.0f },
+    { .name = "exact, margin 2, tree", .margin = 2.0f, .search = WISP_PAIR_SEARCH_TREE },
+};
+
+enum
+{
+    STANDARD = 6, // the default of the module
+    BY_TREE = 8,
+};
+
+static void add_line( const contact_race* race, const contact_run* run, const contact_run* standard, int table,
+                      results* out )
+{
+    const contact_tally* t = &run->tally;
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", run->way.name );
+    contact_race_put_times( race, run, &row );
+    cells_put( &row, "%d", run->steps );
+    cells_put_number( &row, run->steps == standard->steps ? run->mean[0] / standard->mean[0] : NAN, 2 );
+    cells_put_number( &row, t->pairs, 0 );
+    cells_put_number( &row, t->contacts, 0 );
+    cells_put_number( &row, t->searches, 2 );
+    cells_put( &row, "%d", t->crossings_last );
+    cells_put( &row, "%d", t->crossings_most );
+    cells_put( &row, "%d", t->crossed_steps );
+    cells_put_number( &row, (double)t->least_gap, 3 );
+    cells_put( &row, "%lld", (long long)t->guarded );
+    cells_put_hash( &row, run->hash );
+    cells_put( &row, "%s", run->same_hash ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+}
+
+static int begin_table( const contact_race* race, results* out )
+{
+    char title[160];
+    snprintf( title, sizeof( title ),
+              "Contact, the price of accuracy: cloth of %d vertices folding over a moving ball, %d steps of %d "
+              "substeps",
+              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+    cells header = { .count = 0 };
+    cells_put( &header, "way" );
+    for ( int i = 0; i < race->teams->count; ++i )
+    {
+        cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
+    }
+    static const char* const names[] = { "steps",   "of margin 2",   "pairs",     "contacts", "searches", "crossings",
+                                         "at most", "crossed steps", "least gap", "guarded",  "hash",     "same" };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        cells_put( &header, "%s", names[i] );
+    }
+    return cells_begin_table( &header, title, out );
+}
+
+static void check( const contact_race* race, const contact_run* run, results* out )
+{
+    const bool is_tight =
+        run->way.is_off == false && run->way.no_guard == false && run->way.features == WISP_CONTACT_EXACT;
+    contact_race_check( race, run, out );
+    if ( is_tight && run->tally.crossings_most > 0 )
+    {
+        results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.", run->way.name,
+                             run->tally.crossings_most );
+    }
+}
+
+static void write_table( const contact_race* race, const contact_run* runs, results* out )
+{
+    const int table = begin_table( race, out );
+    for ( int i = 0; i < race->way_count; ++i )
+    {
+        add_line( race, runs + i, runs + STANDARD, table, out );
+        contact_race_add_rows( race, runs + i, out );
+        check( race, runs + i, out );
+    }
+    if ( runs[BY_TREE].steps == runs[STANDARD].steps && runs[BY_TREE].hash != runs[STANDARD].hash )
+    {
+        results_add_failure( out, "The cloth folds otherwise when its pairs are found by the tree." );
+    }
+    results_add_note(
+        out, "Contact, price: samples stand so many thicknesses apart. of margin 2: the mean over that of the "
+             "default, with one worker, where both made all steps. pairs, contacts, searches: means a step; "
+             "crossings: edges through "
+             "triangles, exact, after the last step, at most, and how many steps ended with some." );
+    results_add_note( out,
+                      "Contact, price: least gap is of the thickness; of samples it is theirs, and what lies between "
+                      "them is not seen. guarded: ways of vertices that were cut, all substeps. Figures are of a "
+                      "world of their own; same: it and those that were timed end alike." );
+}
+
+wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* error )
+{
+    contact_scene scene;
+    contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
+    wisp_status status = contact_make_cloth( plan->fold_side, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const contact_race race = {
+        .scene = &scene,
+        .enter = contact_enter_fold,
+        .ways = ways,
+        .way_count = WISP_COUNT( ways ),
+        .steps = plan->fold_steps,
+        .seconds = plan->fold_seconds,
+        .teams = &plan->teams,
+        .options = plan->options,
+        .name = "contact.fold",
+        .begin = 0.3,
+        .span = 0.4,
+    };
+    status = contact_race_run( &race, runs, error );
+    if ( status == WISP_OK )
+    {
+        write_table( &race, runs, out );
+    }
+    contact_scene_free( &scene );
+    return status;
+}

@@ -1,0 +1,66 @@
+/// Which boxes overlap: candidates for touching. What searches only changes the time: the pairs are those whose boxes
+/// overlap, compared in float, and come in the order of the askers, then of the boxes.
+#pragma once
+
+#include "wisp/jobs.h"
+#include "wisp/space.h"
+
+WISP_BEGIN_C
+
+/// How pairs are found.
+typedef enum wisp_pair_search
+{
+    WISP_PAIR_SEARCH_AUTO,  ///< what was measured to be fastest: see wisp_box_pairs_choose()
+    WISP_PAIR_SEARCH_GRID,  ///< uniform grids, one for boxes of about each size
+    WISP_PAIR_SEARCH_TREE,  ///< a bounding volume tree; needs Embree, else the grid answers
+    WISP_PAIR_SEARCH_BRUTE, ///< every asker asks every box: to compare with
+    WISP_PAIR_SEARCH_COUNT,
+} wisp_pair_search;
+
+/// A closed box. One that is empty (low above high) or not finite overlaps nothing.
+typedef struct wisp_box
+{
+    float low[3], high[3]; ///< m
+} wisp_box;
+
+typedef struct wisp_box_job
+{
+    const wisp_box* askers; ///< [asker_count]; null: the boxes ask each other, and a pair is named by the lower one
+    int asker_count;
+    const wisp_box* boxes; ///< [box_count]
+    int box_count;
+    wisp_pair_search search;
+    size_t limit; ///< pairs at most, 0: as many as an int32_t can count; beyond it the call refuses and keeps nothing
+    const wisp_kernels* kernels; ///< null: plain C, which takes two to three times as long for the same pairs
+} wisp_box_job;
+
+/// Pairs. Zero-initialised is empty; arrays belong to it and are valid until the next call.
+typedef struct wisp_box_pairs
+{
+    int asker_count;
+    size_t pair_count;
+    const int32_t* begin;                ///< [asker_count + 1] first pair of an asker
+    const int32_t* item;                 ///< [pair_count] boxes, rising within an asker
+    wisp_pair_search search;             ///< what searched
+    uint64_t tested;                     ///< boxes compared in the last call
+    int build_count, refit_count;        ///< of the tree since it was made
+    double build_seconds, query_seconds; ///< of the last call: grid or tree; asking and sorting
+    wisp_buffer buffers[8];
+    struct wisp_box_tree* tree; ///< null until one is asked for
+} wisp_box_pairs;
+
+/// Find all pairs. The tree of the last call is refitted where the same boxes can overlap anything and it has not decayed
+/// (half again as many boxes compared for an answer as when it was new; every pair is an answer, and every asker one more).
+/// A call that fails keeps no pairs.
+/// @return WISP_NO_MEMORY; WISP_BAD_INPUT more pairs than the limit (the sentence has both numbers); WISP_CONFLICT
+///         Embree cannot make a tree
+WISP_API wisp_status wisp_box_pairs_find( wisp_box_pairs* pairs, const wisp_parallel* parallel,
+                                          const wisp_box_job* job, wisp_error* error );
+WISP_API void wisp_box_pairs_release( wisp_box_pairs* pairs, const wisp_allocator* allocator );
+/// What searches for a job. WISP_PAIR_SEARCH_AUTO is the grid: from 1000 to 100000 boxes, of one size or of sizes spread
+/// by 100, it was measured to be 2 to 20 times as fast as the tree. A tree without Embree is the grid too.
+WISP_API wisp_pair_search wisp_box_pairs_choose( const wisp_box_job* job );
+/// Bytes that it holds, Embree's included.
+WISP_API size_t wisp_box_pairs_bytes( const wisp_box_pairs* pairs );
+
+WISP_END_C

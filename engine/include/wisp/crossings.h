@@ -1,0 +1,47 @@
+/// Which edges pass through which triangles: exact, for any finite floats.
+#pragma once
+
+#include "wisp/box_pairs.h"
+
+WISP_BEGIN_C
+
+/// Does the segment p q pass through the triangle a b c: its ends strictly on the two sides of the triangle's plane, and
+/// its line strictly within the three edges? Signs are exact, so the answer is; what only touches does not pass.
+/// @param p, q, a, b, c three floats each, finite
+WISP_API bool wisp_segment_crosses( const float* p, const float* q, const float* a, const float* b, const float* c );
+
+/// The sign of the volume of the tetrahedron a b c d, exact: 1 if d is on the side that the normal (b - a) x (c - a) points
+/// to, -1 on the other, 0 in the plane.
+WISP_API int wisp_side_of_plane( const float* a, const float* b, const float* c, const float* d );
+
+typedef struct wisp_crossing
+{
+    int32_t edge, triangle;
+} wisp_crossing;
+
+/// A soup of edges and triangles over shared points.
+typedef struct wisp_crossing_job
+{
+    const float* quads; ///< [point][4] x, y, z in m; the fourth is not looked at. What is not finite crosses nothing
+    const int32_t* edges; ///< [edge_count][2] points
+    int edge_count;
+    const int32_t* triangles; ///< [triangle_count][3] points
+    int triangle_count;
+    wisp_pair_search search;
+} wisp_crossing_job;
+
+/// Zero-initialised is empty.
+typedef struct wisp_crossings
+{
+    int count;
+    const wisp_crossing* list; ///< [count] by edge, then by triangle. An edge and a triangle that share a point do not count
+    wisp_box_pairs pairs;
+    wisp_buffer buffers[4];
+} wisp_crossings;
+
+/// @return WISP_NO_MEMORY
+WISP_API wisp_status wisp_crossings_find( wisp_crossings* crossings, const wisp_parallel* parallel,
+                                          const wisp_crossing_job* job, wisp_error* error );
+WISP_API void wisp_crossings_release( wisp_crossings* crossings, const wisp_allocator* allocator );
+
+WISP_END_C

@@ -1,0 +1,368 @@
+// Closest points of pairs, eight at a time, and the direction between them.
+//
+// A contact pushes along the normal, so it matters more than the distance that the plane across the normal has one
+// side of the pair in front and the other behind. With e the rounding of a float and l the size of a pair, a difference
+// of points that are d apart is off by e l and its direction by e l / d; at the far end of an edge that is e l^2 / d,
+// which may be more than d. Three rules keep it down to e l:
+//
+//   - A foot on a segment is measured from the end that is nearer, so that near an end nothing is cancelled, and
+//     whether it is at the end or before it is the sign of one product.
+//   - Where a foot is inside a segment, what the difference still has along the segment is taken off.
+//   - Where both sides are wide about the closest points (a face, or segments that cross), the normal is a product of
+//     their directions, and the difference only tells its sign.
+//
+// Both kernels ask for the shortest vector d = r - x g - y h: for a triangle r = p - a, g = b - a and h = c - a; for
+// segments r = a - c, g = a - b and h = d - c. h and r are first cleared of g, which is a decomposition Q R: a triangle
+// may be thin as a needle, or segments nearly parallel, and still d is off by e l only. Where x and y are not allowed,
+// the closest of all edges answers.
+//
+// A processor looks ahead a third of the instructions of a group, each of which waits for another. So two loops follow
+// each other over a few groups: the second has the roots and quotients, which wait the longest.
+#include "kernel_isa.h"
+
+enum
+{
+    BLOCK = 8, // groups
+};
+
+// h without g is a difference of vectors as long as h: below so many times the square of h it has no digits.
+#define LEAST_WIDTH 1.6e-13f
+
+// A difference keeps its direction better than the product does where it is longer than the pair is wide. A few times
+// longer hardly matters, and lets the product decide between edges that are equally near but for rounding.
+#define WIDE 16.0f
+
+// Where edges are equally near but for rounding, the inside of one comes before an end, since an end is the limit of
+// feet inside; and of two insides comes that whose direction has the other points of the sides behind. Factors of the
+// square.
+#define OF_BEYOND ( 1.0f + 8.0f * FLT_EPSILON )
+#define OF_END ( 1.0f + 16.0f * FLT_EPSILON )
+
+typedef struct segment
+{
+    lane8v along;  // from the end that the parameter counts from
+    lane8 inverse; // 1 / square of the length; finite where there is no length
+} segment;
+
+// Points as two parameters, x and y, and the way to where they are from the other side.
+typedef struct candidate
+{
+    lane8v between;
+    lane8 squared;
+    segment on;    // the edge that the foot is on
+    lane8v inward; // where the other points of the sides are that d may not come near to
+    lane8m inside; // of the edge
+    lane8 x, y;
+} candidate;
+
+typedef struct foot
+{
+    lane8v between;
+    lane8 squared;
+    lane8 t;
+    lane8m inside;
+} foot;
+
+LANE_INLINE lane8 squared_of( lane8v v )
+{
+    return lane8v_dot( v, v );
+}
+
+LANE_INLINE segment segment_of( lane8v along, lane8 squared )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    return ( segment ){ along, lane8_div( one, lane8_max( squared, lane8_set1( FLT_MIN ) ) ) };
+}
+
+// @param from_first, from_second the point less the ends  @param second the second end is nearer
+LANE_INLINE foot foot_on( segment on, lane8v from_first, lane8v from_second, lane8m second )
+{
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const lane8v from = lane8v_select( second, from_second, from_first );
+    const lane8 low = lane8_select( second, lane8_set1( -1.0f ), zero ), high = lane8_add( low, one );
+    lane8 t = lane8_mul( lane8v_dot( from, on.along ), on.inverse );
+    t = lane8_min( lane8_max( t, low ), high );
+    foot f;
+    f.between = lane8v_sub( from, lane8v_scale( on.along, t ) );
+    f.squared = squared_of( f.between );
+    f.inside = lane8m_not( lane8_eq( t, zero ) );
+    f.t = lane8_sub( t, low );
+    return f;
+}
+
+LANE_INLINE candidate candidate_of( foot f, segment on, lane8v inward, lane8 x, lane8 y )
+{
+    const lane8m beyond = lane8_gt( lane8v_dot( f.between, inward ), lane8_zero() );
+    const lane8 inside = lane8_select( beyond, lane8_set1( OF_BEYOND ), lane8_set1( 1.0f ) );
+    const lane8 squared = lane8_mul( f.squared, lane8_select( f.inside, inside, lane8_set1( OF_END ) ) );
+    return ( candidate ){ f.between, squared, on, inward, f.inside, x, y };
+}
+
+LANE_INLINE candidate nearer( candidate a, candidate b )
+{
+    const lane8m m = lane8_lt( b.squared, a.squared );
+    return ( candidate ){
+        .between = lane8v_select( m, b.between, a.between ),
+        .squared = lane8_select( m, b.squared, a.squared ),
+        .on = { lane8v_select( m, b.on.along, a.on.along ), lane8_select( m, b.on.inverse, a.on.inverse ) },
+        .inward = lane8v_select( m, b.inward, a.inward ),
+        .inside = lane8m_or( lane8m_and( m, b.inside ), lane8m_and_not( a.inside, m ) ),
+        .x = lane8_select( m, b.x, a.x ),
+        .y = lane8_select( m, b.y, a.y ),
+    };
+}
+
+// The shortest r - x g - y h of all x and y.
+typedef struct crossing
+{
+    lane8v between;
+    lane8v width;  // h without g
+    lane8 squared; // of the width
+    lane8m wide;
+    lane8 x, y;
+} crossing;
+
+LANE_INLINE crossing cross_at( segment g, lane8 g_squared, lane8v h, lane8 h_squared, lane8v r )
+{
+    const lane8 least = lane8_set1( FLT_MIN );
+    const lane8 slant = lane8_mul( lane8v_dot( h, g.along ), g.inverse ),
+                ahead = lane8_mul( lane8v_dot( r, g.along ), g.inverse );
+    const lane8v aside = lane8v_sub( r, lane8v_scale( g.along, ahead ) );
+    crossing c;
+    c.width = lane8v_sub( h, lane8v_scale( g.along, slant ) );
+    c.squared = squared_of( c.width );
+    c.wide = lane8m_and( lane8_gt( c.squared, lane8_mul( h_squared, lane8_set1( LEAST_WIDTH ) ) ),
+                         lane8_ge( lane8_mul( c.squared, g_squared ), least ) );
+    c.y = lane8_div( lane8v_dot( aside, c.width ), lane8_max( c.squared, least ) );
+    c.x = lane8_sub( ahead, lane8_mul( c.y, slant ) );
+    c.between = lane8v_sub( aside, lane8v_scale( c.width, c.y ) );
+    return c;
+}
+
+// A number of [0, 1] such that it and what it lacks to one add up to one without rounding.
+LANE_INLINE lane8 whole_share( lane8 x )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    return lane8_sub( one, lane8_sub( one, x ) );
+}
+
+// What the second loop wants to know of eight pairs.
+typedef struct nearest
+{
+    lane8v between;
+    segment on;      // what `between` is across
+    lane8m straight; // it is: not at an end
+    lane8v inward;
+    lane8m inside;  // of an edge
+    lane8m allowed; // the crossing is between the ends of both sides
+    lane8m wide;
+    lane8v product; // across both directions
+    lane8 width_squared;
+    lane8 poison; // 0, or NaN where a number of the pair is not finite: a comparison may have left it out
+} nearest;
+
+// @param best of the edges
+LANE_INLINE nearest nearest_of( candidate best, crossing c, lane8m allowed, segment g, lane8 poison )
+{
+    return ( nearest ){
+        .between = lane8v_select( allowed, c.between, best.between ),
+        .on = { lane8v_select( allowed, g.along, best.on.along ),
+                lane8_select( allowed, g.inverse, best.on.inverse ) },
+        .straight = lane8m_or( allowed, best.inside ),
+        .inward = best.inward,
+        .inside = best.inside,
+        .allowed = allowed,
+        .wide = c.wide,
+        .product = lane8v_cross( g.along, c.width ),
+        .width_squared = c.squared,
+        .poison = poison,
+    };
+}
+
+// What of d is across an edge, where `mask` says so.
+LANE_INLINE lane8v clear_of( lane8v d, segment on, lane8m mask )
+{
+    const lane8 excess = lane8_mul( lane8v_dot( d, on.along ), on.inverse );
+    return lane8v_sub( d, lane8v_scale( on.along, lane8_select( mask, excess, lane8_zero() ) ) );
+}
+
+LANE_INLINE void store_normal( float ( *normal )[8], const nearest* n, lane8v d, lane8 squared )
+{
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    // an edge was nearest by rounding alone if the other points of the sides are nearer along d
+    const lane8m beyond = lane8m_and( n->inside, lane8_gt( lane8v_dot( d, n->inward ), zero ) );
+    const lane8m near = lane8_lt( squared, lane8_mul( n->width_squared, lane8_set1( WIDE ) ) );
+    const lane8m across = lane8m_and( lane8m_and( n->wide, near ), lane8m_or( n->allowed, beyond ) );
+    const lane8v direction = lane8v_select( across, n->product, d );
+    const lane8m turned = lane8_lt( lane8v_dot( direction, d ), zero );
+    const lane8 sign = lane8_select( turned, lane8_set1( -1.0f ), one );
+    const lane8 length = lane8_sqrt( lane8_max( squared_of( direction ), lane8_set1( FLT_MIN ) ) );
+    const lane8 scale = lane8_select( lane8_eq( squared, zero ), zero, lane8_div( sign, length ) );
+    const lane8v unit = lane8v_scale( direction, scale );
+    lane8_storeu( normal[0], unit.x );
+    lane8_storeu( normal[1], unit.y );
+    lane8_storeu( normal[2], unit.z );
+}
+
+// Once is enough for the length. For the direction twice: where the sides meet, nearly all of d is along the edge,
+// or all of it.
+LANE_INLINE void store_answer( const wisp_closest_job* job, int group, const nearest* n, bool wants_normal )
+{
+    const lane8v once = clear_of( n->between, n->on, n->straight );
+    const lane8 all = squared_of( once );
+    const lane8 squared = lane8_select( lane8_lt( all, lane8_set1( FLT_MIN ) ), lane8_zero(), all );
+    lane8_storeu( job->distance[group], lane8_add( lane8_sqrt( squared ), n->poison ) );
+    if ( wants_normal )
+    {
+        const lane8v twice = clear_of( once, n->on, n->straight );
+        const lane8m nothing = lane8_lt( squared_of( twice ), lane8_set1( FLT_MIN ) );
+        store_normal( job->normal[group], n, lane8v_select( nothing, once, twice ), squared );
+    }
+}
+
+LANE_INLINE lane8v load_point( const wisp_closest_job* job, int group, int k )
+{
+    lane8v p;
+    lane8_load_xyz( job->quads, job->point4[group][k], &p.x, &p.y, &p.z );
+    return p;
+}
+
+// x and y are the weights of b and c.
+LANE_INLINE nearest solve_triangle( const wisp_closest_job* job, int group, bool wants_weights )
+{
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const lane8v p = load_point( job, group, 0 ), a = load_point( job, group, 1 ), b = load_point( job, group, 2 ),
+                 c = load_point( job, group, 3 );
+    const lane8v ap = lane8v_sub( p, a ), bp = lane8v_sub( p, b ), cp = lane8v_sub( p, c );
+    const lane8v to_b = lane8v_sub( b, a ), to_c = lane8v_sub( c, a ), b_to_c = lane8v_sub( c, b );
+    const lane8 ab_squared = squared_of( to_b ), ac_squared = squared_of( to_c );
+    const lane8 from_a = squared_of( ap ), from_b = squared_of( bp ), from_c = squared_of( cp );
+    const segment ab = segment_of( to_b, ab_squared ), ac = segment_of( to_c, ac_squared ),
+                  bc = segment_of( b_to_c, squared_of( b_to_c ) );
+    const lane8v to_a = { lane8_neg( to_b.x ), lane8_neg( to_b.y ), lane8_neg( to_b.z ) };
+
+    const foot on_ab = foot_on( ab, ap, bp, lane8_lt( from_b, from_a ) ),
+               on_ac = foot_on( ac, ap, cp, lane8_lt( from_c, from_a ) ),
+               on_bc = foot_on( bc, bp, cp, lane8_lt( from_c, from_b ) );
+    const candidate best = nearer(
+        nearer( candidate_of( on_ab, ab, to_c, on_ab.t, zero ), candidate_of( on_ac, ac, to_b, zero, on_ac.t ) ),
+        candidate_of( on_bc, bc, to_a, lane8_sub( one, on_bc.t ), on_bc.t ) );
+
+    crossing face = cross_at( ab, ab_squared, to_c, ac_squared, ap );
+    face.x = whole_share( face.x );
+    face.y = whole_share( face.y );
+    const lane8m to_the_right = lane8m_and( lane8_ge( face.x, zero ), lane8_ge( face.y, zero ) );
+    const lane8m below = lane8_ge( lane8_sub( lane8_sub( one, face.x ), face.y ), zero );
+    const lane8m allowed = lane8m_and( face.wide, lane8m_and( to_the_right, below ) );
+    const lane8 poison = lane8_mul( lane8_add( ab_squared, ac_squared ), zero );
+    if ( wants_weights )
+    {
+        const lane8 x = whole_share( lane8_select( allowed, face.x, best.x ) ),
+                    y = whole_share( lane8_select( allowed, face.y, best.y ) );
+        lane8_storeu( job->weight[group][0], one );
+        lane8_storeu( job->weight[group][1], lane8_sub( y, lane8_sub( one, x ) ) );
+        lane8_storeu( job->weight[group][2], lane8_neg( x ) );
+        lane8_storeu( job->weight[group][3], lane8_neg( y ) );
+    }
+    return nearest_of( best, face, allowed, ab, poison );
+}
+
+// x and y count from a and from c.
+LANE_INLINE nearest solve_segments( const wisp_closest_job* job, int group, bool wants_weights )
+{
+    const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
+    const lane8v a = load_point( job, group, 0 ), b = load_point( job, group, 1 ), c = load_point( job, group, 2 ),
+                 d = load_point( job, group, 3 );
+    const lane8v ac = lane8v_sub( a, c ), ad = lane8v_sub( a, d ), bc = lane8v_sub( b, c ), bd = lane8v_sub( b, d );
+    const lane8v back = lane8v_sub( a, b ), ahead = lane8v_sub( b, a );
+    const lane8v to_d = lane8v_sub( d, c ), to_c = lane8v_sub( c, d );
+    const lane8 first_squared = squared_of( back ), second_squared = squared_of( to_d );
+    const lane8 ac_squared = squared_of( ac ), ad_squared = squared_of( ad ), bc_squared = squared_of( bc ),
+                bd_squared = squared_of( bd );
+    // differences point from the second side to the first, so that the first segment is seen backwards
+    const segment first = segment_of( back, first_squared ), second = segment_of( to_d, second_squared );
+
+    const foot of_a = foot_on( second, ac, ad, lane8_lt( ad_squared, ac_squared ) ),
+               of_b = foot_on( second, bc, bd, lane8_lt( bd_squared, bc_squared ) ),
+               of_c = foot_on( first, ac, bc, lane8_lt( bc_squared, ac_squared ) ),
+               of_d = foot_on( first, ad, bd, lane8_lt( bd_squared, ad_squared ) );
+    const candidate best = nearer(
+        nearer( candidate_of( of_a, second, back, zero, of_a.t ), candidate_of( of_b, second, ahead, one, of_b.t ) ),
+        nearer( candidate_of( of_c, first, to_d, of_c.t, zero ), candidate_of( of_d, first, to_c, of_d.t, one ) ) );
+
+    const crossing both = cross_at( first, first_squared, to_d, second_squared, ac );
+    const lane8m on_first = lane8m_and( lane8_ge( both.x, zero ), lane8_le( both.x, one ) ),
+                 on_second = lane8m_and( lane8_ge( both.y, zero ), lane8_le( both.y, one ) );
+    const lane8m allowed = lane8m_and( both.wide, lane8m_and( on_first, on_second ) );
+    const lane8 poison = lane8_mul( lane8_add( first_squared, second_squared ), zero );
+    if ( wants_weights )
+    {
+        const lane8 x = whole_share( lane8_select( allowed, both.x, best.x ) ),
+                    y = whole_share( lane8_select( allowed, both.y, best.y ) );
+        lane8_storeu( job->weight[group][0], lane8_sub( one, x ) );
+        lane8_storeu( job->weight[group][1], x );
+        lane8_storeu( job->weight[group][2], lane8_sub( y, one ) );
+        lane8_storeu( job->weight[group][3], lane8_neg( y ) );
+    }
+    return nearest_of( best, both, allowed, first, poison );
+}
+
+LANE_INLINE void run_triangle( const wisp_closest_job* job, int begin, int end, bool wants_all )
+{
+    nearest found[BLOCK];
+    for ( int block = begin; block < end; block += BLOCK )
+    {
+        const int count = end - block < BLOCK ? end - block : BLOCK;
+        for ( int k = 0; k < count; ++k )
+        {
+            found[k] = solve_triangle( job, block + k, wants_all );
+        }
+        for ( int k = 0; k < count; ++k )
+        {
+            store_answer( job, block + k, &found[k], wants_all );
+        }
+    }
+}
+
+LANE_INLINE void run_segments( const wisp_closest_job* job, int begin, int end, bool wants_all )
+{
+    nearest found[BLOCK];
+    for ( int block = begin; block < end; block += BLOCK )
+    {
+        const int count = end - block < BLOCK ? end - block : BLOCK;
+        for ( int k = 0; k < count; ++k )
+        {
+            found[k] = solve_segments( job, block + k, wants_all );
+        }
+        for ( int k = 0; k < count; ++k )
+        {
+            store_answer( job, block + k, &found[k], wants_all );
+        }
+    }
+}
+
+void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end )
+{
+    const wisp_closest_job mine = *job;
+    if ( mine.weight != NULL )
+    {
+        run_triangle( &mine, begin, end, true );
+    }
+    else
+    {
+        run_triangle( &mine, begin, end, false );
+    }
+}
+
+void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end )
+{
+    const wisp_closest_job mine = *job;
+    if ( mine.weight != NULL )
+    {
+        run_segments( &mine, begin, end, true );
+    }
+    else
+    {
+        run_segments( &mine, begin, end, false );
+    }
+}

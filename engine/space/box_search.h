@@ -1,0 +1,96 @@
+/// What every search of boxes shares: it proposes boxes for one asker, in any order; the list is put in order afterwards,
+/// so that pairs depend neither on what searches nor on how many workers do.
+#pragma once
+
+#include "wisp/box_pairs.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdatomic.h>
+
+enum
+{
+    BOX_GRAIN = 2048,      // boxes a block, where each costs a few nanoseconds
+    BOX_FOUND_PADDING = 8, // entries behind the last one that a wide store may touch
+};
+
+/// Is a box one that can overlap another? False where a number is not finite.
+static inline bool box_is_valid( const wisp_box* box )
+{
+    bool is_valid = true;
+    for ( int k = 0; k < 3; ++k )
+    {
+        is_valid &= box->low[k] <= box->high[k] && box->low[k] >= -FLT_MAX && box->high[k] <= FLT_MAX;
+    }
+    return is_valid;
+}
+
+/// Do two boxes that are valid overlap? Touching is overlapping.
+static inline bool box_overlaps( const wisp_box* a, const wisp_box* b )
+{
+    bool is_apart = false;
+    for ( int k = 0; k < 3; ++k )
+    {
+        is_apart |= a->low[k] > b->high[k] || b->low[k] > a->high[k];
+    }
+    return !is_apart;
+}
+
+/// A few questions at once: for each of some askers, the boxes that overlap it.
+typedef struct box_question
+{
+    wisp_box_group group;
+    uint64_t tested; ///< boxes compared
+} box_question;
+
+// ---- the grid ----
+
+enum
+{
+    BOX_LEVELS_MOST = 12,
+};
+
+/// Boxes of about one size, by the cell of their low corner.
+typedef struct box_level
+{
+    float origin[3], inverse[3]; ///< m, 1/m: a cell's edge differs from axis to axis
+    float end[3];                ///< m, the last low corner; the origin is the first
+    float extent[3];             ///< m, of the largest box, rounded up
+    float last[3];               ///< cell along each axis
+    int dims[3], axis[3];        ///< axis[0] is the one whose cells lie side by side, axis[2] the slowest
+    int stride[3];               ///< from one cell to the next along x, y, z
+    int64_t cell_count;
+    int32_t cell_first; ///< of the cells of all levels
+} box_level;
+
+typedef struct box_grid
+{
+    wisp_box_stream stream; ///< slots: by level, cell, number
+    const int32_t* begin;   ///< [cells of all levels + 1] first slot
+    const int32_t* cell_of; ///< [box] -1 for one that overlaps nothing
+    int slot_count, level_count;
+    box_level levels[BOX_LEVELS_MOST];
+    const wisp_kernels* kernels; ///< may be null
+} box_grid;
+
+/// @param buffers four of them
+wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_parallel* parallel,
+                            const wisp_box_job* job );
+/// @return false if several askers would be compared with too many boxes at once, and nothing was found: ask one by one
+bool box_grid_find( const box_grid* grid, box_question* question );
+
+// ---- the tree ----
+
+/// Take the boxes over: refit, or build. @return WISP_CONFLICT in a library without Embree
+wisp_status box_tree_update( struct wisp_box_tree** tree, const wisp_allocator* allocator, const wisp_box_job* job,
+                             wisp_error* error );
+/// One asker. Thread-safe.
+void box_tree_find( const struct wisp_box_tree* tree, box_question* question );
+/// What the questions since the last update cost, of which decay is told.
+void box_tree_note( struct wisp_box_tree* tree, uint64_t tested, uint64_t answers );
+void box_tree_counts( const struct wisp_box_tree* tree, int* build_count, int* refit_count );
+size_t box_tree_bytes( const struct wisp_box_tree* tree );
+/// Null is allowed.
+void box_tree_release( struct wisp_box_tree* tree, const wisp_allocator* allocator );
+/// Can this library make one?
+bool box_tree_exists( void );

@@ -1,0 +1,255 @@
+// On which side of a plane a point lies, exactly. A filter in double precision answers nearly always; what it cannot
+// tell is computed in whole numbers, in which nothing is rounded.
+//
+// A finite float is a whole multiple of 2^-149 below 2^128 in magnitude, so the determinant is a whole number of at
+// most 838 bits: there is no range in which the answer is not exact. The filter neither overflows nor underflows: a
+// product of three differences lies between 2^-447 and 2^388. It takes subnormal floats for what they are, as C does;
+// a host that has told its processor to read them as zero may get the answer for zeros.
+#include "wisp/crossings.h"
+
+#include <math.h>
+#include <string.h>
+
+// ---- whole numbers ----
+
+enum
+{
+    FLOAT_FRACTION_BITS = 23,
+    FLOAT_LOWEST_POWER = -149,
+    FLOAT_BITS = 277,                                    // from 2^-149 up to below 2^128
+    WHOLE_LIMBS_MOST = ( 3 * FLOAT_BITS + 7 + 31 ) / 32, // see limbs_for()
+};
+
+// A number in two's complement, lowest limb first. Sums and products drop what overflows, which is right as long as
+// the number that is wanted at the end fits.
+typedef struct whole
+{
+    uint32_t limb[WHOLE_LIMBS_MOST];
+} whole;
+
+static void whole_subtract( whole* out, const whole* a, const whole* b, int limbs )
+{
+    uint64_t carry = 1; // a - b = a + ~b + 1
+    for ( int i = 0; i < limbs; ++i )
+    {
+        carry += (uint64_t)a->limb[i] + (uint32_t)~b->limb[i];
+        out->limb[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+}
+
+static void whole_add_product( whole* sum, const whole* a, const whole* b, int limbs )
+{
+    for ( int i = 0; i < limbs; ++i )
+    {
+        uint64_t carry = 0;
+        for ( int k = 0; i + k < limbs; ++k )
+        {
+            // the largest product and two limbs just fit
+            carry += (uint64_t)a->limb[i] * b->limb[k] + sum->limb[i + k];
+            sum->limb[i + k] = (uint32_t)carry;
+            carry >>= 32;
+        }
+    }
+}
+
+static int whole_sign( const whole* a, int limbs )
+{
+    if ( a->limb[limbs - 1] >> 31 != 0 )
+    {
+        return -1;
+    }
+    for ( int i = 0; i < limbs; ++i )
+    {
+        if ( a->limb[i] != 0 )
+        {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+// ---- floats as whole numbers ----
+
+// A finite float taken apart: magnitude 2^power, the magnitude odd, or 0 for zero.
+typedef struct float_parts
+{
+    uint32_t magnitude;
+    int power, bits; // of the magnitude
+    bool negative;
+} float_parts;
+
+static float_parts take_apart( float value )
+{
+    uint32_t word;
+    memcpy( &word, &value, sizeof( word ) );
+    const uint32_t fraction = word & ( ( 1u << FLOAT_FRACTION_BITS ) - 1 );
+    const int exponent = (int)( word >> FLOAT_FRACTION_BITS & 0xff );
+    float_parts parts = {
+        .magnitude = exponent == 0 ? fraction : fraction | 1u << FLOAT_FRACTION_BITS,
+        .power = FLOAT_LOWEST_POWER + ( exponent == 0 ? 0 : exponent - 1 ),
+        .negative = word >> 31 != 0,
+    };
+    for ( ; parts.magnitude != 0 && ( parts.magnitude & 1 ) == 0; ++parts.power )
+    {
+        parts.magnitude >>= 1;
+    }
+    for ( uint32_t rest = parts.magnitude; rest != 0; rest >>= 1 )
+    {
+        ++parts.bits;
+    }
+    return parts;
+}
+
+// The multiple of 2^unit that a float is.
+static whole whole_from( const float_parts* parts, int unit, int limbs )
+{
+    whole value = { { 0 } };
+    if ( parts->magnitude == 0 )
+    {
+        return value;
+    }
+    const int shift = parts->power - unit, limb = shift / 32;
+    const uint64_t shifted = (uint64_t)parts->magnitude << shift % 32;
+    value.limb[limb] = (uint32_t)shifted;
+    if ( limb + 1 < limbs )
+    {
+        value.limb[limb + 1] = (uint32_t)( shifted >> 32 );
+    }
+    if ( parts->negative )
+    {
+        const whole zero = { { 0 } };
+        whole_subtract( &value, &zero, &value, limbs );
+    }
+    return value;
+}
+
+// How long numbers must be where coordinates are below 2^span: differences are below 2^(span + 1), products of three
+// below 2^(3 span + 3), six of them below 2^(3 span + 6), and there is a sign.
+static int limbs_for( int span )
+{
+    return ( 3 * span + 7 + 31 ) / 32;
+}
+
+// ---- the determinant ----
+
+// The lowest and the highest power of two in any coordinate that is not zero. @return false when all are zero
+static bool find_span( float_parts parts[4][3], int* lowest, int* span )
+{
+    int low = INT32_MAX, high = INT32_MIN;
+    for ( int i = 0; i < 4 * 3; ++i )
+    {
+        const float_parts* part = &parts[i / 3][i % 3];
+        if ( part->magnitude != 0 )
+        {
+            low = part->power < low ? part->power : low;
+            high = part->power + part->bits > high ? part->power + part->bits : high;
+        }
+    }
+    *lowest = low;
+    *span = low <= high ? high - low : 0;
+    return low <= high;
+}
+
+// (b - a) x (c - a) . (d - a) in whole numbers as short as the coordinates allow.
+static int side_in_whole_numbers( const float* const points[4] )
+{
+    float_parts parts[4][3];
+    for ( int i = 0; i < 4 * 3; ++i )
+    {
+        parts[i / 3][i % 3] = take_apart( points[i / 3][i % 3] );
+    }
+    int unit, span;
+    if ( !find_span( parts, &unit, &span ) )
+    {
+        return 0;
+    }
+    const int limbs = limbs_for( span );
+    whole from_a[3][3];
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        const whole a = whole_from( &parts[0][axis], unit, limbs );
+        for ( int i = 0; i < 3; ++i )
+        {
+            const whole p = whole_from( &parts[i + 1][axis], unit, limbs );
+            whole_subtract( &from_a[i][axis], &p, &a, limbs );
+        }
+    }
+    whole determinant = { { 0 } };
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        const int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
+        whole plus = { { 0 } }, minus = { { 0 } }, normal;
+        whole_add_product( &plus, &from_a[0][next], &from_a[1][last], limbs );
+        whole_add_product( &minus, &from_a[0][last], &from_a[1][next], limbs );
+        whole_subtract( &normal, &plus, &minus, limbs );
+        whole_add_product( &determinant, &normal, &from_a[2][axis], limbs );
+    }
+    return whole_sign( &determinant, limbs );
+}
+
+// Each of the six products goes through eight roundings at most (three differences, two multiplications, three sums),
+// so the determinant is off by less than 8.1 u of the sum of their magnitudes, u = 2^-53, and that sum by as little
+// of itself. Twice that leaves room for the rounding of the bound.
+static const double filter_error = 0x1p-49;
+
+static double sum_of_magnitudes( const double b[3], const double c[3], const double d[3] )
+{
+    double sum = 0.0;
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        const int next = ( axis + 1 ) % 3, last = ( axis + 2 ) % 3;
+        sum += ( fabs( b[next] * c[last] ) + fabs( b[last] * c[next] ) ) * fabs( d[axis] );
+    }
+    return sum;
+}
+
+static bool all_finite( const float* const points[4] )
+{
+    for ( int i = 0; i < 4 * 3; ++i )
+    {
+        if ( !isfinite( points[i / 3][i % 3] ) )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+int wisp_side_of_plane( const float* a, const float* b, const float* c, const float* d )
+{
+    double ab[3], ac[3], ad[3];
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        ab[axis] = (double)b[axis] - (double)a[axis];
+        ac[axis] = (double)c[axis] - (double)a[axis];
+        ad[axis] = (double)d[axis] - (double)a[axis];
+    }
+    const double determinant = ( ab[1] * ac[2] - ab[2] * ac[1] ) * ad[0] + ( ab[2] * ac[0] - ab[0] * ac[2] ) * ad[1] +
+                               ( ab[0] * ac[1] - ab[1] * ac[0] ) * ad[2];
+    const double error = filter_error * sum_of_magnitudes( ab, ac, ad );
+    // what is not finite fails both comparisons
+    if ( determinant > error )
+    {
+        return 1;
+    }
+    if ( determinant < -error )
+    {
+        return -1;
+    }
+    const float* const points[4] = { a, b, c, d };
+    return all_finite( points ) ? side_in_whole_numbers( points ) : 0;
+}
+
+bool wisp_segment_crosses( const float* p, const float* q, const float* a, const float* b, const float* c )
+{
+    // the ends on two sides of the plane; a point that is not finite is on neither
+    const int side = wisp_side_of_plane( a, b, c, p );
+    if ( side == 0 || wisp_side_of_plane( a, b, c, q ) != -side )
+    {
+        return false;
+    }
+    // and the line within: seen along it, the three edges turn the same way
+    const int turn = wisp_side_of_plane( p, q, a, b );
+    return turn != 0 && wisp_side_of_plane( p, q, b, c ) == turn && wisp_side_of_plane( p, q, c, a ) == turn;
+}

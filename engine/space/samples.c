@@ -1,0 +1,527 @@
+// Points on a triangle mesh: the stages of an update, its memory, and normals where those of the vertices cancel.
+#include "samples_parts.h"
+
+#include "alloc.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+enum
+{
+    PLACE_GRAIN = 1024, // points a block, a multiple of 8
+    WEIGH_GRAIN = 256,  // elements a block
+    BUFFER_MEMORY = 0,
+    BUFFER_POINTS = 1, // and the next
+};
+
+void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator )
+{
+    for ( int i = 0; i < WISP_COUNT( samples->buffers ); ++i )
+    {
+        wisp_buffer_release( samples->buffers + i, allocator );
+    }
+    *samples = ( wisp_samples ){ 0 };
+}
+
+// ---- memory ----
+
+// Arrays one after another, each on a cache line. Without a base it only measures.
+typedef struct layout
+{
+    char* base;
+    size_t used;
+} layout;
+
+static void* take( layout* l, size_t count, size_t row )
+{
+    void* at = l->base != NULL ? l->base + l->used : NULL;
+    l->used += ( count * row + BASE_BUFFER_ALIGNMENT - 1 ) / BASE_BUFFER_ALIGNMENT * BASE_BUFFER_ALIGNMENT;
+    return at;
+}
+
+static void lay_group( samples_group* g, layout* l, int count, int first, int extents )
+{
+    const size_t padded = ( (size_t)count + 7 ) / 8 * 8;
+    g->count = count;
+    g->first = first;
+    g->points = take( l, padded, sizeof( int32_t ) );
+    g->extent = take( l, padded * (size_t)extents, sizeof( float ) );
+    g->axis = take( l, padded, sizeof( int32_t ) );
+    g->next_extent = take( l, padded * (size_t)extents, sizeof( float ) );
+    g->next_axis = take( l, padded, sizeof( int32_t ) );
+    g->low = take( l, padded, sizeof( float ) );
+    g->high = take( l, padded, sizeof( float ) );
+    g->low_height = take( l, padded, sizeof( float ) );
+    g->high_height = take( l, padded, sizeof( float ) );
+    g->held = take( l, padded / 8, 1 );
+}
+
+static int blocks_of( int count )
+{
+    return ( count + SAMPLES_BLOCK - 1 ) / SAMPLES_BLOCK;
+}
+
+static void lay_memory( layout* l, const wisp_samples_job* job, samples_memory* m )
+{
+    const size_t edges = (size_t)job->edge_count, triangles = (size_t)job->triangle_count;
+    const size_t blocks = (size_t)( blocks_of( job->edge_count ) + blocks_of( job->triangle_count ) );
+    take( l, 1, sizeof( samples_memory ) );
+    lay_group( &m->edges, l, job->edge_count, 0, 1 );
+    lay_group( &m->triangles, l, job->triangle_count, job->edge_count, 2 );
+    m->begin = take( l, edges + triangles + 1, sizeof( int32_t ) );
+    m->next = take( l, edges + triangles + 1, sizeof( int32_t ) );
+    m->changed = take( l, edges + triangles, 1 );
+    m->pair4 = take( l, ( edges + 7 ) / 8, sizeof( *m->pair4 ) );
+    m->corner4 = take( l, ( triangles + 7 ) / 8, sizeof( *m->corner4 ) );
+    m->tallies = take( l, blocks, sizeof( samples_tally ) );
+    m->block_begin = take( l, blocks, sizeof( int64_t ) );
+    m->around_begin = take( l, edges + 1, sizeof( int32_t ) );
+    m->around = take( l, 3 * triangles, sizeof( int32_t ) );
+}
+
+static int shorter_end( const wisp_samples_job* job, int e )
+{
+    const int32_t a = job->edges[2 * (size_t)e], b = job->edges[2 * (size_t)e + 1];
+    return a < b ? a : b;
+}
+
+// ---- who is around an edge ----
+
+// Edges by their lower slot in chains, so that the edge of a triangle's side is found among few.
+typedef struct edge_chains
+{
+    const wisp_samples_job* job;
+    int32_t *head, *next; // [slots], [edges]
+} edge_chains;
+
+static int find_edge( const edge_chains* c, int32_t a, int32_t b )
+{
+    const int32_t low = a < b ? a : b, high = a < b ? b : a;
+    for ( int e = c->head[low]; e >= 0; e = c->next[e] )
+    {
+        const int32_t p = c->job->edges[2 * (size_t)e], q = c->job->edges[2 * (size_t)e + 1];
+        if ( ( p == low && q == high ) || ( p == high && q == low ) )
+        {
+            return e;
+        }
+    }
+    return -1;
+}
+
+static int most_slots( const wisp_samples_job* job )
+{
+    int most = 0;
+    for ( int64_t i = 0; i < 2 * (int64_t)job->edge_count; ++i )
+    {
+        most = job->edges[i] >= most ? job->edges[i] + 1 : most;
+    }
+    for ( int64_t i = 0; i < 3 * (int64_t)job->triangle_count; ++i )
+    {
+        most = job->triangles[i] >= most ? job->triangles[i] + 1 : most;
+    }
+    return most;
+}
+
+// Counting sort of sides by their edges: triangles around an edge rise.
+static void list_around( samples_memory* m, const edge_chains* c )
+{
+    const wisp_samples_job* job = c->job;
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int64_t side = 0; side < 3 * (int64_t)job->triangle_count; ++side )
+        {
+            const int32_t* slots = job->triangles + side / 3 * 3;
+            const int e = find_edge( c, slots[side % 3], slots[( side + 1 ) % 3] );
+            if ( e >= 0 && pass == 0 )
+            {
+                m->around_begin[e] += 1;
+            }
+            else if ( e >= 0 )
+            {
+                m->around[m->around_begin[e]++] = (int32_t)( side / 3 );
+            }
+        }
+        // after the first pass sums become places, after the second places that ran ahead go back
+        int32_t sum = 0;
+        for ( int e = 0; e < job->edge_count && pass == 0; ++e )
+        {
+            const int32_t count = m->around_begin[e];
+            m->around_begin[e] = sum;
+            sum += count;
+        }
+        for ( int e = job->edge_count; e > 0 && pass == 1; --e )
+        {
+            m->around_begin[e] = m->around_begin[e - 1];
+        }
+    }
+    m->around_begin[0] = 0;
+}
+
+static bool find_around( samples_memory* m, const wisp_samples_job* job, const wisp_allocator* allocator )
+{
+    const int slots = most_slots( job );
+    const size_t bytes = ( (size_t)slots + (size_t)job->edge_count + 1 ) * sizeof( int32_t );
+    int32_t* scratch = base_allocate( allocator, bytes, BASE_BUFFER_ALIGNMENT );
+    if ( scratch == NULL )
+    {
+        return false;
+    }
+    memset( scratch, 0xff, bytes );
+    edge_chains chains = { job, scratch, scratch + slots };
+    for ( int e = job->edge_count - 1; e >= 0; --e )
+    {
+        chains.next[e] = chains.head[shorter_end( job, e )];
+        chains.head[shorter_end( job, e )] = e;
+    }
+    list_around( m, &chains );
+    base_release( allocator, scratch, bytes );
+    return true;
+}
+
+// ---- a new layer ----
+
+static void fill_pairs( samples_memory* m, const wisp_samples_job* job )
+{
+    for ( int e = 0; e < job->edge_count; ++e )
+    {
+        m->pair4[e / 8][0][e % 8] = 4 * job->edges[2 * (size_t)e];
+        m->pair4[e / 8][1][e % 8] = 4 * job->edges[2 * (size_t)e + 1];
+    }
+    for ( int t = 0; t < job->triangle_count; ++t )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            m->corner4[t / 8][k][t % 8] = 4 * job->triangles[3 * (size_t)t + (size_t)k];
+        }
+    }
+}
+
+// Bounds between which nothing lies hold nobody.
+static void open_bounds( samples_group* g )
+{
+    for ( int i = 0; i < g->count; ++i )
+    {
+        g->low[i] = g->low_height[i] = 1.0f;
+        g->high[i] = g->high_height[i] = 0.0f;
+    }
+}
+
+static samples_memory* memory_of( const wisp_samples* samples )
+{
+    return samples->buffers[BUFFER_MEMORY].data;
+}
+
+// Memory for these elements, without a point. What was there before is gone.
+static bool make_memory( wisp_samples* samples, const wisp_samples_job* job, const wisp_allocator* allocator )
+{
+    samples_memory measured = { 0 };
+    layout l = { 0 };
+    lay_memory( &l, job, &measured );
+    if ( wisp_buffer_reserve( samples->buffers + BUFFER_MEMORY, allocator, l.used ) == false )
+    {
+        return false;
+    }
+    memset( samples->buffers[BUFFER_MEMORY].data, 0, l.used );
+    l = ( layout ){ .base = samples->buffers[BUFFER_MEMORY].data };
+    samples_memory* m = memory_of( samples );
+    lay_memory( &l, job, m );
+    fill_pairs( m, job );
+    open_bounds( &m->edges );
+    open_bounds( &m->triangles );
+    samples->count = samples->edge_count = 0;
+    samples->begin = m->begin;
+    m->anew = true;
+    return true;
+}
+
+static bool fits( const samples_memory* m, const wisp_samples_job* job )
+{
+    return m != NULL && m->edges.count == job->edge_count && m->triangles.count == job->triangle_count;
+}
+
+static bool is_sampled_alike( const samples_memory* m, const wisp_samples_job* job )
+{
+    return m->policy == job->policy && m->rounding == job->rounding && m->hysteresis == job->hysteresis &&
+           m->scanline == job->scanline;
+}
+
+static bool prepare( wisp_samples* samples, const wisp_samples_job* job, const wisp_allocator* allocator )
+{
+    if ( fits( memory_of( samples ), job ) == false )
+    {
+        if ( make_memory( samples, job, allocator ) == false )
+        {
+            return false;
+        }
+        if ( find_around( memory_of( samples ), job, allocator ) == false )
+        {
+            memory_of( samples )->edges.count = -1; // incomplete, so it fits no job
+            return false;
+        }
+    }
+    samples_memory* m = memory_of( samples );
+    m->anew = m->anew || is_sampled_alike( m, job ) == false || ( job->normal != NULL ) != m->has_normals;
+    m->has_normals = job->normal != NULL;
+    m->policy = job->policy;
+    m->rounding = job->rounding;
+    m->hysteresis = job->hysteresis;
+    m->scanline = job->scanline;
+    return true;
+}
+
+// The arrays of one of the two layers. A room of 8 rows behind the last point takes what is written eight at a time.
+static samples_points points_of( const wisp_samples* samples, int turn, bool normals, bool scanline )
+{
+    const samples_memory* m = memory_of( samples );
+    const size_t rows = (size_t)m->capacity[turn] + 8, row = 4 * sizeof( float );
+    layout l = { .base = samples->buffers[BUFFER_POINTS + turn].data };
+    samples_points p = { 0 };
+    p.quads = take( &l, rows, row );
+    p.parents = take( &l, rows, row );
+    p.weights = take( &l, rows, row );
+    p.normals = normals ? take( &l, rows, row ) : NULL;
+    p.normal_weights = normals && scanline ? take( &l, rows, row ) : NULL;
+    return p;
+}
+
+static bool reserve_points( wisp_samples* samples, int turn, int count, bool normals, bool scanline,
+                            const wisp_allocator* allocator )
+{
+    samples_memory* m = memory_of( samples );
+    wisp_buffer* buffer = samples->buffers + BUFFER_POINTS + turn;
+    const size_t row = ( 3 + ( normals ? 1u : 0u ) + ( normals && scanline ? 1u : 0u ) ) * 4 * sizeof( float );
+    const size_t around = 5 * BASE_BUFFER_ALIGNMENT + 8 * row;
+    if ( wisp_buffer_reserve( buffer, allocator, (size_t)count * row + around ) == false )
+    {
+        return false;
+    }
+    const size_t room = ( buffer->size - around ) / row;
+    m->capacity[turn] = room < (size_t)INT32_MAX - 8 ? (int)room : INT32_MAX - 8;
+    return true;
+}
+
+// ---- stages ----
+
+typedef struct totals
+{
+    int64_t points, edge_points;
+    double beyond;
+    int changed, skipped;
+} totals;
+
+static totals count_all( samples_update* u, const wisp_parallel* parallel )
+{
+    const int blocks = u->edge_blocks + u->triangle_blocks;
+    totals sum = { 0 };
+    wisp_parallel_for( parallel, blocks, 1, samples_count_block, u );
+    for ( int b = 0; b < blocks; ++b )
+    {
+        const samples_tally* t = u->memory->tallies + b;
+        sum.edge_points = b == u->edge_blocks ? sum.points : sum.edge_points;
+        u->memory->block_begin[b] = sum.points;
+        sum.points += t->points;
+        sum.beyond += t->beyond;
+        sum.changed += t->changed;
+        sum.skipped += t->skipped;
+    }
+    sum.edge_points = u->triangle_blocks == 0 ? sum.points : sum.edge_points;
+    return sum;
+}
+
+// Rows behind the last point, up to a whole slice, are as the last.
+static void pad_points( const samples_update* u )
+{
+    const size_t row = 4 * sizeof( float );
+    for ( int p = u->count; u->count > 0 && p % 8 != 0; ++p )
+    {
+        memcpy( u->to.quads + 4 * (size_t)p, u->to.quads + 4 * (size_t)( p - 1 ), row );
+        memcpy( u->to.parents + p, u->to.parents + p - 1, row );
+        if ( u->to.normals != NULL )
+        {
+            memset( u->to.normals + 4 * (size_t)p, 0, row );
+        }
+    }
+}
+
+// Padding is weighed as the last point, so that its normal is known when that one is.
+static void pad_weights( const samples_update* u )
+{
+    for ( int p = u->count; u->count > 0 && p % 8 != 0; ++p )
+    {
+        memcpy( u->to.weights + p, u->to.weights + p - 1, 4 * sizeof( float ) );
+        if ( u->to.normal_weights != NULL )
+        {
+            memcpy( u->to.normal_weights + p, u->to.normal_weights + p - 1, 4 * sizeof( float ) );
+        }
+    }
+}
+
+static void show_points( wisp_samples* samples, const samples_update* u )
+{
+    samples->count = u->count;
+    samples->edge_count = u->edge_points;
+    samples->begin = u->memory->begin;
+    samples->quads = u->to.quads;
+    samples->normals = u->to.normals;
+    samples->parents = (const int32_t( * )[4])u->to.parents;
+    samples->weights = (const float( * )[4])u->to.weights;
+}
+
+// Case B: everything goes over to the other layer. Nothing can fail once there is room.
+static bool fill_all( wisp_samples* samples, samples_update* u, const totals* sum, const wisp_parallel* parallel )
+{
+    samples_memory* m = u->memory;
+    const int turn = 1 - m->turn, elements = m->edges.count + m->triangles.count;
+    const bool normals = u->job->normal != NULL, scanline = u->job->scanline;
+    if ( reserve_points( samples, turn, (int)sum->points, normals, scanline, wisp_parallel_allocator( parallel ) ) ==
+         false )
+    {
+        return false;
+    }
+    u->to = points_of( samples, turn, normals, scanline );
+    u->count = (int)sum->points;
+    u->edge_points = (int)sum->edge_points;
+    wisp_parallel_for( parallel, u->edge_blocks + u->triangle_blocks, 1, samples_fill_block, u );
+    m->next[elements] = u->count;
+    int32_t* before = m->begin;
+    m->begin = m->next;
+    m->next = before;
+    m->turn = turn;
+    m->anew = false;
+    m->shown = u->to;
+    pad_points( u );
+    pad_weights( u );
+    show_points( samples, u );
+    return true;
+}
+
+static void place_block( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    samples_update* u = context;
+    const wisp_blend_job job = {
+        .position = u->job->position,
+        .normal = u->to.normals != NULL ? u->job->normal : NULL,
+        .parents = (const int32_t( * )[4])u->to.parents,
+        .weights = (const float( * )[4])u->to.weights,
+        .normal_weights = (const float( * )[4])u->to.normal_weights,
+        .quads = u->to.quads,
+        .normals = u->to.normals,
+    };
+    const int edges = u->edge_points / 8 * 8, first = begin * 8, last = end * 8;
+    const int middle = edges < first ? first : ( edges > last ? last : edges );
+    int unknown = u->kernels->blend_two( &job, first, middle );
+    unknown += u->kernels->blend_three( &job, middle, last );
+    if ( unknown > 0 )
+    {
+        // a sum of whole numbers, so whoever comes first does not matter
+        atomic_fetch_add_explicit( &u->unknown, unknown, memory_order_relaxed );
+    }
+}
+
+// ---- normals where those of the vertices cancel ----
+
+typedef struct face_sum
+{
+    double x, y, z;
+} face_sum;
+
+static void add_face( face_sum* sum, const wisp_samples_job* job, int t )
+{
+    double e[2][3];
+    const float* a = job->position + (size_t)job->triangles[3 * (size_t)t] * 4;
+    for ( int k = 0; k < 2; ++k )
+    {
+        const float* b = job->position + (size_t)job->triangles[3 * (size_t)t + (size_t)k + 1] * 4;
+        for ( int i = 0; i < 3; ++i )
+        {
+            e[k][i] = (double)b[i] - (double)a[i];
+        }
+    }
+    const double x = e[0][1] * e[1][2] - e[0][2] * e[1][1], y = e[0][2] * e[1][0] - e[0][0] * e[1][2],
+                 z = e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    const double length = sqrt( x * x + y * y + z * z );
+    if ( length > 0.0 && length <= DBL_MAX )
+    {
+        *sum = ( face_sum ){ sum->x + x / length, sum->y + y / length, sum->z + z / length };
+    }
+}
+
+// The mean normal of the faces of a point's element, or what the point had, or nothing.
+static void replace_normal( const samples_update* u, int point )
+{
+    const samples_memory* m = u->memory;
+    int32_t element;
+    memcpy( &element, u->to.quads + 4 * (size_t)point + 3, sizeof( element ) );
+    face_sum sum = { 0.0, 0.0, 0.0 };
+    const bool edge = element < m->edges.count;
+    for ( int i = edge ? m->around_begin[element] : 0; i < ( edge ? m->around_begin[element + 1] : 1 ); ++i )
+    {
+        add_face( &sum, u->job, edge ? m->around[i] : element - m->edges.count );
+    }
+    const double length = sqrt( sum.x * sum.x + sum.y * sum.y + sum.z * sum.z );
+    float* n = u->to.normals + 4 * (size_t)point;
+    if ( length >= (double)WISP_BLEND_LEAST )
+    {
+        n[0] = (float)( sum.x / length );
+        n[1] = (float)( sum.y / length );
+        n[2] = (float)( sum.z / length );
+    }
+    n[3] = 0.0f;
+}
+
+static void place_all( samples_update* u, const wisp_parallel* parallel, bool weighs )
+{
+    const int elements = u->memory->edges.count + u->memory->triangles.count;
+    if ( weighs && ( u->job->policy == WISP_SPACING_EXACT || u->to.normal_weights != NULL ) )
+    {
+        wisp_parallel_for( parallel, elements, WEIGH_GRAIN, samples_weigh_block, u );
+        pad_weights( u );
+    }
+    wisp_parallel_for( parallel, ( u->count + 7 ) / 8, PLACE_GRAIN / 8, place_block, u );
+    for ( int p = 0; p < u->count && u->unknown > 0; ++p )
+    {
+        if ( u->to.normals[4 * (size_t)p + 3] != 0.0f )
+        {
+            replace_normal( u, p );
+        }
+    }
+}
+
+// ---- the public face ----
+
+wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel, const wisp_kernels* kernels,
+                                 const wisp_samples_job* job )
+{
+    if ( prepare( samples, job, wisp_parallel_allocator( parallel ) ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    samples_memory* m = memory_of( samples );
+    samples_update u = {
+        .job = job,
+        .kernels = kernels,
+        .memory = m,
+        .from = m->shown,
+        .to = m->shown,
+        .edge_blocks = blocks_of( job->edge_count ),
+        .triangle_blocks = blocks_of( job->triangle_count ),
+        .most = 4.0 * (double)job->limit + 1000.0, // more than there may be, and soon counted
+        .count = samples->count,
+        .edge_points = samples->edge_count,
+    };
+    const totals sum = count_all( &u, parallel );
+    const bool refused = sum.beyond > 0.0 || sum.points > (int64_t)job->limit;
+    if ( refused == false && ( sum.changed > 0 || m->anew ) && fill_all( samples, &u, &sum, parallel ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    samples->changed_elements = refused ? 0 : sum.changed;
+    samples->skipped_elements = sum.skipped;
+    samples->refused = refused;
+    samples->wanted = (double)sum.points + sum.beyond;
+    place_all( &u, parallel, refused == false );
+    return WISP_OK;
+}

@@ -1,0 +1,351 @@
+// The first stage: who still has the counts it had? A kernel says so for most in floats, against bounds with room for
+// rounding; the rest is measured in double precision. Nothing that a caller sees is changed for elements that do change: what
+// they will be is kept aside until there is room for it.
+#include "samples_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+// Of a ratio: what floats may be off in a kernel, and in bounds that are kept as floats.
+static const float BOUND_ROUNDING = 4e-6f;
+// Heights within so many spacings of now are looked at together, where lengths of lines depend on the height.
+static const double HEIGHT_WINDOW = 0.05;
+
+// ---- bounds ----
+
+static float above( double low )
+{
+    const float f = low < -1.0 ? -1.0f : ( low > 1e30 ? 1e30f : (float)low );
+    return f + BOUND_ROUNDING * fabsf( f );
+}
+
+static float below( double high )
+{
+    const float f = high > 1e30 ? 1e30f : (float)high;
+    return f - BOUND_ROUNDING * fabsf( f );
+}
+
+static void keep_nothing( samples_group* g, int i )
+{
+    g->low[i] = 1.0f;
+    g->high[i] = 0.0f;
+}
+
+// What counts are made from: with hysteresis what is remembered, in the floats it is remembered in; else what is now.
+static double made_from( const wisp_samples_job* job, float remembered, double now )
+{
+    return job->hysteresis > 0.0f ? (double)remembered : now;
+}
+
+static samples_extent triangle_made_from( const samples_update* u, int t, const float* extent,
+                                          const samples_extent* now )
+{
+    return ( samples_extent ){ now->axis, made_from( u->job, extent[2 * (size_t)t], now->base ),
+                               made_from( u->job, extent[2 * (size_t)t + 1], now->height ) };
+}
+
+void samples_keep_edge( const samples_update* u, int edge )
+{
+    samples_group* g = &u->memory->edges;
+    double length;
+    keep_nothing( g, edge );
+    if ( samples_measure_edge( u->job, edge, &length ) )
+    {
+        const double n = samples_count_of( u->job, made_from( u->job, g->extent[edge], length ) );
+        const samples_bounds b = samples_bounds_of( u->job, n, (double)g->points[edge] );
+        g->low[edge] = above( b.low );
+        g->high[edge] = below( b.high );
+    }
+}
+
+// Lengths of the base for which line k is as it is at every height of the window.
+static samples_bounds base_bounds( const samples_lines* lines, samples_bounds window )
+{
+    const bool merges = lines->job->policy == WISP_SPACING_EVEN && lines->m < 1.0;
+    const samples_bounds b = samples_bounds_of( lines->job, merges ? 1.0 : lines->m, lines->points );
+    const double least = 1.0 - samples_share( lines->job, lines->k, lines->n, window.low );
+    const double most = 1.0 - samples_share( lines->job, lines->k, lines->n, window.high );
+    const double low = b.low <= 0.0 ? -1.0 : ( least > 0.0 ? b.low / least : INFINITY );
+    return ( samples_bounds ){ low, most > 0.0 ? b.high / most : INFINITY };
+}
+
+void samples_keep_triangle( const samples_update* u, int triangle )
+{
+    samples_group* g = &u->memory->triangles;
+    samples_extent now;
+    keep_nothing( g, triangle );
+    for ( int k = 0; k < 3; ++k )
+    {
+        const int32_t slot = u->job->triangles[3 * (size_t)triangle + (size_t)( ( g->axis[triangle] + k ) % 3 )];
+        u->memory->corner4[triangle / 8][k][triangle % 8] = 4 * slot;
+    }
+    if ( samples_measure_triangle( u->job, triangle, &now ) == false )
+    {
+        return;
+    }
+    const samples_extent made = triangle_made_from( u, triangle, g->extent, &now );
+    samples_lines lines = samples_lines_of( u->job, &made, &now );
+    samples_bounds window = samples_bounds_of( u->job, lines.n, lines.most ), base = { -1.0, INFINITY };
+    if ( u->job->policy == WISP_SPACING_EXACT )
+    {
+        window.low = fmax( window.low, now.height - HEIGHT_WINDOW );
+        window.high = fmin( window.high, now.height + HEIGHT_WINDOW );
+    }
+    for ( bool more = lines.most > 0.0; more; )
+    {
+        // the first line without points bounds those above it, too
+        more = samples_next_line( &lines );
+        const samples_bounds b = base_bounds( &lines, window );
+        base.low = more ? fmax( base.low, b.low ) : base.low;
+        base.high = fmin( base.high, b.high );
+        more = more && lines.k < lines.most;
+    }
+    g->low[triangle] = above( base.low );
+    g->high[triangle] = below( base.high );
+    g->low_height[triangle] = above( window.low );
+    g->high_height[triangle] = below( window.high );
+}
+
+// ---- elements ----
+
+static void count_edge( const samples_update* u, int e, samples_tally* tally )
+{
+    const wisp_samples_job* job = u->job;
+    samples_memory* m = u->memory;
+    double length, points = 0.0;
+    float kept = 0.0f;
+    if ( samples_measure_edge( job, e, &length ) == false )
+    {
+        tally->skipped += 1;
+    }
+    else if ( !( length <= u->most ) )
+    {
+        tally->beyond += length;
+    }
+    else
+    {
+        kept = job->hysteresis > 0.0f ? job->edge_length[e] : 0.0f;
+        if ( job->hysteresis > 0.0f &&
+             !( kept > 0.0f && samples_may_stay( job, samples_count_of( job, (double)kept ), length ) ) )
+        {
+            kept = (float)length;
+        }
+        points = samples_points_of( job, samples_count_of( job, made_from( job, kept, length ) ), length );
+    }
+    m->next[e] = (int32_t)points;
+    m->edges.next_extent[e] = kept;
+    m->changed[e] = m->anew || m->next[e] != m->begin[e + 1] - m->begin[e];
+    tally->changed += m->changed[e];
+    if ( m->changed[e] == 0 )
+    {
+        job->edge_length[e] = m->edges.extent[e] = kept;
+        job->edge_points[e] = m->edges.points[e] = m->next[e];
+        samples_keep_edge( u, e );
+    }
+}
+
+// A line without points, and with it those above, may get shorter; of even spacing one part and none are the same.
+static bool line_stays( const samples_lines* lines )
+{
+    const bool merges = lines->job->policy == WISP_SPACING_EVEN && lines->m < 1.0;
+    return samples_may_stay( lines->job, merges ? 1.0 : lines->m, lines->length ) ||
+           ( lines->points == 0.0 && lines->length < 1.0 );
+}
+
+static bool triangle_stays( const samples_update* u, const samples_extent* made, const samples_extent* now )
+{
+    samples_lines lines = samples_lines_of( u->job, made, now );
+    bool stays = samples_may_stay( u->job, lines.n, now->height );
+    for ( bool more = lines.most > 0.0; more && stays; )
+    {
+        more = samples_next_line( &lines );
+        stays = line_stays( &lines );
+        more = more && lines.k < lines.most;
+    }
+    return stays;
+}
+
+// Has the recipe that is there these lines? They are runs of one weight of the corner across the axis, which even lines hold
+// for good, so that it tells how many parts the height has also where the last lines are empty.
+static bool has_lines( const samples_update* u, int t, samples_lines lines )
+{
+    const samples_memory* m = u->memory;
+    const int element = m->triangles.first + t, end = m->begin[element + 1],
+              across = ( m->triangles.axis[t] + 2 ) % 3;
+    int p = m->begin[element];
+    while ( samples_next_line( &lines ) )
+    {
+        const float there = p < end ? u->from.weights[p][across] : -1.0f;
+        if ( u->job->policy == WISP_SPACING_EVEN && there != (float)lines.share )
+        {
+            return false;
+        }
+        const int first = p;
+        while ( p < end && u->from.weights[p][across] == there )
+        {
+            ++p;
+        }
+        if ( (double)( p - first ) != lines.points )
+        {
+            return false;
+        }
+    }
+    return p == end;
+}
+
+static void commit_triangle( const samples_update* u, int t )
+{
+    samples_group* g = &u->memory->triangles;
+    memcpy( g->extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
+    memcpy( u->job->triangle_extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
+    u->job->triangle_axis[t] = g->axis[t] = g->next_axis[t];
+    u->job->triangle_points[t] = g->points[t] = u->memory->next[g->first + t];
+    samples_keep_triangle( u, t );
+}
+
+// With hysteresis, what counts are made from: as before while they may stay.
+static void remember_triangle( const samples_update* u, int t, const samples_extent* now, float kept[2] )
+{
+    const float* before = u->job->triangle_extent + 2 * (size_t)t;
+    const samples_extent made = { now->axis, (double)before[0], (double)before[1] };
+    const bool known = before[0] > 0.0f && u->job->triangle_axis[t] == now->axis;
+    const bool stays = known && triangle_stays( u, &made, now );
+    kept[0] = stays ? before[0] : (float)now->base;
+    kept[1] = stays ? before[1] : (float)now->height;
+}
+
+static void count_triangle( const samples_update* u, int t, samples_tally* tally )
+{
+    const wisp_samples_job* job = u->job;
+    samples_memory* m = u->memory;
+    samples_group* g = &m->triangles;
+    const int element = g->first + t;
+    samples_extent now = { 0 };
+    float* kept = g->next_extent + 2 * (size_t)t;
+    double points = 0.0;
+    bool same = false;
+    kept[0] = kept[1] = 0.0f;
+    const bool finite = samples_measure_triangle( job, t, &now );
+    const double estimate = 0.5 * now.base * now.height;
+    if ( finite == false )
+    {
+        tally->skipped += 1;
+        now = ( samples_extent ){ 0 };
+        same = m->begin[element + 1] == m->begin[element];
+    }
+    else if ( !( estimate <= u->most ) )
+    {
+        tally->beyond += estimate;
+    }
+    else
+    {
+        if ( job->hysteresis > 0.0f )
+        {
+            remember_triangle( u, t, &now, kept );
+        }
+        const samples_extent made = triangle_made_from( u, t, g->next_extent, &now );
+        samples_lines lines = samples_lines_of( job, &made, &now );
+        same = now.axis == g->axis[t] && has_lines( u, t, lines );
+        while ( samples_next_line( &lines ) )
+        {
+            points += lines.points;
+        }
+    }
+    m->next[element] = points < (double)INT32_MAX ? (int32_t)points : INT32_MAX;
+    g->next_axis[t] = now.axis;
+    m->changed[element] = m->anew || same == false;
+    tally->changed += m->changed[element];
+    if ( m->changed[element] == 0 )
+    {
+        commit_triangle( u, t );
+    }
+}
+
+// ---- blocks ----
+
+static bool is_remembered( const void* state, const void* memory, int begin, int end, size_t row )
+{
+    return memcmp( (const char*)state + (size_t)begin * row, (const char*)memory + (size_t)begin * row,
+                   (size_t)( end - begin ) * row ) == 0;
+}
+
+static bool edges_are_remembered( const samples_update* u, int begin, int end )
+{
+    const samples_group* g = &u->memory->edges;
+    return u->memory->anew == false &&
+           is_remembered( u->job->edge_points, g->points, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->job->edge_length, g->extent, begin, end, sizeof( float ) );
+}
+
+static bool triangles_are_remembered( const samples_update* u, int begin, int end )
+{
+    const samples_group* g = &u->memory->triangles;
+    return u->memory->anew == false &&
+           is_remembered( u->job->triangle_points, g->points, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->job->triangle_axis, g->axis, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->job->triangle_extent, g->extent, begin, end, 2 * sizeof( float ) );
+}
+
+// Bits of the slices that a kernel is sure of. The caller's spacings have no padding, so their last slice is left to the others.
+static void hold( const samples_update* u, samples_group* g, int begin, int end )
+{
+    const bool edges = g == &u->memory->edges;
+    const float* each = edges ? u->job->edge_spacing : u->job->triangle_spacing;
+    const int first = begin / 8, last = each != NULL ? end / 8 : ( end + 7 ) / 8;
+    const wisp_hold_job job = {
+        .position = u->job->position,
+        .pair4 = (const int32_t( * )[2][8])u->memory->pair4,
+        .corner4 = (const int32_t( * )[3][8])u->memory->corner4,
+        .spacing = u->job->spacing,
+        .each = each,
+        .low = g->low,
+        .high = g->high,
+        .low_height = g->low_height,
+        .high_height = g->high_height,
+        .held = g->held,
+    };
+    if ( edges ? edges_are_remembered( u, begin, end ) : triangles_are_remembered( u, begin, end ) )
+    {
+        ( edges ? u->kernels->hold_edges : u->kernels->hold_triangles )( &job, first, last );
+    }
+}
+
+static samples_tally count_group( const samples_update* u, samples_group* g, int begin, int end )
+{
+    samples_memory* m = u->memory;
+    samples_tally tally = { 0 };
+    memset( g->held + begin / 8, 0, (size_t)( ( end - begin + 7 ) / 8 ) );
+    memset( m->changed + g->first + begin, 0, (size_t)( end - begin ) );
+    memcpy( m->next + g->first + begin, g->points + begin, (size_t)( end - begin ) * sizeof( int32_t ) );
+    hold( u, g, begin, end );
+    for ( int i = begin; i < end; ++i )
+    {
+        if ( i % 8 == 0 && g->held[i / 8] == 0xff )
+        {
+            i += 7;
+        }
+        else if ( ( g->held[i / 8] >> i % 8 & 1 ) == 0 )
+        {
+            ( g == &m->edges ? count_edge : count_triangle )( u, i, &tally );
+        }
+    }
+    for ( int i = begin; i < end; ++i )
+    {
+        tally.points += m->next[g->first + i];
+    }
+    return tally;
+}
+
+void samples_count_block( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const samples_update* u = context;
+    for ( int block = begin; block < end; ++block )
+    {
+        const bool edges = block < u->edge_blocks;
+        samples_group* g = edges ? &u->memory->edges : &u->memory->triangles;
+        const int first = ( edges ? block : block - u->edge_blocks ) * SAMPLES_BLOCK;
+        const int last = first + SAMPLES_BLOCK < g->count ? first + SAMPLES_BLOCK : g->count;
+        u->memory->tallies[block] = count_group( u, g, first, last );
+    }
+}

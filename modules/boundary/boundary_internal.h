@@ -1,0 +1,69 @@
+/// What the files of this folder share.
+#pragma once
+
+#include "boundary.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+/// A layer's warm memory: who its elements are, and its points.
+typedef struct boundary_layer
+{
+    wisp_entity entity;
+    int edge_count, triangle_count;
+    int32_t* edges;         // [edge_count][2] the user's vertices, lower first, rising
+    int32_t* edge_slots;    // [edge_count][2] the same as slots
+    int32_t* triangle_edge; // [triangle_count][3] local edge k joins corners k and k + 1
+    wisp_samples samples;
+    size_t bytes; // of the block that this struct begins
+    bool made;    // a step was made since the layer was set
+} boundary_layer;
+
+typedef struct boundary_state
+{
+    wisp_component settings;  // boundary_settings
+    wisp_component normals;   // vertex normals
+    wisp_component edges;     // what is remembered of edges, and their spacing
+    wisp_component triangles; // likewise
+    wisp_component local;     // no rows: some criterion is on
+    boundary_layer** layers;  // [layer_count] by rising index of their entities
+    int layer_count, layer_capacity;
+} boundary_state;
+
+/// The definition with the defaults filled in.
+typedef struct boundary_settings
+{
+    float spacing;
+    int32_t policy, rounding, scanline, limit, by_screen;
+    float hysteresis, least_spacing, most_spacing, curvature_gain, strain_gain, pixel_angle, pixels;
+    wisp_vec3 eye;
+} boundary_settings;
+
+/// Columns of boundary.edges and boundary.triangles.
+enum
+{
+    BOUNDARY_SPACING, // m, 0 without a criterion
+    BOUNDARY_EXTENT,  // length, or base and height, over the spacing
+    BOUNDARY_POINTS,
+    BOUNDARY_AXIS, // of triangles
+};
+
+// ---- boundary_layers.c ----
+
+/// Null: there is none.
+boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity );
+/// The elements of a fabric, without points. @return null without memory
+boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wisp_fabric* fabric,
+                                       wisp_entity entity );
+void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator );
+/// Room for one layer more. @return false without memory
+bool boundary_reserve_layer( boundary_state* state, const wisp_allocator* allocator );
+/// The first layer of its entity; there is room.
+void boundary_put_layer( boundary_state* state, boundary_layer* layer );
+void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity );
+
+// ---- passes ----
+
+void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user );
+void boundary_find_spacing( wisp_frame* frame, const wisp_span* span, void* user );
+void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user );

@@ -1,0 +1,454 @@
+// The layer's definition, what the world is told of it, and what is read.
+#include "boundary_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static const uint32_t BOUNDARY_DEF_MADE = 0x424f554e;
+
+enum
+{
+    BOUNDARY_MOST_POINTS = 1 << 27, // quads of floats stay addressable by 32-bit numbers
+};
+
+#define SETTINGS_LIST( X ) X( boundary_settings, settings, 1 )
+#define NORMALS_LIST( X ) X( float, normal, 4 ) /* unit, mean of the unit normals of the triangles around; 0 */
+#define EDGES_LIST( X )                                                                                              \
+    X( float, spacing, 1 ) /* m, 0 without a criterion */                                                            \
+    X( float, length, 1 )  /* over the spacing, that the count was made from; 0 without hysteresis */                \
+    X( int32_t, points, 1 )
+#define TRIANGLES_LIST( X )                                                                                          \
+    X( float, spacing, 1 )                                                                                           \
+    X( float, extent, 2 ) /* base and height, likewise */                                                            \
+    X( int32_t, points, 1 )                                                                                          \
+    X( int32_t, axis, 1 ) /* local edge */
+
+static const wisp_column_def SETTINGS_COLUMNS[] = { SETTINGS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def NORMALS_COLUMNS[] = { NORMALS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def EDGES_COLUMNS[] = { EDGES_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def TRIANGLES_COLUMNS[] = { TRIANGLES_LIST( WISP_COLUMN_DEF ) };
+
+wisp_boundary_def wisp_default_boundary_def( void )
+{
+    return ( wisp_boundary_def ){
+        .limit = 4000000,
+        .pixel_angle = 1e-3f,
+        .pixels = 4.0f,
+        .made_by_default = BOUNDARY_DEF_MADE,
+    };
+}
+
+// ---- what is declared ----
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    boundary_state* state = memory;
+    for ( int i = 0; i < state->layer_count; ++i )
+    {
+        boundary_layer_release( state->layers[i], allocator );
+    }
+    if ( state->layers != NULL )
+    {
+        allocator->release( allocator->user, state->layers,
+                            (size_t)state->layer_capacity * sizeof( *state->layers ) );
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    boundary_drop_layer( memory, wisp_world_allocator( world ), entity );
+}
+
+static void declare_components( wisp_registry* r, boundary_state* s )
+{
+    const wisp_component_def settings = { "boundary.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
+    const wisp_component_def normals = { "boundary.normals", WISP_TABLE_PARTICLE, NORMALS_COLUMNS, 1 };
+    const wisp_component_def edges = { "boundary.edges", WISP_TABLE_EDGE, EDGES_COLUMNS,
+                                       WISP_COUNT( EDGES_COLUMNS ) };
+    const wisp_component_def triangles = { "boundary.triangles", WISP_TABLE_TRIANGLE, TRIANGLES_COLUMNS,
+                                           WISP_COUNT( TRIANGLES_COLUMNS ) };
+    const wisp_component_def local = { "boundary.local", WISP_TABLE_ENTITY, NULL, 0 };
+    s->settings = wisp_declare_component( r, &settings );
+    s->normals = wisp_declare_component( r, &normals );
+    s->edges = wisp_declare_component( r, &edges );
+    s->triangles = wisp_declare_component( r, &triangles );
+    s->local = wisp_declare_component( r, &local );
+}
+
+// All read positions and none writes them: a layer is passive. The spacing is a column of what the points are made from, so its
+// pass comes before theirs, and is there only with a criterion.
+static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
+{
+    const wisp_component x = WISP_PARTICLE_POSITION;
+    const wisp_pass passes[] = {
+        { .name = "boundary.normals",
+          .stage = WISP_STAGE_DERIVE,
+          .needs = { s->settings },
+          .reads = { x },
+          .writes = { s->normals },
+          .run = boundary_find_normals },
+        { .name = "boundary.spacing",
+          .stage = WISP_STAGE_DERIVE,
+          .needs = { s->settings, s->local },
+          .reads = { x, s->settings, s->normals },
+          .writes = { s->edges, s->triangles },
+          .run = boundary_find_spacing },
+        { .name = "boundary.points",
+          .stage = WISP_STAGE_DERIVE,
+          .needs = { s->settings },
+          .reads = { x, s->settings, s->normals, s->edges, s->triangles },
+          .writes = { s->edges, s->triangles },
+          .run = boundary_place_points },
+    };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.domain = WISP_DOMAIN_ENTITY;
+        pass.user = s;
+        status = wisp_declare_pass( r, &pass );
+    }
+    return status;
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    boundary_state* state = wisp_declare_state( r, sizeof( boundary_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    declare_components( r, state );
+    return declare_passes( r, state );
+}
+
+const wisp_module wisp_boundary_module = { .name = "boundary", .declare = declare };
+
+// ---- checks ----
+
+static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
+{
+    const struct
+    {
+        const char* name;
+        float value, low, high;
+    } ranges[] = {
+        { "policy", (float)d->policy, 0.0f, (float)( WISP_SPACING_COUNT - 1 ) },
+        { "rounding", (float)d->rounding, 0.0f, (float)( WISP_ROUND_COUNT - 1 ) },
+        { "hysteresis", d->hysteresis, 0.0f, 0.5f },
+        { "curvature_gain", d->curvature_gain, 0.0f, 1e6f },
+        { "strain_gain", d->strain_gain, -1e6f, 1e6f },
+        { "pixel_angle", d->pixel_angle, 1e-9f, 3.2f },
+        { "pixels", d->pixels, 1e-3f, 1e6f },
+        { "eye.x", d->eye.x, -1e6f, 1e6f },
+        { "eye.y", d->eye.y, -1e6f, 1e6f },
+        { "eye.z", d->eye.z, -1e6f, 1e6f },
+    };
+    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    {
+        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s is %g, it must be %g to %g", ranges[i].name,
+                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+        }
+    }
+    if ( d->limit < 1 || d->limit > BOUNDARY_MOST_POINTS )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: limit is %d points, it must be 1 to %d", d->limit,
+                                BOUNDARY_MOST_POINTS );
+    }
+    return WISP_OK;
+}
+
+// Zero asks for the default; all three are lengths.
+static wisp_status check_spacing( wisp_world* world, const boundary_settings* s, const wisp_fabric* fabric )
+{
+    const struct
+    {
+        const char* name;
+        float value;
+    } lengths[] = {
+        { "spacing", s->spacing },
+        { "least_spacing", s->least_spacing },
+        { "most_spacing", s->most_spacing },
+    };
+    if ( fabric->edge_count == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "boundary: the surface has no edges to put points on" );
+    }
+    for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
+    {
+        if ( !( lengths[i].value >= 1e-9f && lengths[i].value <= 1e9f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s is %g m, it must be 1e-9 to 1e9",
+                                    lengths[i].name, (double)lengths[i].value );
+        }
+    }
+    if ( s->least_spacing > s->most_spacing )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "boundary: least_spacing is %g m, above most_spacing with %g m",
+                                (double)s->least_spacing, (double)s->most_spacing );
+    }
+    return WISP_OK;
+}
+
+static float mean_rest_length( const wisp_fabric* fabric )
+{
+    double sum = 0.0;
+    for ( size_t e = 0; e < (size_t)fabric->edge_count; ++e )
+    {
+        const wisp_vec3 a = fabric->rest[fabric->edges[2 * e]], b = fabric->rest[fabric->edges[2 * e + 1]];
+        const double x = (double)b.x - (double)a.x, y = (double)b.y - (double)a.y, z = (double)b.z - (double)a.z;
+        sum += sqrt( x * x + y * y + z * z );
+    }
+    return fabric->edge_count > 0 ? (float)( sum / (double)fabric->edge_count ) : 0.0f;
+}
+
+static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_fabric* fabric )
+{
+    const float spacing = d->spacing == 0.0f ? 0.5f * mean_rest_length( fabric ) : d->spacing;
+    return ( boundary_settings ){
+        .spacing = spacing,
+        .policy = (int32_t)d->policy,
+        .rounding = (int32_t)d->rounding,
+        .scanline = d->scanline_normals,
+        .limit = d->limit,
+        .by_screen = d->by_screen,
+        .hysteresis = d->hysteresis,
+        .least_spacing = d->least_spacing == 0.0f ? 0.25f * spacing : d->least_spacing,
+        .most_spacing = d->most_spacing == 0.0f ? 4.0f * spacing : d->most_spacing,
+        .curvature_gain = d->curvature_gain,
+        .strain_gain = d->strain_gain,
+        .pixel_angle = d->pixel_angle,
+        .pixels = d->pixels,
+        .eye = d->eye,
+    };
+}
+
+// ---- components ----
+
+enum
+{
+    GIVEN_COUNT = 5,
+};
+
+static void list_components( const boundary_state* s, wisp_component out[GIVEN_COUNT] )
+{
+    const wisp_component all[GIVEN_COUNT] = { s->settings, s->normals, s->edges, s->triangles, s->local };
+    memcpy( out, all, sizeof( all ) );
+}
+
+static void undress( wisp_world* world, wisp_entity surface, const boundary_state* state )
+{
+    wisp_component given[GIVEN_COUNT];
+    list_components( state, given );
+    for ( int i = 0; i < GIVEN_COUNT; ++i )
+    {
+        (void)wisp_world_detach( world, surface, given[i] ); // gives memory back, asks for none
+    }
+}
+
+// Rows first, because only they can fail: without memory those that just came go again. Points are always wanted.
+static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary_state* state, bool local )
+{
+    const bool had = wisp_world_has( world, surface, state->settings );
+    const bool was_local = wisp_world_has( world, surface, state->local );
+    wisp_component given[GIVEN_COUNT];
+    list_components( state, given );
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < GIVEN_COUNT && status == WISP_OK; ++i )
+    {
+        status = given[i] != state->local || local ? wisp_world_attach( world, surface, given[i] ) : WISP_OK;
+    }
+    status = status == WISP_OK ? wisp_want( world, surface, state->triangles ) : status;
+    if ( status != WISP_OK && had == false )
+    {
+        undress( world, surface, state );
+    }
+    else if ( status != WISP_OK ? was_local == false : local == false )
+    {
+        (void)wisp_world_detach( world, surface, state->local );
+    }
+    return status;
+}
+
+// Counts that were remembered were made for another definition.
+static void forget_counts( wisp_world* world, wisp_entity surface, const boundary_state* state )
+{
+    const wisp_fabric* fabric = wisp_world_fabric( world, surface );
+    for ( int k = 0; k < WISP_COUNT( EDGES_COLUMNS ); ++k )
+    {
+        memset( wisp_world_column( world, surface, state->edges, k ), 0,
+                (size_t)fabric->edge_count * EDGES_COLUMNS[k].row_size );
+    }
+    for ( int k = 0; k < WISP_COUNT( TRIANGLES_COLUMNS ); ++k )
+    {
+        memset( wisp_world_column( world, surface, state->triangles, k ), 0,
+                (size_t)fabric->triangle_count * TRIANGLES_COLUMNS[k].row_size );
+    }
+}
+
+// ---- the public face ----
+
+static wisp_status find_state( wisp_world* world, wisp_entity surface, boundary_state** out )
+{
+    void* state;
+    wisp_status status = wisp_world_surface_state( world, "boundary", surface, &state );
+    *out = state;
+    return status;
+}
+
+// A layer that is there stays, with its points until they are sampled anew.
+static wisp_status provide_layer( wisp_world* world, wisp_entity surface, boundary_state* state,
+                                  boundary_layer** out )
+{
+    const wisp_allocator* allocator = wisp_world_allocator( world );
+    *out = boundary_find_layer( state, surface );
+    if ( *out == NULL && boundary_reserve_layer( state, allocator ) )
+    {
+        *out = boundary_layer_create( allocator, wisp_world_fabric( world, surface ), surface );
+    }
+    return *out != NULL ? WISP_OK
+                        : wisp_world_fail( world, WISP_NO_MEMORY, "boundary: no memory for the elements of entity %u",
+                                           surface.index );
+}
+
+wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def )
+{
+    WISP_ASSERT( def->made_by_default == BOUNDARY_DEF_MADE );
+    boundary_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    status = status == WISP_OK ? check_ranges( world, def ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const boundary_settings settings = fill_settings( def, wisp_world_fabric( world, surface ) );
+    const bool local = def->curvature_gain > 0.0f || def->strain_gain != 0.0f || def->by_screen;
+    boundary_layer* layer = NULL;
+    status = check_spacing( world, &settings, wisp_world_fabric( world, surface ) );
+    status = status == WISP_OK ? provide_layer( world, surface, state, &layer ) : status;
+    const bool had = boundary_find_layer( state, surface ) != NULL;
+    status = status == WISP_OK ? dress( world, surface, state, local ) : status;
+    if ( status != WISP_OK )
+    {
+        boundary_layer_release( had ? NULL : layer, wisp_world_allocator( world ) );
+        return status;
+    }
+    if ( had == false )
+    {
+        boundary_put_layer( state, layer );
+    }
+    layer->made = false;
+    forget_counts( world, surface, state );
+    memcpy( wisp_world_column( world, surface, state->settings, 0 ), &settings, sizeof( settings ) );
+    return WISP_OK;
+}
+
+wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface )
+{
+    boundary_state* state;
+    wisp_status status = find_state( world, surface, &state );
+    if ( status == WISP_OK )
+    {
+        undress( world, surface, state );
+        boundary_drop_layer( state, wisp_world_allocator( world ), surface );
+    }
+    return status;
+}
+
+static wisp_status find_layer( wisp_world* world, wisp_entity surface, boundary_state** state, boundary_layer** out )
+{
+    wisp_status status = find_state( world, surface, state );
+    *out = status == WISP_OK ? boundary_find_layer( *state, surface ) : NULL;
+    return status == WISP_OK && *out == NULL
+               ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer", surface.index )
+               : status;
+}
+
+wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye )
+{
+    boundary_state* state;
+    boundary_layer* layer;
+    wisp_status status = find_layer( world, surface, &state, &layer );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !( fabsf( eye.x ) <= 1e6f && fabsf( eye.y ) <= 1e6f && fabsf( eye.z ) <= 1e6f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "boundary: eye (%g, %g, %g) is not a place within 1e6 m of the origin", (double)eye.x,
+                                (double)eye.y, (double)eye.z );
+    }
+    boundary_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
+    if ( settings->by_screen == 0 )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "boundary: the spacing of entity %u is not by_screen",
+                                surface.index );
+    }
+    settings->eye = eye;
+    return WISP_OK;
+}
+
+static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_layer** out )
+{
+    boundary_state* state;
+    wisp_status status = find_layer( world, surface, &state, out );
+    return status == WISP_OK && ( *out )->made == false
+               ? wisp_world_fail( world, WISP_CONFLICT,
+                                  "boundary: no step was made since the layer of entity %u was set", surface.index )
+               : status;
+}
+
+wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out )
+{
+    *out = ( wisp_boundary_view ){ 0 };
+    boundary_layer* layer;
+    wisp_status status = find_made( world, surface, &layer );
+    if ( status == WISP_OK )
+    {
+        *out = ( wisp_boundary_view ){
+            .samples = &layer->samples,
+            .edge_count = layer->edge_count,
+            .edges = layer->edges,
+            .slot_vertex = wisp_world_fabric( world, surface )->slot_vertex,
+        };
+    }
+    return status;
+}
+
+static size_t bytes_of( const boundary_layer* layer )
+{
+    size_t bytes = layer->bytes;
+    for ( int i = 0; i < WISP_COUNT( layer->samples.buffers ); ++i )
+    {
+        bytes += layer->samples.buffers[i].size;
+    }
+    return bytes;
+}
+
+wisp_status wisp_read_boundary_figures( wisp_world* world, wisp_entity surface, wisp_boundary_figures* out )
+{
+    *out = ( wisp_boundary_figures ){ 0 };
+    boundary_layer* layer;
+    wisp_status status = find_made( world, surface, &layer );
+    if ( status == WISP_OK )
+    {
+        const wisp_samples* s = &layer->samples;
+        *out = ( wisp_boundary_figures ){
+            .points = s->count,
+            .edge_points = s->edge_count,
+            .inner_points = s->count - s->edge_count,
+            .elements = layer->edge_count + layer->triangle_count,
+            .changed_elements = s->changed_elements,
+            .skipped_elements = s->skipped_elements,
+            .refused = s->refused,
+            .wanted = s->wanted,
+            .bytes = bytes_of( layer ),
+        };
+    }
+    return status;
+}

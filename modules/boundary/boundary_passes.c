@@ -1,0 +1,74 @@
+// Vertex normals, and the points: all that a layer costs in a step.
+#include "boundary_internal.h"
+
+enum
+{
+    NORMAL_GRAIN = 16, // slices of eight slots a block: a triangle's normal costs a root and a quotient
+};
+
+typedef struct normal_loop
+{
+    const wisp_kernels* kernels;
+    wisp_ring_job job;
+    float* quads;
+} normal_loop;
+
+static void find_normals( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const normal_loop* loop = context;
+    loop->kernels->ring_mean_normal( &loop->job, begin, end, loop->quads );
+}
+
+void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const boundary_state* state = user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    normal_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
+        .job = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                 .ring_begin = fabric->ring_begin,
+                 .ring4 = fabric->ring4 },
+        .quads = wisp_frame_column( frame, span->entity, state->normals, 0 ),
+    };
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->ring_slice_count, NORMAL_GRAIN, find_normals,
+                       &loop );
+}
+
+void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const boundary_state* state = user;
+    boundary_layer* layer = boundary_find_layer( state, span->entity );
+    const wisp_entity e = span->entity;
+    const boundary_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
+    const bool local = wisp_frame_has( frame, e, state->local );
+    const wisp_samples_job job = {
+        .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
+        .normal = wisp_frame_column( frame, e, state->normals, 0 ),
+        .edges = layer->edge_slots,
+        .edge_count = layer->edge_count,
+        .triangles = wisp_frame_fabric( frame, e )->triangles,
+        .triangle_count = layer->triangle_count,
+        .edge_spacing = local ? wisp_frame_column( frame, e, state->edges, BOUNDARY_SPACING ) : NULL,
+        .triangle_spacing = local ? wisp_frame_column( frame, e, state->triangles, BOUNDARY_SPACING ) : NULL,
+        .spacing = s->spacing,
+        .policy = (wisp_spacing)s->policy,
+        .rounding = (wisp_rounding)s->rounding,
+        .hysteresis = s->hysteresis,
+        .scanline = s->scanline != 0,
+        .limit = s->limit,
+        .edge_length = wisp_frame_column( frame, e, state->edges, BOUNDARY_EXTENT ),
+        .edge_points = wisp_frame_column( frame, e, state->edges, BOUNDARY_POINTS ),
+        .triangle_extent = wisp_frame_column( frame, e, state->triangles, BOUNDARY_EXTENT ),
+        .triangle_axis = wisp_frame_column( frame, e, state->triangles, BOUNDARY_AXIS ),
+        .triangle_points = wisp_frame_column( frame, e, state->triangles, BOUNDARY_POINTS ),
+    };
+    const wisp_status status =
+        wisp_samples_update( &layer->samples, wisp_frame_parallel( frame, span ), wisp_frame_kernels( frame ), &job );
+    if ( status != WISP_OK )
+    {
+        wisp_frame_fail( frame, status, "boundary: no memory for the %.0f points of entity %u", layer->samples.wanted,
+                         e.index );
+    }
+    layer->made = true;
+}

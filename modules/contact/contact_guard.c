@@ -1,0 +1,182 @@
+// Nothing crosses. Two convex pieces that stay on their sides of a plane have not met, and their distances to it are linear
+// in time, so it is enough that the plane between a pair separates it at the end as it did at the start. Where it does
+// not, the ways of the pair's points are cut. A cut may bring others together, so it is looked at again, in rounds, until
+// no plane is passed; without any way left nothing can be, so that the rounds end.
+#include "contact_internal.h"
+
+#include <stdatomic.h>
+
+enum
+{
+    PATIENT_ROUNDS = 16, // then ways are cut to nothing at once
+    MOST_ROUNDS = 64,    // then those of all points
+    POINT_GRAIN = 2048,
+};
+
+// A pair may come this near, of what it should keep; if it is nearer already, of its distance.
+static const float LEAST_OF_WANTED = 0.1f, LEAST_OF_DISTANCE = 0.98f;
+
+typedef struct guard_loop
+{
+    const contact_work* work;
+    contact_soup* soup;
+    bool* has_cuts; // [block]
+    bool gives_up;
+    _Atomic bool is_crossed;
+} guard_loop;
+
+// How far a point is along the normal with a share of its way, about an origin.
+static float place_along( const contact_soup* s, const contact_row* row, int i, float share, const float* origin )
+{
+    const size_t at = (size_t)row->point[i] * 4;
+    float sum = 0.0f;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        const float start = s->safe[at + k] - origin[k];
+        const float way = s->now[at + k] - s->safe[at + k] - s->common[k];
+        sum += row->normal[k] * ( start + share * way );
+    }
+    return sum;
+}
+
+// What is between the two sides: with the shares as they are, or with all that can be cut cut to nothing.
+static float separation( const contact_soup* s, const contact_row* row, bool is_cut )
+{
+    const float* origin = s->safe + (size_t)row->point[row->count - 1] * 4;
+    float front = INFINITY, back = -INFINITY;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const int point = row->point[i];
+        const bool is_fixed = s->now[(size_t)point * 4 + 3] == 0.0f;
+        const float share = is_cut && is_fixed == false ? 0.0f : s->share[point];
+        const float place = place_along( s, row, i, share, origin );
+        front = i < row->split ? contact_smaller( front, place ) : front;
+        back = i >= row->split ? contact_larger( back, place ) : back;
+    }
+    return front - back;
+}
+
+static void check_rows( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    guard_loop* loop = context;
+    contact_soup* s = loop->soup;
+    for ( int b = begin; b < end; ++b )
+    {
+        contact_row* rows = s->rows + s->blocks.begin[b];
+        bool cuts = false;
+        for ( int r = 0; r < s->blocks.rows[b]; ++r )
+        {
+            contact_row* row = rows + r;
+            const float least = contact_smaller( LEAST_OF_WANTED * row->wanted, LEAST_OF_DISTANCE * row->distance );
+            const float there = separation( s, row, false );
+            row->cut = 1.0f;
+            if ( there < least )
+            {
+                const float start = separation( s, row, true );
+                row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
+                cuts = true;
+                if ( start <= 0.0f ) // what is held by the user went through: nobody can cut that
+                {
+                    atomic_store( &loop->is_crossed, true );
+                }
+            }
+        }
+        loop->has_cuts[b] = cuts;
+    }
+}
+
+// One after the other, in the order of blocks: they share points, and there are few.
+static bool take_cuts( guard_loop* loop )
+{
+    contact_soup* s = loop->soup;
+    bool any = false;
+    for ( int b = 0; b < s->blocks.count; ++b )
+    {
+        const contact_row* rows = s->rows + s->blocks.begin[b];
+        for ( int r = 0; r < s->blocks.rows[b] && loop->has_cuts[b]; ++r )
+        {
+            for ( int i = 0; i < rows[r].count && rows[r].cut < 1.0f; ++i )
+            {
+                const int point = rows[r].point[i];
+                const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->share[point] > 0.0f;
+                // several pairs of a round cut a point one after the other: more than the worst asks for, never less
+                s->share[point] *= can ? rows[r].cut : 1.0f;
+                s->share[point] = s->share[point] < 1e-4f && can ? 0.0f : s->share[point];
+                any = any || can;
+            }
+        }
+    }
+    return any;
+}
+
+// Where lists cannot reach as far as points go, points go no farther than lists reach.
+static void limit_ways( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        const float left = s->safe[(size_t)i * 4 + 3] - s->searched[(size_t)i * 4 + 3], way = s->closing[i];
+        const bool is_free = s->now[(size_t)i * 4 + 3] > 0.0f;
+        s->share[i] = is_free && way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
+    }
+}
+
+static void cut_ways( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const guard_loop* loop = context;
+    contact_soup* s = loop->soup;
+    for ( int i = begin; i < end; ++i )
+    {
+        const float share = s->share[i];
+        for ( size_t k = 0, at = (size_t)i * 4; k < 3 && share < 1.0f; ++k )
+        {
+            const float there = s->safe[at + k] + s->common[k];
+            s->now[at + k] = there + share * ( s->now[at + k] - there );
+            s->shift[at + k] *= share;
+        }
+    }
+}
+
+static int count_cut( const contact_soup* s )
+{
+    int count = 0;
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        count += s->share[i] < 1.0f ? 1 : 0;
+    }
+    return count;
+}
+
+int contact_guard( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    guard_loop loop = { .work = work, .soup = s };
+    atomic_init( &loop.is_crossed, false );
+    loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)s->blocks.count + 1 );
+    if ( loop.has_cuts == NULL )
+    {
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to guard %d blocks of pairs", s->blocks.count );
+        return 0;
+    }
+    limit_ways( work );
+    bool cuts = true;
+    for ( int round = 0; round < MOST_ROUNDS && cuts; ++round )
+    {
+        loop.gives_up = round >= PATIENT_ROUNDS;
+        wisp_parallel_for( work->parallel, s->blocks.count, 1, check_rows, &loop );
+        cuts = take_cuts( &loop );
+    }
+    for ( int i = 0; i < s->point_count && cuts; ++i )
+    {
+        s->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+    }
+    const int cut = count_cut( s );
+    work->memory->tangled = atomic_load( &loop.is_crossed ) ? 1 : work->memory->tangled;
+    if ( cut > 0 )
+    {
+        wisp_parallel_for( work->parallel, s->point_count, POINT_GRAIN, cut_ways, &loop );
+    }
+    return cut;
+}

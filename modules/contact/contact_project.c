@@ -1,0 +1,158 @@
+// Pairs pushed apart along their planes, with friction (BND-X4): a plane at the gap, an accumulated push that is never
+// negative, an accumulated displacement across it within the cone. Weights of the two sides sum to zero, so every
+// correction keeps the momentum.
+#include "contact_internal.h"
+
+typedef void row_fn( const contact_work* work, contact_row* row );
+
+typedef struct project_loop
+{
+    const contact_work* work;
+    const int32_t* order;
+    row_fn* run;
+} project_loop;
+
+static float sum_weights( const contact_soup* s, const contact_row* row )
+{
+    float sum = 0.0f;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        sum += s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i] * row->weight[i];
+    }
+    return sum;
+}
+
+// Distance of the two sides along the normal. Sides are summed about one of the points, so that no digits are lost.
+static float distance_of( const float* quads, const contact_row* row )
+{
+    const float* o = quads + (size_t)row->point[row->count - 1] * 4;
+    float d[3] = { 0.0f, 0.0f, 0.0f };
+    for ( int i = 0; i + 1 < row->count; ++i )
+    {
+        const float* p = quads + (size_t)row->point[i] * 4;
+        for ( int k = 0; k < 3; ++k )
+        {
+            d[k] += row->weight[i] * ( p[k] - o[k] );
+        }
+    }
+    return row->normal[0] * d[0] + row->normal[1] * d[1] + row->normal[2] * d[2];
+}
+
+static void move( float* quads, const float* masses, const contact_row* row, const float by[3] )
+{
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const size_t at = (size_t)row->point[i] * 4;
+        const float share = masses[at + 3] * row->weight[i];
+        quads[at] += share * by[0];
+        quads[at + 1] += share * by[1];
+        quads[at + 2] += share * by[2];
+    }
+}
+
+static void rub( contact_soup* s, contact_row* row, float inverse )
+{
+    float way[3] = { 0.0f, 0.0f, 0.0f };
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->safe + (size_t)row->point[i] * 4;
+        for ( int k = 0; k < 3; ++k )
+        {
+            way[k] += row->weight[i] * ( p[k] - q[k] );
+        }
+    }
+    const float* n = row->normal;
+    const float along = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
+    float rubbed[3], squared = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        rubbed[k] = row->rubbed[k] - ( way[k] - along * n[k] );
+        squared += rubbed[k] * rubbed[k];
+    }
+    const float most = row->friction * row->pushed;
+    const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
+    float by[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] = inverse * ( scale * rubbed[k] - row->rubbed[k] );
+        row->rubbed[k] = scale * rubbed[k];
+    }
+    move( s->now, s->now, row, by );
+}
+
+static void push( const contact_work* work, contact_row* row )
+{
+    contact_soup* s = work->soup;
+    const float short_by = row->gap - distance_of( s->now, row );
+    const float sum = short_by > -row->pushed ? sum_weights( s, row ) : 0.0f;
+    if ( !( sum > 0.0f ) )
+    {
+        return;
+    }
+    const float pushed = contact_larger( 0.0f, row->pushed + short_by );
+    const float length = ( pushed - row->pushed ) / sum;
+    const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
+    row->pushed = pushed;
+    move( s->now, s->now, row, by );
+    if ( row->friction > 0.0f && pushed > 0.0f )
+    {
+        rub( s, row, 1.0f / sum );
+    }
+}
+
+static void part( const contact_work* work, contact_row* row )
+{
+    contact_soup* s = work->soup;
+    const contact_guest* guest = work->state->guests + (int)s->rest[(size_t)row->point[0] * 4 + 3];
+    const float step = guest->settings.recovery_speed * work->seconds;
+    const float short_by = contact_smaller( row->wanted, row->distance + step ) - distance_of( s->now, row );
+    const float sum = short_by > 0.0f ? sum_weights( s, row ) : 0.0f;
+    if ( sum > 0.0f )
+    {
+        const float length = contact_smaller( short_by, step ) / sum;
+        const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
+        move( s->now, s->now, row, by );
+        move( s->shift, s->now, row, by );
+    }
+}
+
+static void run_blocks( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const project_loop* loop = context;
+    const contact_soup* s = loop->work->soup;
+    for ( int i = begin; i < end; ++i )
+    {
+        const int block = loop->order[i];
+        contact_row* rows = s->rows + s->blocks.begin[block];
+        for ( int r = 0; r < s->blocks.rows[block]; ++r )
+        {
+            loop->run( loop->work, rows + r );
+        }
+    }
+}
+
+static void run_all( const contact_work* work, row_fn* run )
+{
+    const contact_blocks* blocks = &work->soup->blocks;
+    for ( int colour = 0; colour < CONTACT_COLOURS; ++colour )
+    {
+        const int first = blocks->colour[colour], count = blocks->colour[colour + 1] - first;
+        project_loop loop = { work, blocks->order + first, run };
+        const int grain = colour + 1 < CONTACT_COLOURS ? 1 : count; // what found no colour runs in order
+        if ( count > 0 )
+        {
+            wisp_parallel_for( work->parallel, count, grain, run_blocks, &loop );
+        }
+    }
+}
+
+void contact_project_rows( const contact_work* work )
+{
+    run_all( work, push );
+}
+
+void contact_recover( const contact_work* work )
+{
+    run_all( work, part );
+}

@@ -1,0 +1,298 @@
+// The built program, whose path is the first argument, tells of boundary points and contact, writes the points, and
+// draws them.
+#include "program_fixture.h"
+
+#include "mesh.h"
+
+#include <math.h>
+#include <png.h>
+
+static const char ball_scene[] = "wisp: 1\n"
+                                 "steps: 4\n"
+                                 "substeps: 4\n"
+                                 "surfaces:\n"
+                                 "  - name: ball\n"
+                                 "    make: { shape: icosphere, level: 2, radius: 0.2 }\n"
+                                 "    balloon: { fill: 1.2, buoyancy: false }\n"
+                                 "    boundary: { spacing: 0.015 }\n";
+
+static const char two_balls_scene[] = "wisp: 1\n"
+                                      "steps: 3\n"
+                                      "substeps: 4\n"
+                                      "contact: { want: [figures, crossings] }\n"
+                                      "surfaces:\n"
+                                      "  - name: left\n"
+                                      "    make: { shape: icosphere, level: 2, radius: 0.2 }\n"
+                                      "    balloon: { fill: 1.1, buoyancy: false }\n"
+                                      "    boundary: { spacing: 0.02 }\n"
+                                      "    contact: {}\n"
+                                      "  - name: right\n"
+                                      "    instance_of: left\n"
+                                      "    transform: { translate: [0.45, 0, 0] }\n"
+                                      "    balloon: { fill: 1.1, buoyancy: false }\n"
+                                      "    boundary: {}\n"
+                                      "    contact: {}\n";
+
+static const char plain_scene[] = "wisp: 1\n"
+                                  "steps: 2\n"
+                                  "surfaces:\n"
+                                  "  - { name: cloth, make: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n";
+
+static int enter_folder( void** state )
+{
+    if ( enter_new_folder( state ) != 0 )
+    {
+        return -1;
+    }
+    write_file( "ball.yaml", ball_scene );
+    write_file( "two.yaml", two_balls_scene );
+    write_file( "plain.yaml", plain_scene );
+    return 0;
+}
+
+static bool exists( const char* path )
+{
+    return access( path, F_OK ) == 0;
+}
+
+static void run_well( const char* command )
+{
+    run( command );
+    if ( result.status != 0 )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
+    assert_string_equal( result.err, "" );
+}
+
+// ---- what is told ----
+
+static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew( void** state )
+{
+    (void)state;
+    run_well( "run ball.yaml" );
+    const char* line = strstr( result.out, "ball: " );
+    assert_non_null( line );
+    int points = 0, edge_points = 0, inner_points = 0, elements = 0;
+    double share = -1.0;
+    assert_int_equal( sscanf( line,
+                              "ball: %d boundary points, %d on edges and %d inside triangles; %lf %% of %d elements",
+                              &points, &edge_points, &inner_points, &share, &elements ),
+                      5 );
+    assert_true( points > 500 && points == edge_points + inner_points );
+    assert_true( share >= 0.0 && share <= 100.0 );
+    // 480 edges and 320 triangles
+    assert_int_equal( elements, 800 );
+    assert_non_null( strstr( result.out, "Boundary points, whole run: " ) );
+    assert_null( strstr( result.out, "Contact" ) );
+}
+
+static void a_run_tells_of_contact_where_figures_are_wanted( void** state )
+{
+    (void)state;
+    run_well( "run two.yaml" );
+    assert_non_null( strstr( result.out, "Contact of 2 guests: " ) );
+    assert_non_null( strstr( result.out, ", 0 edges cross triangles, " ) );
+    run_well( "run plain.yaml" );
+    assert_null( strstr( result.out, "Contact" ) );
+    assert_null( strstr( result.out, "oundary" ) );
+}
+
+static void machines_get_a_row_a_step( void** state )
+{
+    (void)state;
+    run_well( "run two.yaml --format json" );
+    static const char* const words[] = { "\"step 1\"",
+                                         "\"step 2\"",
+                                         "\"step 3\"",
+                                         "\"boundary_points\"",
+                                         "\"boundary_edge_points\"",
+                                         "\"boundary_changed_share\"",
+                                         "\"boundary_changed_share_of_run\"",
+                                         "\"contacts\"",
+                                         "\"contact_crossings\": 0" };
+    for ( int i = 0; i < WISP_COUNT( words ); ++i )
+    {
+        assert_non_null( strstr( result.out, words[i] ) );
+    }
+    assert_null( strstr( result.out, "\"step 4\"" ) );
+    run_well( "run plain.yaml --format json" );
+    assert_null( strstr( result.out, "\"step 1\"" ) );
+    run_well( "run two.yaml --format json --output two.json" );
+    run_well( "info two.json" );
+    assert_non_null( strstr( result.out, "results, 4 rows" ) );
+    assert_non_null( strstr( result.out, "two.yaml/step 2" ) );
+}
+
+static void a_scene_is_described_with_its_layers_and_contacts( void** state )
+{
+    (void)state;
+    run_well( "info two.yaml" );
+    assert_non_null( strstr( result.out, "    contact, also with itself: a quarter of the mean edge thick" ) );
+    assert_non_null( strstr( result.out, "    boundary: even spacing, 0.02 m apart" ) );
+    assert_non_null( strstr( result.out, "    boundary: even spacing, half of the mean edge apart" ) );
+}
+
+// ---- files ----
+
+static void files_hold_the_vertices_and_behind_them_the_points( void** state )
+{
+    (void)state;
+    run_well( "run ball.yaml --boundary layer.ply --every 2" );
+    assert_non_null( strstr( result.out, "Boundary points written: 2 files, the last is layer_0003.ply" ) );
+    assert_true( exists( "layer_0002.ply" ) && exists( "layer_0003.ply" ) );
+    assert_false( exists( "layer_0001.ply" ) || exists( "layer_0004.ply" ) || exists( "layer.ply" ) );
+    int points = 0;
+    assert_int_equal( sscanf( strstr( result.out, "ball: " ), "ball: %d", &points ), 1 );
+    wisp_mesh mesh;
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_mesh_read( "layer_0003.ply", &mesh, &error ), WISP_OK );
+    assert_int_equal( mesh.vertex_count, 162 + points );
+    assert_int_equal( mesh.triangle_count, 320 );
+    float least = INFINITY, most = 0.0f;
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const wisp_vec3 p = mesh.points[v];
+        const float radius = sqrtf( p.x * p.x + p.y * p.y + p.z * p.z );
+        // The middle of a triangle of level 2, 0.18 rad from its corners, lies 1.7 % below them.
+        assert_true( v < 162 || ( radius > 0.97f * least && radius <= most ) );
+        least = fminf( least, radius );
+        most = fmaxf( most, radius );
+    }
+    wisp_mesh_release( &mesh );
+    run_well( "info layer_0003.ply" );
+    assert_non_null( strstr( result.out, "vertices of no triangle" ) );
+}
+
+static void several_surfaces_are_a_file_each( void** state )
+{
+    (void)state;
+    run_well( "run two.yaml --boundary both.ply" );
+    assert_non_null( strstr( result.out, "6 files" ) );
+    assert_true( exists( "both_left_0002.ply" ) && exists( "both_right_0004.ply" ) );
+}
+
+static void files_do_not_depend_on_the_number_of_workers( void** state )
+{
+    (void)state;
+    run_well( "run ball.yaml --boundary one.ply --workers 1" );
+    run_well( "run ball.yaml --boundary three.ply --workers 3" );
+    static char a[1 << 20], b[1 << 20];
+    FILE *one = fopen( "one_0005.ply", "rb" ), *three = fopen( "three_0005.ply", "rb" );
+    assert_true( one && three );
+    const size_t size = fread( a, 1, sizeof a, one );
+    assert_true( size > 10000 && size < sizeof a );
+    assert_int_equal( fread( b, 1, sizeof b, three ), size );
+    assert_memory_equal( a, b, size );
+    fclose( one );
+    fclose( three );
+}
+
+static void points_that_cannot_be_written_are_refused( void** state )
+{
+    (void)state;
+    assert_refused( "run plain.yaml --boundary a.ply", "plain.yaml has no surface with the key 'boundary'" );
+    assert_refused( "run ball.yaml --boundary no_folder/a.ply", "no_folder/a_0002.ply" );
+    assert_usage( "run ball.yaml --boundary a.obj", "'a.obj' does not end in .ply" );
+}
+
+// ---- pictures ----
+
+typedef struct picture
+{
+    int width, height;
+    unsigned char* rgb; ///< [height][width][3]
+} picture;
+
+static picture read_picture( const char* path )
+{
+    png_image info = { .version = PNG_IMAGE_VERSION };
+    if ( !png_image_begin_read_from_file( &info, path ) )
+    {
+        fail_msg( "%s: %s", path, info.message );
+    }
+    info.format = PNG_FORMAT_RGB;
+    picture out = { (int)info.width, (int)info.height, malloc( PNG_IMAGE_SIZE( info ) ) };
+    assert_non_null( out.rgb );
+    assert_true( png_image_finish_read( &info, NULL, out.rgb, 0, NULL ) != 0 );
+    return out;
+}
+
+// Pixels that differ by more than noise could; with the same camera and seed there is none of it.
+static int count_differing( const char* a, const char* b )
+{
+    picture p = read_picture( a ), q = read_picture( b );
+    assert_true( p.width == q.width && p.height == q.height );
+    int count = 0;
+    for ( int i = 0; i < p.width * p.height; ++i )
+    {
+        count += memcmp( p.rgb + 3 * i, q.rgb + 3 * i, 3 ) != 0;
+    }
+    free( p.rgb );
+    free( q.rgb );
+    return count;
+}
+
+#define SMALL " --size 120x90 --samples 1"
+
+static void points_are_drawn_unless_nobody_wants_them( void** state )
+{
+    (void)state;
+    run_well( "render ball.yaml -o drawn.png" SMALL );
+    run_well( "render ball.yaml --boundary normal -o normal.png" SMALL );
+    run_well( "render ball.yaml --boundary none -o none.png" SMALL );
+    run_well( "render ball.yaml --boundary class -o class.png" SMALL );
+    run_well( "render ball.yaml --normals -o lines.png" SMALL );
+    run_well( "render ball.yaml --normals --boundary none -o bare.png" SMALL );
+    assert_int_equal( count_differing( "drawn.png", "normal.png" ), 0 );
+    // balls of 0.3 spacings cover about a quarter of the ball, which has some 3000 of the pixels
+    assert_true( count_differing( "drawn.png", "none.png" ) > 300 );
+    assert_true( count_differing( "drawn.png", "class.png" ) > 300 );
+    assert_true( count_differing( "drawn.png", "lines.png" ) > 30 );
+    assert_true( count_differing( "none.png", "bare.png" ) > 30 );
+    assert_true( count_differing( "lines.png", "bare.png" ) > 300 );
+}
+
+static void the_start_has_no_points_yet( void** state )
+{
+    (void)state;
+    run_well( "render ball.yaml --frame 0 -o start.png" SMALL );
+    run_well( "render ball.yaml --frame 0 --boundary none -o empty.png" SMALL );
+    assert_int_equal( count_differing( "start.png", "empty.png" ), 0 );
+    // back from the second frame to the first one: the scene starts again
+    run_well( "render ball.yaml --frames 0:2 -o film.png" SMALL );
+    assert_true( exists( "film_0003.png" ) );
+}
+
+static void points_of_what_has_none_are_refused( void** state )
+{
+    (void)state;
+    run_well( "render plain.yaml -o plain.png" SMALL );
+    run_well( "render plain.yaml --boundary none -o plain.png" SMALL );
+    assert_refused( "render plain.yaml --boundary class -o a.png", "plain.yaml: it has no boundary points" );
+    assert_refused( "render plain.yaml --normals -o a.png", "plain.yaml: it has no boundary points" );
+    assert_usage( "render ball.yaml --boundary clas -o a.png", "did you mean 'class'?" );
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || !realpath( argv[1], program ) )
+    {
+        fputs( "usage: test_program_boundary PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew ),
+        cmocka_unit_test( a_run_tells_of_contact_where_figures_are_wanted ),
+        cmocka_unit_test( machines_get_a_row_a_step ),
+        cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),
+        cmocka_unit_test( files_hold_the_vertices_and_behind_them_the_points ),
+        cmocka_unit_test( several_surfaces_are_a_file_each ),
+        cmocka_unit_test( files_do_not_depend_on_the_number_of_workers ),
+        cmocka_unit_test( points_that_cannot_be_written_are_refused ),
+        cmocka_unit_test( points_are_drawn_unless_nobody_wants_them ),
+        cmocka_unit_test( the_start_has_no_points_yet ),
+        cmocka_unit_test( points_of_what_has_none_are_refused ),
+    };
+    return cmocka_run_group_tests_name( "program boundary", tests, enter_folder, leave_folder );
+}

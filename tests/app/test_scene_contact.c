@@ -1,0 +1,510 @@
+// Boundary particles and contact of scenes: every key reaches its definition, layers follow their surfaces and change
+// nothing of them, figures are there where they are wanted, and the scenes of the project run.
+#define _XOPEN_SOURCE 700
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "world_from_scene.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static wisp_scene parsed( const char* text )
+{
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
+    return scene;
+}
+
+// A surface of four vertices with a mapping as one of its keys.
+static wisp_scene with_block( const char* key, const char* mapping )
+{
+    char text[1024];
+    int length = snprintf( text, sizeof text,
+                           "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 2, rows: 2 }\n"
+                           "    %s: %s\n",
+                           key, mapping );
+    assert_true( length > 0 && (size_t)length < sizeof text );
+    return parsed( text );
+}
+
+static wisp_scene with_settings( const char* mapping )
+{
+    char text[512];
+    int length = snprintf( text, sizeof text, "wisp: 1\ncontact: %s\n", mapping );
+    assert_true( length > 0 && (size_t)length < sizeof text );
+    return parsed( text );
+}
+
+// ---- what is left out ----
+
+static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
+{
+    (void)state;
+    wisp_scene scene = with_block( "boundary", "{}" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
+    assert_true( s->has_boundary && !s->has_contact );
+    assert_true( b->spacing == def.spacing && b->policy == def.policy && b->rounding == def.rounding );
+    assert_true( b->scanline_normals == def.scanline_normals && b->hysteresis == def.hysteresis );
+    assert_true( b->limit == def.limit && b->least_spacing == def.least_spacing );
+    assert_true( b->most_spacing == def.most_spacing && b->curvature_gain == def.curvature_gain );
+    assert_true( b->strain_gain == def.strain_gain && b->by_screen == def.by_screen );
+    assert_true( b->pixel_angle == def.pixel_angle && b->pixels == def.pixels );
+    assert_int_equal( b->made_by_default, def.made_by_default );
+    wisp_scene_release( &scene );
+}
+
+static void a_guest_without_keys_has_the_defaults_of_its_module( void** state )
+{
+    (void)state;
+    wisp_scene scene = with_block( "contact", "{}" );
+    const wisp_scene_surface* s = &scene.surfaces[0];
+    const wisp_contact_def *c = &s->contact, def = wisp_default_contact_def();
+    assert_true( s->has_contact && !s->has_boundary && !scene.has_contact );
+    assert_true( c->thickness == def.thickness && c->friction == def.friction && c->self == def.self );
+    assert_true( c->recovery_speed == def.recovery_speed && c->enabled == def.enabled );
+    assert_true( c->layers == def.layers && c->mask == def.mask );
+    assert_int_equal( c->made_by_default, def.made_by_default );
+    wisp_scene_release( &scene );
+}
+
+static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
+{
+    (void)state;
+    const wisp_contact_settings def = wisp_default_contact_settings();
+    const char* const texts[] = { "wisp: 1\n", "wisp: 1\ncontact: {}\n" };
+    for ( int i = 0; i < WISP_COUNT( texts ); ++i )
+    {
+        wisp_scene scene = parsed( texts[i] );
+        assert_int_equal( scene.has_contact, i );
+        assert_true( scene.contact.features == def.features && scene.contact.search == def.search );
+        assert_true( scene.contact.sample_spacing == def.sample_spacing && scene.contact.margin == def.margin );
+        assert_true( scene.contact.guard == def.guard );
+        assert_int_equal( scene.contact.made_by_default, def.made_by_default );
+        assert_false( scene.want_contact_figures || scene.want_crossings );
+        wisp_scene_release( &scene );
+    }
+}
+
+// ---- what is written ----
+
+static void every_key_of_a_layer_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene =
+        with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
+                                "hysteresis: 0.25, limit: 1000, least_spacing: 0.01, most_spacing: "
+                                "0.03, curvature_gain: 2, strain_gain: -0.5, by_screen: true, eye: "
+                                "[1, 2, 3], pixel_angle: 0.002, pixels: 8 }" );
+    const wisp_boundary_def* b = &scene.surfaces[0].boundary;
+    assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->limit == 1000 );
+    assert_int_equal( b->policy, WISP_SPACING_EXACT );
+    assert_int_equal( b->rounding, WISP_ROUND_UP );
+    assert_true( b->least_spacing == 0.01f && b->most_spacing == 0.03f );
+    assert_true( b->curvature_gain == 2.0f && b->strain_gain == -0.5f && b->by_screen );
+    assert_true( b->eye.x == 1.0f && b->eye.y == 2.0f && b->eye.z == 3.0f );
+    assert_true( b->pixel_angle == 0.002f && b->pixels == 8.0f );
+    wisp_scene_release( &scene );
+}
+
+static void every_key_of_a_guest_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = parsed( "wisp: 1\n"
+                               "surfaces:\n"
+                               "  - name: cloth\n"
+                               "    make: { shape: plane }\n"
+                               "    contact: { thickness: 0.01, friction: 0.7, self: false, recovery_speed: 2, "
+                               "layers: [1, 3], mask: [0, 2, 31], enabled: false }\n"
+                               "strands:\n"
+                               "  - name: hair\n"
+                               "    make: { shape: straight }\n"
+                               "    dynamics: {}\n"
+                               "    contact: { thickness: 0.02, friction: 0.1, recovery_speed: 3, layers: [2], "
+                               "mask: [], enabled: false }\n" );
+    const wisp_contact_def* c = &scene.surfaces[0].contact;
+    assert_true( c->thickness == 0.01f && c->friction == 0.7f && !c->self && c->recovery_speed == 2.0f );
+    assert_true( c->layers == ( 1u << 1 | 1u << 3 ) && c->mask == ( 1u | 1u << 2 | 1u << 31 ) && !c->enabled );
+    c = &scene.strands[0].contact;
+    assert_true( scene.strands[0].has_contact );
+    assert_true( c->thickness == 0.02f && c->friction == 0.1f && c->recovery_speed == 3.0f );
+    assert_true( c->layers == 1u << 2 && c->mask == 0u && !c->enabled );
+    wisp_scene_release( &scene );
+}
+
+static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state )
+{
+    (void)state;
+    wisp_scene scene = with_settings( "{ features: samples, search: brute, sample_spacing: 0.004, margin: 0.5, "
+                                      "want: [crossings] }" );
+    assert_int_equal( scene.contact.features, WISP_CONTACT_SAMPLES );
+    assert_int_equal( scene.contact.search, WISP_PAIR_SEARCH_BRUTE );
+    assert_true( scene.contact.sample_spacing == 0.004f && scene.contact.margin == 0.5f );
+    assert_true( scene.want_crossings && !scene.want_contact_figures );
+    wisp_scene_release( &scene );
+
+    scene = with_settings( "{ guard: false, want: [figures] }" );
+    assert_true( scene.has_contact && !scene.contact.guard && scene.want_contact_figures && !scene.want_crossings );
+    wisp_scene_release( &scene );
+}
+
+static void every_word_is_the_enumerator_of_its_name( void** state )
+{
+    (void)state;
+    static const char* const policies[] = { "even", "exact" };
+    static const char* const roundings[] = { "down", "nearest", "up" };
+    static const char* const features[] = { "exact", "samples" };
+    static const char* const searches[] = { "auto", "grid", "tree", "brute" };
+    // One word for each enumerator that there is, in its order.
+    assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
+    assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
+    assert_int_equal( WISP_COUNT( features ), WISP_CONTACT_FEATURES_COUNT );
+    assert_int_equal( WISP_COUNT( searches ), WISP_PAIR_SEARCH_COUNT );
+    char mapping[64];
+    for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
+    {
+        snprintf( mapping, sizeof mapping, "{ policy: %s, rounding: %s }", policies[i % 2], roundings[i] );
+        wisp_scene scene = with_block( "boundary", mapping );
+        assert_int_equal( scene.surfaces[0].boundary.policy, i % 2 );
+        assert_int_equal( scene.surfaces[0].boundary.rounding, i );
+        wisp_scene_release( &scene );
+    }
+    for ( int i = 0; i < WISP_PAIR_SEARCH_COUNT; ++i )
+    {
+        snprintf( mapping, sizeof mapping, "{ features: %s, search: %s }", features[i % 2], searches[i] );
+        wisp_scene scene = with_settings( mapping );
+        assert_int_equal( scene.contact.features, i % 2 );
+        assert_int_equal( scene.contact.search, i );
+        wisp_scene_release( &scene );
+    }
+}
+
+static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
+{
+    (void)state;
+    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n"
+                               "  - { name: a, make: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
+                               "  - { name: b, instance_of: a, contact: { friction: 0.9 } }\n" );
+    assert_true( scene.surfaces[0].has_boundary && !scene.surfaces[1].has_boundary );
+    assert_true( !scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
+    assert_true( scene.surfaces[1].contact.friction == 0.9f );
+    wisp_scene_release( &scene );
+}
+
+static void the_example_of_boundary_particles_and_contact_in_the_documentation_is_a_scene( void** state )
+{
+    (void)state;
+    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
+    assert_non_null( file );
+    static char text[131072];
+    size_t size = fread( text, 1, sizeof text - 1, file );
+    fclose( file );
+    assert_true( size < sizeof text - 1 );
+    text[size] = 0;
+    char* begin = strstr( text, "## An example of boundary particles and contact" );
+    assert_non_null( begin );
+    begin = strstr( begin, "```yaml\n" );
+    assert_non_null( begin );
+    begin += strlen( "```yaml\n" );
+    char* end = strstr( begin, "```" );
+    assert_non_null( end );
+    *end = 0;
+
+    wisp_scene scene = parsed( begin );
+    assert_true( scene.has_contact && scene.want_contact_figures && scene.want_crossings );
+    assert_true( scene.surfaces[0].has_boundary && scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
+    assert_true( scene.strands[0].has_contact );
+    wisp_scene_release( &scene );
+}
+
+// ---- worlds ----
+
+typedef struct fixture
+{
+    wisp_scene scene;
+    scene_world world;
+    wisp_error error;
+} fixture;
+
+static void create( fixture* f, int workers )
+{
+    const scene_world_options options = { .workers = workers };
+    if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
+    {
+        fail_msg( "not built: %s", f->error.sentence );
+    }
+}
+
+static void build( fixture* f, const char* text )
+{
+    *f = ( fixture ){ .scene = parsed( text ) };
+    create( f, 1 );
+}
+
+static void step( fixture* f, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
+        {
+            fail_msg( "step %d: %s", i, f->error.sentence );
+        }
+    }
+}
+
+static void release( fixture* f )
+{
+    scene_world_destroy( &f->world );
+    wisp_scene_release( &f->scene );
+}
+
+#define BALL                                                                                                         \
+    "wisp: 1\nsubsteps: 4\nsurfaces:\n"                                                                              \
+    "  - name: ball\n    make: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { fill: 1.2 }\n"            \
+    "    want: [points, normals]\n"
+
+static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
+    wisp_boundary_view view;
+    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
+    assert_non_null( strstr( f.error.sentence, "test.yaml: 'ball': " ) );
+
+    step( &f, 2 );
+    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_OK );
+    wisp_vec3 points[162], normals[162];
+    assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_normals( &f.world, 0, normals, &f.error ), WISP_OK );
+    assert_int_equal( view.edge_count, 480 );
+    assert_true( view.samples->count > 480 && view.samples->edge_count > 0 );
+    for ( int i = 0; i < view.samples->edge_count; ++i )
+    {
+        int32_t edge;
+        memcpy( &edge, &view.samples->quads[4 * i + 3], sizeof edge );
+        assert_in_range( edge, 0, 479 );
+        const wisp_vec3 a = points[view.edges[2 * edge]], b = points[view.edges[2 * edge + 1]];
+        const float* p = &view.samples->quads[4 * i];
+        const double ab = hypot( hypot( (double)( b.x - a.x ), (double)( b.y - a.y ) ), (double)( b.z - a.z ) );
+        const double ap = hypot( hypot( (double)( p[0] - a.x ), (double)( p[1] - a.y ) ), (double)( p[2] - a.z ) );
+        const double pb = hypot( hypot( (double)( b.x - p[0] ), (double)( b.y - p[1] ) ), (double)( b.z - p[2] ) );
+        // coordinates are 0.2 m and floats: their rounding, some 1e-8 m, in each of three lengths
+        assert_true( fabs( ap + pb - ab ) < 1e-6 );
+    }
+    for ( int v = 0; v < 162; ++v )
+    {
+        const wisp_vec3 n = normals[v];
+        assert_true( fabsf( n.x * n.x + n.y * n.y + n.z * n.z - 1.0f ) < 1e-5f );
+    }
+    release( &f );
+}
+
+static void a_layer_changes_no_bit_of_its_surface( void** state )
+{
+    (void)state;
+    fixture with, without;
+    build( &with, BALL "    boundary: { spacing: 0.02, curvature_gain: 1, hysteresis: 0.2 }\n" );
+    build( &without, BALL );
+    step( &with, 5 );
+    step( &without, 5 );
+    wisp_vec3 a[162], b[162];
+    assert_int_equal( scene_world_points( &with.world, 0, a, &with.error ), WISP_OK );
+    assert_int_equal( scene_world_points( &without.world, 0, b, &without.error ), WISP_OK );
+    assert_memory_equal( a, b, sizeof a );
+    release( &with );
+    release( &without );
+}
+
+static void a_surface_without_a_layer_has_none( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, BALL );
+    step( &f, 1 );
+    wisp_boundary_view view;
+    assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
+    release( &f );
+}
+
+// ---- contact in worlds ----
+
+#define TWO_SHEETS                                                                                                   \
+    "surfaces:\n"                                                                                                    \
+    "  - { name: low, make: { shape: plane, columns: 8, rows: 8 }, cloth: {}, pins: [0, 7, 56, 63], contact: {} }\n" \
+    "  - { name: high, instance_of: low, transform: { translate: [0, 0.02, 0] }, cloth: {}, contact: {} }\n"
+
+static void figures_of_contact_are_there_where_they_are_wanted( void** state )
+{
+    (void)state;
+    fixture f;
+    wisp_contact_figures figures;
+    build( &f, "wisp: 1\nsubsteps: 4\n" TWO_SHEETS );
+    step( &f, 1 );
+    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_CONFLICT );
+    release( &f );
+
+    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { want: [figures] }\n" TWO_SHEETS );
+    step( &f, 1 );
+    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
+    assert_int_equal( figures.guests, 2 );
+    assert_int_equal( figures.crossings, -1 );
+    release( &f );
+
+    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { want: [crossings] }\n" TWO_SHEETS );
+    step( &f, 1 );
+    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
+    assert_int_equal( figures.crossings, 0 );
+    release( &f );
+}
+
+static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
+{
+    (void)state;
+    fixture f = { .scene = parsed( "wisp: 1\nsurfaces:\n"
+                                   "  - { name: cloth, make: { shape: plane }, implicit: {}, contact: {} }\n" ) };
+    const scene_world_options options = { .workers = 1 };
+    assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_CONFLICT );
+    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );
+    wisp_scene_release( &f.scene );
+}
+
+static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
+{
+    (void)state;
+    static const char* const blocks[] = {
+        "boundary: { spacing: 1e-6, hysteresis: 0, limit: 1, least_spacing: 1e-6, most_spacing: 1e-6 }",
+        "boundary: { spacing: 1e6, hysteresis: 0.5, limit: 134217728, least_spacing: 1e6, most_spacing: 1e6 }",
+        "boundary: { curvature_gain: 1e6, strain_gain: 1e6, by_screen: true, pixel_angle: 1e-6, pixels: 1e-3, limit: "
+        "1000 }",
+        "boundary: { curvature_gain: 1e6, strain_gain: -1e6, by_screen: true, pixel_angle: 1, pixels: 1e6, eye: "
+        "[1e6, "
+        "-1e6, 1e6] }",
+        "contact: { thickness: 0, friction: 0, recovery_speed: 0, layers: [0], mask: [31] }",
+        "contact: { thickness: 1e6, friction: 1e6, recovery_speed: 1e6, layers: [], mask: [] }",
+    };
+    for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
+    {
+        fixture f = { .scene = { 0 } };
+        char text[512];
+        snprintf( text, sizeof text,
+                  "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 3, rows: 3 }\n"
+                  "    cloth: {}\n    %s\n",
+                  blocks[i] );
+        build( &f, text );
+        release( &f );
+    }
+    static const char* const settings[] = {
+        "{ features: samples, sample_spacing: 1e-6, margin: 0.01 }",
+        "{ features: samples, sample_spacing: 1e6, margin: 100 }",
+        "{ margin: 0.01 }",
+        "{ margin: 100 }",
+    };
+    for ( int i = 0; i < WISP_COUNT( settings ); ++i )
+    {
+        fixture f;
+        char text[128];
+        snprintf( text, sizeof text, "wisp: 1\ncontact: %s\n", settings[i] );
+        build( &f, text );
+        release( &f );
+    }
+}
+
+static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
+{
+    (void)state;
+    // The mean edge of a plane of spacing 0.02 is below 0.03; four times half of it is below 1.
+    fixture f = { .scene =
+                      parsed( "wisp: 1\nsurfaces:\n"
+                              "  - { name: cloth, make: { shape: plane }, boundary: { least_spacing: 1 } }\n" ) };
+    const scene_world_options options = { .workers = 1 };
+    assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );
+    wisp_scene_release( &f.scene );
+}
+
+// ---- scenes of the project ----
+
+static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* file;
+        bool has_layer;
+        int guests;
+    } files[] = {
+        { "boundary_sphere.yaml", true, 0 },  { "boundary_bunny.yaml", true, 0 },
+        { "balloons_press.yaml", false, 2 },  { "balloon_stack.yaml", false, 10 },
+        { "cloth_fold.yaml", false, 1 },      { "balloon_under_cloth.yaml", false, 2 },
+        { "hair_on_balloon.yaml", false, 2 },
+    };
+    for ( int i = 0; i < WISP_COUNT( files ); ++i )
+    {
+        char path[1024];
+        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i].file );
+        assert_true( length > 0 && (size_t)length < sizeof path );
+        fixture f = { 0 };
+        if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
+        {
+            fail_msg( "refused: %s", f.error.sentence );
+        }
+        assert_int_equal( f.scene.surfaces[0].has_boundary, files[i].has_layer );
+        create( &f, 2 );
+        step( &f, 3 );
+        wisp_boundary_figures layer;
+        wisp_contact_figures contact;
+        if ( files[i].has_layer )
+        {
+            assert_int_equal( wisp_read_boundary_figures( f.world.world, f.world.surfaces[0].entity, &layer ),
+                              WISP_OK );
+            assert_true( layer.points > 1000 && !layer.refused && layer.skipped_elements == 0 );
+        }
+        if ( files[i].guests > 0 )
+        {
+            assert_int_equal( wisp_read_contact_figures( f.world.world, &contact ), WISP_OK );
+            assert_int_equal( contact.guests, files[i].guests );
+        }
+        assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
+        release( &f );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_layer_without_keys_has_the_defaults_of_its_module ),
+        cmocka_unit_test( a_guest_without_keys_has_the_defaults_of_its_module ),
+        cmocka_unit_test( contact_of_a_scene_has_the_defaults_of_its_module ),
+        cmocka_unit_test( every_key_of_a_layer_reaches_its_place ),
+        cmocka_unit_test( every_key_of_a_guest_reaches_its_place ),
+        cmocka_unit_test( every_key_of_the_contact_of_a_scene_reaches_its_place ),
+        cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
+        cmocka_unit_test( an_instance_has_a_layer_and_a_contact_of_its_own ),
+        cmocka_unit_test( the_example_of_boundary_particles_and_contact_in_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_layer_is_there_after_a_step_and_lies_on_its_surface ),
+        cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
+        cmocka_unit_test( a_surface_without_a_layer_has_none ),
+        cmocka_unit_test( figures_of_contact_are_there_where_they_are_wanted ),
+        cmocka_unit_test( implicit_cloth_with_contact_is_refused_at_its_line ),
+        cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_modules ),
+        cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),
+        cmocka_unit_test( the_scenes_of_the_project_with_boundary_particles_or_contact_run ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,351 @@
+// The case `boundary` at sizes of moments: its checks hold, its tables have what the contract asks for, and what is wrong is seen.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "boundary_bench.h"
+#include "boundary_cover.h"
+
+#include "wisp/components.h"
+#include "wisp/module.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const bench_options quick = { .quick = true, .workers = 2 };
+
+static boundary_plan small_plan( void )
+{
+    return ( boundary_plan ){
+        .spacings = { 0.2f, 0.1f },
+        .spacing_count = 2,
+        .segments = { 8, 15 },
+        .sphere_count = 2,
+        .pulse_steps = LAYER_PERIOD,
+        .settle_steps = 60,
+        .hang_seconds = 0.2,
+        .workers = { 1, 2 },
+        .worker_count = 2,
+        .picture_side = 40,
+        .options = &quick,
+    };
+}
+
+static const results_table* find_table( const results* all, const char* beginning )
+{
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
+        {
+            return &all->tables[t];
+        }
+    }
+    fail_msg( "there is no table '%s'", beginning );
+    return NULL;
+}
+
+static const char* cell( const results_table* table, int row, int column )
+{
+    return table->cells[row * table->column_count + column];
+}
+
+static int column_of( const results_table* table, const char* name )
+{
+    for ( int c = 0; c < table->column_count; ++c )
+    {
+        if ( strcmp( cell( table, 0, c ), name ) == 0 )
+        {
+            return c;
+        }
+    }
+    fail_msg( "'%s' has no column '%s'", table->title, name );
+    return 0;
+}
+
+static void assert_column( const results_table* table, const char* name, const char* text )
+{
+    const int column = column_of( table, name );
+    assert_true( table->row_count > 1 );
+    for ( int r = 1; r < table->row_count; ++r )
+    {
+        assert_string_equal( cell( table, r, column ), text );
+    }
+}
+
+static int count_rows( const results* all, const char* variant )
+{
+    int count = 0;
+    for ( int i = 0; i < all->row_count; ++i )
+    {
+        count += strcmp( all->rows[i].name, "boundary" ) == 0 && strcmp( all->rows[i].variant, variant ) == 0 ? 1 : 0;
+    }
+    return count;
+}
+
+static void no_check_of_the_case_fails( void** state )
+{
+    const results* all = *state;
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        if ( strncmp( all->notes[i], "FAILED", 6 ) == 0 )
+        {
+            print_message( "%s\n", all->notes[i] );
+        }
+    }
+    assert_false( all->failed );
+    assert_column( find_table( all, "B1" ), "met", "yes" );
+    assert_column( find_table( all, "BND-01" ), "met", "yes" );
+    assert_column( find_table( all, "B2" ), "met", "yes" );
+    assert_column( find_table( all, "B3" ), "met", "yes" );
+    assert_column( find_table( all, "B4" ), "met", "yes" );
+    assert_column( find_table( all, "B5: accuracy" ), "met", "yes" );
+}
+
+static void counts_stand_beside_those_of_the_contract( void** state )
+{
+    const results_table* table = find_table( *state, "B5: points of" );
+    assert_int_equal( table->row_count, 1 + 2 * LAYER_LAWS );
+    assert_column( table, "exact", "yes" );
+    assert_column( table, "same", "yes" );
+    const int edge = column_of( table, "edge" ), inner = column_of( table, "inner" ), by = column_of( table, "by" );
+    // BND-14: 0.2 even and exact, then 0.1
+    assert_string_equal( cell( table, 1, edge ), "930" );
+    assert_string_equal( cell( table, 2, edge ), "3360" );
+    assert_string_equal( cell( table, 1 + LAYER_LAWS, edge ), "5160" );
+    assert_string_equal( cell( table, 1 + LAYER_LAWS, inner ), "300" );
+    assert_string_equal( cell( table, 2 + LAYER_LAWS, inner ), "3480" );
+    assert_string_equal( cell( table, 2 + LAYER_LAWS, by ), "contract" );
+    assert_string_equal( cell( table, LAYER_LAWS, by ), "oracle" );
+}
+
+static void edges_have_a_line_a_law( void** state )
+{
+    const results_table* table = find_table( *state, "B2" );
+    assert_int_equal( table->row_count, 1 + LAYER_LAWS );
+    assert_string_equal( cell( table, 1, 6 ), "0, 0, 0, 1, 2" );
+    assert_string_equal( cell( table, 2, 6 ), "0, 0, 1, 1, 3" );
+}
+
+static void a_pulse_changes_more_than_standing_still_and_less_than_everything( void** state )
+{
+    const results_table* table = find_table( *state, "B6" );
+    const int changed = column_of( table, "in case B, %" );
+    assert_string_equal( cell( table, 1, 0 ), "still" );
+    assert_string_equal( cell( table, 1, changed ), "0.00" );
+    assert_string_equal( cell( table, 2, 0 ), "all anew" );
+    assert_string_equal( cell( table, 2, changed ), "100.00" );
+    double share = 0.0;
+    assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &share ), 1 ); // 10 %, no hysteresis
+    assert_true( share > 0.0 && share < 100.0 );
+    // without hysteresis a layer is a function of the positions, and they are back where they were
+    const int hash = column_of( table, "hash" );
+    assert_string_equal( cell( table, 9, hash ), cell( table, 1, hash ) );
+}
+
+static void long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing( void** state )
+{
+    const results_table* table = find_table( *state, "B7" );
+    assert_int_equal( table->row_count, 1 + 15 );
+    assert_column( table, "finite", "yes" );
+    assert_column( table, "same without a layer", "yes" );
+}
+
+static void rows_for_machines_are_there_for_every_worker_count( void** state )
+{
+    const results* all = *state;
+    assert_int_equal( count_rows( all, "even, in place" ), 2 * 2 );
+    assert_int_equal( count_rows( all, "exact, anew" ), 2 * 2 );
+    assert_int_equal( count_rows( all, "inflate 1-2-1" ), 1 );
+    assert_int_equal( count_rows( all, "normals" ), 2 );
+    assert_int_equal( count_rows( all, "hang" ), 15 );
+    assert_int_equal( count_rows( all, "pulse" ), 9 );
+    for ( int i = 0; i < all->row_count; ++i )
+    {
+        const results_row* row = all->rows + i;
+        if ( strcmp( row->variant, "even, in place" ) == 0 )
+        {
+            assert_true( row->ms_median > 0.0 && row->ms_p10 <= row->ms_median && row->ms_median <= row->ms_p90 );
+            assert_true( row->has_hash && row->steps >= 3 );
+        }
+    }
+}
+
+// ---- what the checks are made of ----
+
+typedef struct one_layer
+{
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    layer_entrant entrant;
+    wisp_boundary_def def;
+} one_layer;
+
+// With 11 slices no edge is a whole number of tenths of a metre long; with 10 some are, but for rounding.
+static one_layer open_layer( float spacing )
+{
+    wisp_error error = { 0 };
+    one_layer l = { .def = layer_def( &layer_laws[0], spacing ) };
+    if ( layer_sphere( 11, 1.0f, &l.mesh, &error ) != WISP_OK ||
+         layer_cook( &l.mesh, &l.fabric, &error ) != WISP_OK ||
+         layer_enter( l.fabric, &l.def, 1, &l.entrant, &error ) != WISP_OK ||
+         layer_step( &l.entrant, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return l;
+}
+
+static void close_layer( one_layer* l )
+{
+    surface_entrant_destroy( &l->entrant.surface );
+    wisp_fabric_release( l->fabric );
+    wisp_mesh_release( &l->mesh );
+}
+
+static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
+{
+    wisp_error error = { 0 };
+    layer_check check;
+    if ( layer_compare( &l->entrant.surface, &l->mesh, def, &check, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return check;
+}
+
+static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** state )
+{
+    (void)state;
+    one_layer l = open_layer( 0.1f );
+    layer_check check = check_of( &l, &l.def );
+    assert_true( check.inner_points > 0 );
+    assert_true( layer_check_is_met( &check ) );
+
+    const wisp_boundary_def finer = layer_def( &layer_laws[0], 0.09f );
+    check = check_of( &l, &finer );
+    assert_false( layer_check_is_met( &check ) );
+    assert_true( isinf( check.farthest ) );
+
+    // a vertex that moves after the step leaves its points behind; so little changes no count
+    float* x = wisp_world_column( l.entrant.surface.world, l.entrant.surface.entity, WISP_PARTICLE_POSITION, 0 );
+    x[4 * (size_t)l.fabric->vertex_slot[l.mesh.vertex_count / 2]] += 1e-4f;
+    check = check_of( &l, &l.def );
+    assert_false( layer_check_is_met( &check ) );
+    assert_true( check.farthest > 1e-6 && check.farthest < 1e-3 );
+    close_layer( &l );
+}
+
+static void anew_is_all_elements_and_the_same_points( void** state )
+{
+    (void)state;
+    wisp_error error = { 0 };
+    one_layer l = open_layer( 0.1f );
+    wisp_boundary_view view;
+    wisp_boundary_figures figures;
+    assert_int_equal( layer_read( &l.entrant.surface, &view, &error ), WISP_OK );
+    const uint64_t hash = layer_hash( &view );
+    for ( int is_anew = 0; is_anew < 2; ++is_anew )
+    {
+        l.entrant.is_anew = is_anew == 1;
+        assert_int_equal( layer_step( &l.entrant, &error ), WISP_OK );
+        assert_int_equal( layer_read( &l.entrant.surface, &view, &error ), WISP_OK );
+        assert_int_equal( layer_read_figures( &l.entrant.surface, &figures, &error ), WISP_OK );
+        assert_int_equal( figures.changed_elements, is_anew == 1 ? figures.elements : 0 );
+        assert_true( layer_hash( &view ) == hash );
+    }
+    close_layer( &l );
+}
+
+static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
+{
+    (void)state;
+    wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f } };
+    int32_t triangles[] = { 0, 1, 2 };
+    const wisp_mesh mesh = { points, triangles, 3, 1 };
+    static const int32_t edges[] = { 0, 1, 0, 2, 1, 2 };
+    static const int32_t begin[5] = { 0 };
+    const wisp_samples none = { .begin = begin };
+    const wisp_boundary_view view = { .samples = &none, .edge_count = 3, .edges = edges };
+    layer_cover cover;
+    assert_int_equal( layer_find_cover( &view, &mesh, &cover, NULL ), WISP_OK );
+    assert_true( fabs( cover.gap - 5.0 ) < 1e-6 );
+    assert_true( fabs( cover.reach - 2.5 ) < 1e-6 ); // the middle of the longest side, as far from all corners
+    assert_int_equal( layer_find_edge( &view, 2, 1 ), 2 );
+}
+
+static void pictures_are_written_where_there_is_a_folder( void** state )
+{
+    (void)state;
+    static const char* const names[] = { "./boundary_body.png", "./boundary_inflation.png",
+                                         "./boundary_spacing.png" };
+    bench_options options = quick;
+    boundary_plan plan = small_plan();
+    results all = { 0 };
+    wisp_error error = { 0 };
+    plan.options = &options;
+    assert_int_equal( boundary_pictures( &plan, &all, &error ), WISP_OK );
+    assert_int_equal( all.note_count, 0 );
+    options.pictures = ".";
+    if ( boundary_pictures( &plan, &all, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    assert_int_equal( all.note_count, 3 );
+    for ( int i = 0; i < 3; ++i )
+    {
+        assert_int_equal( remove( names[i] ), 0 );
+    }
+    options.pictures = "no such folder";
+    assert_int_equal( boundary_pictures( &plan, &all, &error ), WISP_IO_ERROR );
+    results_free( &all );
+}
+
+static void the_sizes_of_the_case_are_those_of_the_contract( void** state )
+{
+    (void)state;
+    const boundary_plan plan = boundary_default_plan( &quick );
+    assert_int_equal( plan.spacing_count, 5 );
+    assert_true( plan.spacings[3] == 0.025f && plan.spacings[4] == 0.0125f );
+    assert_int_equal( plan.pulse_steps % LAYER_PERIOD, 0 );
+    assert_int_equal( plan.worker_count, 2 );
+}
+
+static int make_results( void** state )
+{
+    static results all;
+    wisp_error error = { 0 };
+    const boundary_plan plan = small_plan();
+    if ( boundary_bench_run( &plan, &all, &error ) != WISP_OK )
+    {
+        print_message( "%s\n", error.sentence );
+        return -1;
+    }
+    *state = &all;
+    return 0;
+}
+
+static int free_results( void** state )
+{
+    results_free( *state );
+    return 0;
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( no_check_of_the_case_fails ),
+        cmocka_unit_test( counts_stand_beside_those_of_the_contract ),
+        cmocka_unit_test( edges_have_a_line_a_law ),
+        cmocka_unit_test( a_pulse_changes_more_than_standing_still_and_less_than_everything ),
+        cmocka_unit_test( long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing ),
+        cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
+        cmocka_unit_test( points_that_are_not_on_the_surface_or_not_as_many_are_seen ),
+        cmocka_unit_test( anew_is_all_elements_and_the_same_points ),
+        cmocka_unit_test( the_cover_of_a_triangle_without_points_is_its_own ),
+        cmocka_unit_test( pictures_are_written_where_there_is_a_folder ),
+        cmocka_unit_test( the_sizes_of_the_case_are_those_of_the_contract ),
+    };
+    return cmocka_run_group_tests_name( "bench boundary", tests, make_results, free_results );
+}

@@ -1,0 +1,504 @@
+// Pairs of boxes: whatever searches, with any number of workers and on any instruction set, the pairs are those of a plain
+// double loop, in its order.
+#include "support.h"
+
+#include "box_search.h"
+#include "jobs.h"
+#include "kernel_tables.h"
+
+enum
+{
+    BOXES_MOST = 700,
+};
+
+typedef enum box_shape
+{
+    BOXES_RANDOM,
+    BOXES_CLUSTERED,  // heaps far apart, so that cells must widen
+    BOXES_SHEET,      // flat, exactly in a plane
+    BOXES_FOLDED,     // three layers
+    BOXES_UNEVEN,     // sizes from 1 to 1000
+    BOXES_COINCIDENT, // all the same
+    BOXES_POINTS,     // without size, some on the same place
+    BOXES_LATTICE,    // faces that touch exactly
+    BOXES_HUGE,       // a few that reach to the ends of the floats
+    BOXES_WRONG,      // some with numbers that are none, or low above high
+    BOXES_NONE_RIGHT,
+    BOXES_SHAPE_COUNT,
+} box_shape;
+
+static wisp_box box_at( float x, float y, float z, float size_x, float size_y, float size_z )
+{
+    return ( wisp_box ){ { x, y, z }, { x + size_x, y + size_y, z + size_z } };
+}
+
+static float any( int i, int draw, float low, float high )
+{
+    return test_random_float( i, draw, low, high );
+}
+
+static wisp_box spoil( wisp_box box, int i )
+{
+    const float bad[] = { NAN, -NAN, INFINITY, -INFINITY };
+    if ( i % 5 == 4 )
+    {
+        box.low[i % 3] = nextafterf( box.high[i % 3], INFINITY );
+    }
+    else
+    {
+        ( i % 2 == 0 ? box.low : box.high )[i / 2 % 3] = bad[i % 4];
+    }
+    return box;
+}
+
+static wisp_box make_box( box_shape shape, int i, int seed )
+{
+    float x = any( i, seed, 0.0f, 1.0f ), y = any( i, seed + 1, 0.0f, 1.0f ), z = any( i, seed + 2, 0.0f, 1.0f );
+    float size = any( i, seed + 3, 0.02f, 0.12f ), uneven = 0.0005f * powf( 1000.0f, any( i, seed + 4, 0.0f, 1.0f ) );
+    wisp_box plain = box_at( x, y, z, size, 0.1f - 0.5f * size, size );
+    switch ( shape )
+    {
+        case BOXES_CLUSTERED:
+            return box_at( 1e4f * (float)( i % 5 ) + x, -2e5f * (float)( i % 3 ) + y, z, 0.05f, 0.05f, 0.05f );
+        case BOXES_SHEET:
+            return box_at( x, 2.5f, z, 0.5f * size, 0.0f, 0.5f * size );
+        case BOXES_FOLDED:
+            return box_at( x, 0.01f * (float)( i % 3 ), z, 0.05f, 0.005f + 0.1f * size, 0.05f );
+        case BOXES_UNEVEN:
+            return box_at( x - 0.5f, y - 0.5f, z - 0.5f, uneven, uneven, uneven );
+        case BOXES_COINCIDENT:
+            return box_at( -3.0f, 4.0f, 1.0f, 0.1f, 0.2f, 0.0f );
+        case BOXES_POINTS:
+            return box_at( 0.25f * floorf( 8.0f * x ), y < 0.5f ? 1.0f : 2.0f, floorf( 4.0f * z ), 0.0f, 0.0f, 0.0f );
+        case BOXES_LATTICE:
+            return box_at( (float)( i % 9 ), (float)( i / 9 % 9 ), (float)( i / 81 ), 1.0f, 1.0f, 1.0f );
+        case BOXES_HUGE:
+            return i % 37 != 5  ? plain
+                   : i % 2 == 0 ? ( wisp_box ){ { -FLT_MAX, -1e30f, z }, { x, FLT_MAX, FLT_MAX } }
+                                : box_at( i % 3 == 0 ? -3e38f : 2e19f, y, -1e18f, 1e38f, 1e-30f, 1e20f );
+        case BOXES_WRONG:
+            return i % 4 == 1 ? spoil( plain, i ) : plain;
+        case BOXES_NONE_RIGHT:
+            return spoil( plain, i );
+        default:
+            return plain;
+    }
+}
+
+static void make_boxes( wisp_box* boxes, box_shape shape, int count, int seed )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        boxes[i] = make_box( shape, i, seed );
+    }
+}
+
+// ---- what is right ----
+
+typedef struct right_pairs
+{
+    int32_t* begin;
+    int32_t* item;
+    size_t count;
+} right_pairs;
+
+// Written apart from the engine's own comparison.
+static bool is_right_box( const wisp_box* b )
+{
+    return isfinite( b->low[0] ) && isfinite( b->low[1] ) && isfinite( b->low[2] ) && isfinite( b->high[0] ) &&
+           isfinite( b->high[1] ) && isfinite( b->high[2] ) && b->low[0] <= b->high[0] && b->low[1] <= b->high[1] &&
+           b->low[2] <= b->high[2];
+}
+
+static bool is_right_pair( const wisp_box* a, const wisp_box* b )
+{
+    return is_right_box( a ) && is_right_box( b ) && a->low[0] <= b->high[0] && b->low[0] <= a->high[0] &&
+           a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
+}
+
+static right_pairs find_right_pairs( const wisp_box_job* job )
+{
+    const bool is_self = job->askers == NULL;
+    const wisp_box* askers = is_self ? job->boxes : job->askers;
+    const int count = is_self ? job->box_count : job->asker_count;
+    right_pairs right = { calloc( (size_t)count + 1, sizeof( int32_t ) ),
+                          calloc( (size_t)count * (size_t)job->box_count + 1, sizeof( int32_t ) ), 0 };
+    assert_true( right.begin != NULL && right.item != NULL );
+    for ( int a = 0; a < count; ++a )
+    {
+        for ( int b = is_self ? a + 1 : 0; b < job->box_count; ++b )
+        {
+            if ( is_right_pair( askers + a, job->boxes + b ) )
+            {
+                right.item[right.count++] = b;
+            }
+        }
+        right.begin[a + 1] = (int32_t)right.count;
+    }
+    return right;
+}
+
+static void free_right_pairs( right_pairs* right )
+{
+    free( right->begin );
+    free( right->item );
+}
+
+// ---- finding, with workers standing by ----
+
+typedef struct finder
+{
+    test_host host;
+    wisp_allocator allocator;
+    jobs_pool* pool;
+    wisp_box_pairs pairs;
+    const wisp_box_job* job;
+    wisp_error error;
+    wisp_status status;
+} finder;
+
+static finder* finder_open( int workers )
+{
+    finder* f = calloc( 1, sizeof( finder ) );
+    assert_non_null( f );
+    f->allocator = test_host_allocator( &f->host );
+    f->pool = jobs_create( &f->allocator, workers, NULL, NULL );
+    return f;
+}
+
+static void finder_close( finder* f )
+{
+    wisp_box_pairs_release( &f->pairs, &f->allocator );
+    jobs_destroy( f->pool );
+    assert_host_has_all_back( &f->host );
+    free( f );
+}
+
+static void run_find( void* context )
+{
+    finder* f = context;
+    f->status = wisp_box_pairs_find( &f->pairs, jobs_everyone( f->pool ), f->job, &f->error );
+}
+
+static wisp_status find( finder* f, const wisp_box_job* job )
+{
+    f->job = job;
+    jobs_enter( f->pool, run_find, f );
+    return f->status;
+}
+
+static void assert_right( const wisp_box_pairs* pairs, const wisp_box_job* job, const right_pairs* right )
+{
+    int askers = job->askers == NULL ? job->box_count : job->asker_count;
+    assert_int_equal( pairs->asker_count, askers );
+    assert_int_equal( pairs->pair_count, right->count );
+    assert_memory_equal( pairs->begin, right->begin, ( (size_t)askers + 1 ) * sizeof( int32_t ) );
+    if ( right->count > 0 )
+    {
+        assert_memory_equal( pairs->item, right->item, right->count * sizeof( int32_t ) );
+    }
+}
+
+static void find_right( finder* f, const wisp_box_job* job )
+{
+    right_pairs right = find_right_pairs( job );
+    assert_int_equal( find( f, job ), WISP_OK );
+    assert_right( &f->pairs, job, &right );
+    free_right_pairs( &right );
+}
+
+static int list_tables( const wisp_kernels* tables[4] )
+{
+    const char* const names[] = { "baseline", "avx2", "avx512" };
+    int count = 0;
+    tables[count++] = NULL;
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        const wisp_kernels* table = kernels_select( names[i], NULL );
+        if ( table != tables[count - 1] )
+        {
+            tables[count++] = table;
+        }
+    }
+    return count;
+}
+
+// ---- the tests ----
+
+static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
+                                             WISP_PAIR_SEARCH_BRUTE };
+
+// One finder for all, so that buffers and trees of one scene meet the next.
+static void check_everything( finder* f, const wisp_box* askers, int asker_count, const wisp_box* boxes, int count )
+{
+    const wisp_kernels* tables[4];
+    const int table_count = list_tables( tables );
+    wisp_box_job job = { .askers = askers, .asker_count = asker_count, .boxes = boxes, .box_count = count };
+    right_pairs right = find_right_pairs( &job );
+    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    {
+        for ( int t = 0; t < table_count; ++t )
+        {
+            job.search = SEARCHES[s];
+            job.kernels = tables[t];
+            assert_int_equal( find( f, &job ), WISP_OK );
+            assert_right( &f->pairs, &job, &right );
+            assert_int_equal( f->pairs.search, wisp_box_pairs_choose( &job ) );
+        }
+    }
+    free_right_pairs( &right );
+}
+
+static void every_search_finds_the_pairs_of_a_double_loop( void** state )
+{
+    (void)state;
+    const int counts[] = { 0, 1, 2, 7, 8, 9, 17, 100, BOXES_MOST };
+    const int workers[] = { 1, 3 };
+    static wisp_box boxes[BOXES_MOST], askers[BOXES_MOST], points[BOXES_MOST];
+    for ( int w = 0; w < WISP_COUNT( workers ); ++w )
+    {
+        finder* f = finder_open( workers[w] );
+        for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
+        {
+            for ( int c = 0; c < WISP_COUNT( counts ); ++c )
+            {
+                const int count = counts[c];
+                make_boxes( boxes, (box_shape)shape, count, 0 );
+                make_boxes( askers, (box_shape)shape, count, 10 );
+                for ( int i = 0; i < count; ++i )
+                {
+                    points[i] = boxes[( 7 * i ) % count];
+                    memcpy( points[i].high, points[i].low, sizeof( points[i].low ) );
+                }
+                check_everything( f, NULL, 0, boxes, count );
+                check_everything( f, askers, count, boxes, count );
+                check_everything( f, points, count, boxes, count / 2 );
+                check_everything( f, askers, count, boxes, 0 );
+            }
+        }
+        finder_close( f );
+    }
+}
+
+static void the_number_of_workers_does_not_show( void** state )
+{
+    (void)state;
+    static wisp_box boxes[5 * BOXES_MOST];
+    const int count = WISP_COUNT( boxes ), workers[] = { 1, 2, 3, 8 };
+    for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
+    {
+        if ( shape == BOXES_COINCIDENT || shape == BOXES_LATTICE )
+        {
+            continue; // six million pairs each way; a lattice ends at 729
+        }
+        make_boxes( boxes, (box_shape)shape, count, 20 );
+        wisp_box_job job = { .boxes = boxes, .box_count = count, .kernels = kernels_select( NULL, NULL ) };
+        right_pairs right = find_right_pairs( &job );
+        for ( int search = 1; search < 3; ++search )
+        {
+            uint64_t tested = 0;
+            for ( int w = 0; w < WISP_COUNT( workers ); ++w )
+            {
+                finder* f = finder_open( workers[w] );
+                job.search = SEARCHES[search];
+                assert_int_equal( find( f, &job ), WISP_OK );
+                assert_right( &f->pairs, &job, &right );
+                tested = w == 0 ? f->pairs.tested : tested;
+                assert_int_equal( f->pairs.tested, tested );
+                finder_close( f );
+            }
+        }
+        free_right_pairs( &right );
+    }
+}
+
+static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
+{
+    (void)state;
+    // sizes from 1 to 1000 and huge boxes among small ones are what a single grid cannot do
+    const box_shape shapes[] = { BOXES_RANDOM, BOXES_SHEET, BOXES_UNEVEN, BOXES_HUGE };
+    static wisp_box boxes[5 * BOXES_MOST];
+    const uint64_t count = WISP_COUNT( boxes );
+    for ( int i = 0; i < WISP_COUNT( shapes ); ++i )
+    {
+        finder* f = finder_open( 1 );
+        make_boxes( boxes, shapes[i], (int)count, 30 );
+        find_right( f,
+                    &( wisp_box_job ){ .boxes = boxes, .box_count = (int)count, .search = WISP_PAIR_SEARCH_GRID } );
+        // seen both ways, with a margin around each box: an eighth of all is what the largest boxes alone leave
+        assert_true( f->pairs.tested < count * count / 8 + 12 * f->pairs.pair_count );
+        finder_close( f );
+    }
+}
+
+static void nothing_is_allocated_once_warm( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    {
+        finder* f = finder_open( 2 );
+        make_boxes( boxes, BOXES_UNEVEN, BOXES_MOST, 0 );
+        wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = SEARCHES[s] };
+        find_right( f, &job );
+        find_right( f, &job );
+        int64_t asked = atomic_load( &f->host.asked );
+        size_t bytes = wisp_box_pairs_bytes( &f->pairs );
+        find_right( f, &job );
+        assert_int_equal( atomic_load( &f->host.asked ), asked );
+        assert_int_equal( wisp_box_pairs_bytes( &f->pairs ), bytes );
+        finder_close( f );
+    }
+}
+
+static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    make_boxes( boxes, BOXES_COINCIDENT, BOXES_MOST, 0 );
+    const size_t all = (size_t)BOXES_MOST * ( BOXES_MOST - 1 ) / 2;
+    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    {
+        finder* f = finder_open( 2 );
+        wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = SEARCHES[s], .limit = all - 1 };
+        assert_int_equal( find( f, &job ), WISP_BAD_INPUT );
+        char numbers[2][32];
+        snprintf( numbers[0], sizeof( numbers[0] ), "%zu", all );
+        snprintf( numbers[1], sizeof( numbers[1] ), "%zu", all - 1 );
+        assert_non_null( strstr( f->error.sentence, numbers[0] ) );
+        assert_non_null( strstr( f->error.sentence, numbers[1] ) );
+        assert_int_equal( f->pairs.pair_count, 0 );
+        assert_int_equal( f->pairs.asker_count, 0 );
+        for ( int i = 0; i < WISP_COUNT( f->pairs.buffers ); ++i )
+        {
+            assert_true( f->pairs.buffers[i].size < all );
+        }
+        job.limit = all;
+        find_right( f, &job );
+        finder_close( f );
+    }
+}
+
+static void without_memory_it_says_so_and_works_again_with_it( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    make_boxes( boxes, BOXES_UNEVEN, BOXES_MOST, 0 );
+    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    {
+        wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = SEARCHES[s] };
+        bool was_refused = true;
+        for ( int64_t refused = 1; was_refused; ++refused )
+        {
+            finder* f = finder_open( 1 );
+            f->host.refuse = atomic_load( &f->host.asked ) + refused;
+            f->host.refuse_rest = true;
+            wisp_status status = find( f, &job );
+            was_refused = status != WISP_OK;
+            assert_true( status == WISP_OK || status == WISP_NO_MEMORY );
+            f->host.refuse = 0;
+            find_right( f, &job );
+            finder_close( f );
+        }
+    }
+}
+
+// ---- the tree ----
+
+static void move_boxes( wisp_box* boxes, int count, int step )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        float by = any( i, 40 + step, -0.03f, 0.03f );
+        boxes[i].low[step % 3] += by;
+        boxes[i].high[step % 3] += by;
+    }
+}
+
+static void a_tree_follows_boxes_that_move( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    make_boxes( boxes, BOXES_RANDOM, BOXES_MOST, 0 );
+    wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = WISP_PAIR_SEARCH_TREE };
+    finder* f = finder_open( 2 );
+    for ( int step = 0; step < 12; ++step )
+    {
+        find_right( f, &job );
+        move_boxes( boxes, BOXES_MOST, step );
+    }
+    if ( box_tree_exists() )
+    {
+        assert_int_equal( f->pairs.build_count + f->pairs.refit_count, 12 );
+        assert_true( f->pairs.refit_count > 6 );
+    }
+    finder_close( f );
+}
+
+static void a_tree_that_has_decayed_is_built_again( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    finder* f = finder_open( 1 );
+    wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = WISP_PAIR_SEARCH_TREE };
+    make_boxes( boxes, BOXES_RANDOM, BOXES_MOST, 0 );
+    find_right( f, &job );
+    // every box somewhere else: what was near in the tree is near no more
+    make_boxes( boxes, BOXES_RANDOM, BOXES_MOST, 50 );
+    find_right( f, &job );
+    find_right( f, &job );
+    if ( box_tree_exists() )
+    {
+        assert_int_equal( f->pairs.build_count, 2 );
+        assert_int_equal( f->pairs.refit_count, 1 );
+    }
+    finder_close( f );
+}
+
+static void a_tree_is_built_again_when_other_boxes_are_right( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST];
+    finder* f = finder_open( 1 );
+    wisp_box_job job = { .boxes = boxes, .box_count = BOXES_MOST, .search = WISP_PAIR_SEARCH_TREE };
+    for ( int round = 0; round < 6; ++round )
+    {
+        const box_shape shapes[] = { BOXES_RANDOM, BOXES_WRONG, BOXES_NONE_RIGHT };
+        make_boxes( boxes, shapes[round % 3], BOXES_MOST, 0 );
+        find_right( f, &job );
+    }
+    if ( box_tree_exists() )
+    {
+        // nothing is built of nothing
+        assert_int_equal( f->pairs.build_count, 4 );
+        assert_int_equal( f->pairs.refit_count, 0 );
+    }
+    finder_close( f );
+}
+
+static void without_embree_a_grid_answers_for_the_tree( void** state )
+{
+    (void)state;
+    wisp_box_job job = { .search = WISP_PAIR_SEARCH_TREE };
+    assert_int_equal( wisp_box_pairs_choose( &job ),
+                      box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID );
+    job.search = WISP_PAIR_SEARCH_BRUTE;
+    assert_int_equal( wisp_box_pairs_choose( &job ), WISP_PAIR_SEARCH_BRUTE );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_search_finds_the_pairs_of_a_double_loop ),
+        cmocka_unit_test( the_number_of_workers_does_not_show ),
+        cmocka_unit_test( a_grid_compares_far_fewer_boxes_than_there_are ),
+        cmocka_unit_test( nothing_is_allocated_once_warm ),
+        cmocka_unit_test( more_pairs_than_the_limit_are_refused_before_memory_is_taken ),
+        cmocka_unit_test( without_memory_it_says_so_and_works_again_with_it ),
+        cmocka_unit_test( a_tree_follows_boxes_that_move ),
+        cmocka_unit_test( a_tree_that_has_decayed_is_built_again ),
+        cmocka_unit_test( a_tree_is_built_again_when_other_boxes_are_right ),
+        cmocka_unit_test( without_embree_a_grid_answers_for_the_tree ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

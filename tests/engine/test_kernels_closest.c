@@ -1,0 +1,538 @@
+// Kernels of closest points: every table gives the same bits, distances and weights are those of double precision, and
+// the plane across the normal parts the two sides.
+#include "kernels_fixture.h"
+
+#include "contact_oracle.h"
+
+#include <float.h>
+
+enum
+{
+    CLOSEST_GROUPS = 512,
+    PAIRS = 8 * CLOSEST_GROUPS,
+    SIDES_OF_NEAR = 7, // inside, three edges, three corners
+};
+
+// Of the size of a pair: sums of about eight numbers no larger, each rounded.
+static const double ROUNDING = 8.0 * (double)FLT_EPSILON;
+
+typedef enum pair_shape
+{
+    SEGMENTS,
+    TRIANGLE,
+} pair_shape;
+
+static const pair_shape SHAPES[] = { SEGMENTS, TRIANGLE };
+
+typedef struct pairs
+{
+    pair_shape shape;
+    _Alignas( 64 ) float point[4 * PAIRS][4];
+    int32_t point4[CLOSEST_GROUPS][4][8];
+    float distance[CLOSEST_GROUPS][8];
+    float weight[CLOSEST_GROUPS][4][8];
+    float normal[CLOSEST_GROUPS][3][8];
+} pairs;
+
+static float* corner( pairs* s, int pair, int k )
+{
+    return s->point[s->point4[pair / 8][k][pair % 8] / 4];
+}
+
+static double3 at( pairs* s, int pair, int k )
+{
+    const float* p = corner( s, pair, k );
+    return double3_make( (double)p[0], (double)p[1], (double)p[2] );
+}
+
+static void put( pairs* s, int pair, int k, double3 p )
+{
+    const float xyz[3] = { (float)p.x, (float)p.y, (float)p.z };
+    memcpy( corner( s, pair, k ), xyz, sizeof( xyz ) );
+}
+
+static double3 random_vector( int pair, int k, double size )
+{
+    const float most = (float)size;
+    return double3_make( (double)test_random_float( pair, 3 * k, -most, most ),
+                         (double)test_random_float( pair, 3 * k + 1, -most, most ),
+                         (double)test_random_float( pair, 3 * k + 2, -most, most ) );
+}
+
+static double3 blend( double3 a, double t, double3 b )
+{
+    return double3_add( a, double3_scale( t, double3_sub( b, a ) ) );
+}
+
+static double3 unit( double3 v )
+{
+    return double3_scale( 1.0 / double3_length( v ), v );
+}
+
+static pairs* new_pairs( pair_shape shape )
+{
+    pairs* s = aligned_alloc( 64, sizeof( pairs ) );
+    assert_non_null( s );
+    memset( s, 0, sizeof( *s ) );
+    s->shape = shape;
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            s->point4[i / 8][k][i % 8] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
+            corner( s, i, k )[3] = k % 2 == 0 ? NAN : 1.0f; // not looked at
+            put( s, i, k, random_vector( i, k, 1.0 ) );
+        }
+    }
+    return s;
+}
+
+static void run( const wisp_kernels* kernels, pairs* s, bool wants_weights, int begin, int end )
+{
+    const wisp_closest_job job = {
+        .quads = s->point[0],
+        .point4 = (const int32_t( * )[4][8])s->point4,
+        .distance = s->distance,
+        .weight = wants_weights ? s->weight : NULL,
+        .normal = wants_weights ? s->normal : NULL,
+    };
+    ( s->shape == TRIANGLE ? kernels->closest_triangle : kernels->closest_segments )( &job, begin, end );
+}
+
+// ---- pairs of all kinds ----
+
+static void make_random( pairs* s )
+{
+    (void)s;
+}
+
+// A point next to the inside of a triangle, to an edge or to a corner, between 1e-5 and 1e-3 of its size away.
+static void make_near_triangle( pairs* s, int i )
+{
+    const double3 a = at( s, i, 1 ), b = at( s, i, 2 ), c = at( s, i, 3 );
+    const double3 n = unit( double3_cross( double3_sub( b, a ), double3_sub( c, a ) ) );
+    const double v = (double)test_random_float( i, 20, 0.0f, 1.0f ),
+                 w = (double)test_random_float( i, 21, 0.0f, 1.0f );
+    const double d = pow( 10.0, (double)test_random_float( i, 22, -5.0f, -3.0f ) );
+    const int side = i % SIDES_OF_NEAR;
+    if ( side == 0 )
+    {
+        put( s, i, 0, double3_add( blend( a, v, blend( b, w, c ) ), double3_scale( i % 2 == 0 ? d : -d, n ) ) );
+    }
+    else
+    {
+        const double3 from = at( s, i, 1 + side % 3 ), to = at( s, i, 1 + ( side + 1 ) % 3 );
+        put( s, i, 0,
+             double3_add( blend( from, side < 4 ? v : 0.0, to ),
+                          double3_scale( d, unit( random_vector( i, 9, 1.0 ) ) ) ) );
+    }
+}
+
+// Segments that nearly meet: inside of both, an end and the inside of another, or ends. Some nearly parallel.
+static void make_near_segments( pairs* s, int i )
+{
+    const double3 a = at( s, i, 0 ), b = at( s, i, 1 ), u = double3_sub( b, a );
+    const double d = pow( 10.0, (double)test_random_float( i, 22, -5.0f, -3.0f ) );
+    const double x = i % 3 == 0 ? 0.0 : (double)test_random_float( i, 20, 0.0f, 1.0f );
+    const double y = i % 5 < 2 ? 0.0 : (double)test_random_float( i, 21, 0.0f, 1.0f );
+    double3 along = random_vector( i, 8, 1.0 );
+    if ( i % 4 == 0 )
+    {
+        along = double3_add( u, double3_scale( pow( 10.0, -(double)( i % 6 ) ), along ) );
+    }
+    const double3 away = i % 5 == 0 ? unit( random_vector( i, 9, 1.0 ) ) : unit( double3_cross( u, along ) );
+    const double3 meet = double3_add( blend( a, x, b ), double3_scale( d, away ) );
+    put( s, i, 2, double3_sub( meet, double3_scale( y, along ) ) );
+    put( s, i, 3, double3_add( meet, double3_scale( 1.0 - y, along ) ) );
+}
+
+static void make_near( pairs* s )
+{
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        ( s->shape == TRIANGLE ? make_near_triangle : make_near_segments )( s, i );
+    }
+}
+
+// Widths from a tenth to nothing, the thin corner before, inside and behind the edge across, points near and far.
+static void make_slivers( pairs* s )
+{
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        const int first = s->shape == TRIANGLE ? 1 : 0;
+        const int corners[3] = { first + i % 3, first + ( i + 1 ) % 3, first + ( i + 2 ) % 3 };
+        const double3 a = at( s, i, corners[0] ), b = at( s, i, corners[1] );
+        const double x = (double)test_random_float( i, 20, -1.0f, 2.0f );
+        const double width = i % 9 == 0 ? 0.0 : pow( 10.0, -(double)( i % 9 ) );
+        const double3 thin = double3_add( blend( a, x, b ), random_vector( i, 8, width ) );
+        put( s, i, corners[2], thin );
+        if ( i % 2 == 0 )
+        {
+            const double3 near = blend( blend( a, (double)test_random_float( i, 23, -0.1f, 1.1f ), b ),
+                                        (double)test_random_float( i, 24, 0.0f, 1.0f ), thin );
+            const double away = pow( 10.0, (double)test_random_float( i, 22, -5.0f, 0.0f ) );
+            put( s, i, s->shape == TRIANGLE ? 0 : 3, double3_add( near, random_vector( i, 9, away ) ) );
+        }
+    }
+}
+
+// Edges of a few centimetres, 50 m from the origin, both far apart and near.
+static void make_far( pairs* s )
+{
+    make_near( s );
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        const double3 origin = double3_make( 50.0, -50.0, 50.0 );
+        for ( int k = 0; k < 4; ++k )
+        {
+            put( s, i, k, double3_add( origin, double3_scale( i % 2 == 0 ? 0.05 : 0.5, at( s, i, k ) ) ) );
+        }
+    }
+}
+
+// Corners of a coarse lattice: many are the same, in one line or in one plane, and differences have no rounding.
+static void make_lattice( pairs* s )
+{
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            put( s, i, k,
+                 double3_make( 0.25 * test_random( i, 3 * k, 3 ), 0.25 * test_random( i, 3 * k + 1, 3 ),
+                               0.25 * test_random( i, 3 * k + 2, i % 2 == 0 ? 1 : 3 ) ) );
+        }
+    }
+}
+
+// A tenth of a millimetre, and a hundred kilometres.
+static void make_all_sizes( pairs* s )
+{
+    make_near( s );
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            put( s, i, k, double3_scale( i % 2 == 0 ? 1e-4 : 1e5, at( s, i, k ) ) );
+        }
+    }
+}
+
+typedef void make_fn( pairs* s );
+
+static make_fn* const KINDS[] = { make_random, make_near, make_slivers, make_far, make_lattice, make_all_sizes };
+
+// Numbers that are none, in each corner in turn, and differences that are too large for a float.
+static void make_strange( pairs* s )
+{
+    static const float STRANGE[] = { NAN, INFINITY, -INFINITY, FLT_MAX };
+    make_slivers( s );
+    for ( int i = 0; i < PAIRS; ++i )
+    {
+        corner( s, i, i % 4 )[i / 4 % 3] = STRANGE[i / 12 % 4];
+    }
+}
+
+// ---- every table ----
+
+// Which NaN comes out of arithmetic on NaNs is nobody's promise.
+static void settle_nans( float* numbers, size_t size )
+{
+    for ( size_t i = 0; i < size / sizeof( float ); ++i )
+    {
+        numbers[i] = isnan( numbers[i] ) ? NAN : numbers[i];
+    }
+}
+
+static void settle( pairs* s )
+{
+    settle_nans( s->distance[0], sizeof( s->distance ) );
+    settle_nans( s->weight[0][0], sizeof( s->weight ) );
+    settle_nans( s->normal[0][0], sizeof( s->normal ) );
+}
+
+static void assert_same_answers( const pairs* found, const pairs* expected )
+{
+    assert_memory_equal( found->distance, expected->distance, sizeof( found->distance ) );
+    assert_memory_equal( found->weight, expected->weight, sizeof( found->weight ) );
+    assert_memory_equal( found->normal, expected->normal, sizeof( found->normal ) );
+}
+
+static void every_table_gives_the_same_bits_however_the_range_is_cut( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int kind = 0; kind <= WISP_COUNT( KINDS ); ++kind )
+    {
+        make_fn* make = kind < WISP_COUNT( KINDS ) ? KINDS[kind] : make_strange;
+        for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+        {
+            pairs* expected = new_pairs( SHAPES[n] );
+            make( expected );
+            run( tables[0], expected, true, 0, CLOSEST_GROUPS );
+            settle( expected );
+            for ( int t = 1; t < count; ++t )
+            {
+                pairs* found = new_pairs( SHAPES[n] );
+                make( found );
+                run( tables[t], found, true, 0, 77 );
+                run( tables[t], found, true, 77, CLOSEST_GROUPS );
+                settle( found );
+                assert_same_answers( found, expected );
+                free( found );
+            }
+            free( expected );
+        }
+    }
+}
+
+static void distances_alone_are_the_same_and_nothing_else_is_written( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+    {
+        pairs *expected = new_pairs( SHAPES[n] ), *found = new_pairs( SHAPES[n] );
+        run( widest_table(), expected, true, 0, CLOSEST_GROUPS );
+        run( widest_table(), found, false, 0, CLOSEST_GROUPS );
+        assert_memory_equal( found->distance, expected->distance, sizeof( found->distance ) );
+        for ( int i = 0; i < PAIRS; ++i )
+        {
+            assert_true( found->weight[i / 8][0][i % 8] == 0.0f && found->normal[i / 8][0][i % 8] == 0.0f );
+        }
+        free( expected );
+        free( found );
+    }
+}
+
+// ---- against double precision ----
+
+// What one pair is, and what was found.
+typedef struct found_pair
+{
+    double3 x[4];
+    int first; // corners of the first side
+    contact_oracle_closest truth;
+    double distance, size;
+    float weight[4];
+    double3 normal;
+} found_pair;
+
+static found_pair read_pair( pairs* s, int i )
+{
+    const int first = s->shape == TRIANGLE ? 1 : 2, g = i / 8, l = i % 8;
+    found_pair f = { .first = first, .distance = (double)s->distance[g][l] };
+    for ( int k = 0; k < 4; ++k )
+    {
+        f.x[k] = at( s, i, k );
+        f.weight[k] = s->weight[g][k][l];
+    }
+    f.normal = double3_make( (double)s->normal[g][0][l], (double)s->normal[g][1][l], (double)s->normal[g][2][l] );
+    f.truth = first == 1 ? contact_oracle_point_triangle( f.x[0], f.x + 1 ) : contact_oracle_segments( f.x, f.x + 2 );
+    for ( int k = 0; k < 4; ++k )
+    {
+        f.size = fmax( f.size, double3_distance( f.x[k], f.x[3] ) );
+        f.size = fmax( f.size, double3_distance( f.x[k], f.x[1] ) );
+    }
+    return f;
+}
+
+static void check_weights( const found_pair* f, int number )
+{
+    float sums[2] = { 0.0f, 0.0f };
+    double3 between = double3_make( 0.0, 0.0, 0.0 );
+    for ( int k = 0; k < 4; ++k )
+    {
+        const int side = k < f->first ? 0 : 1;
+        const float weight = side == 0 ? f->weight[k] : -f->weight[k];
+        assert_true( weight >= 0.0f && weight <= 1.0f );
+        sums[side] += weight;
+        // less the first corner, which changes nothing if the weights of all sum to nothing
+        between = double3_add( between, double3_scale( (double)f->weight[k], double3_sub( f->x[k], f->x[0] ) ) );
+    }
+    assert_true( sums[0] == 1.0f && sums[1] == 1.0f );
+    assert_near( double3_length( between ), f->truth.distance, ROUNDING * f->size,
+                 "length of the weighted sum of pair", number );
+}
+
+// How far the plane across the normal parts the sides, less than nothing if it does not.
+static double parted( const found_pair* f )
+{
+    double low = INFINITY, high = -INFINITY;
+    for ( int k = 0; k < 4; ++k )
+    {
+        const double along = double3_dot( f->normal, double3_sub( f->x[k], f->x[0] ) );
+        low = k < f->first ? fmin( low, along ) : low;
+        high = k < f->first ? high : fmax( high, along );
+    }
+    return low - high;
+}
+
+static void check_normal( const found_pair* f, int number )
+{
+    if ( f->distance == 0.0 )
+    {
+        assert_true( double3_length( f->normal ) == 0.0 );
+        return;
+    }
+    assert_near( double3_length( f->normal ), 1.0, 4.0 * (double)FLT_EPSILON, "length of the normal of pair",
+                 number );
+    assert_near( parted( f ), f->truth.distance, 2.0 * ROUNDING * f->size, "what parts pair", number );
+    if ( f->truth.distance >= 1e-4 * f->size )
+    {
+        // A vector off by a rounding of the size, four times as long as that which decides. Two points of a side may be
+        // equally near but for a rounding of the square, which is a root of it apart.
+        const double most = 4.0 * ROUNDING * f->size / f->truth.distance + sqrt( 16.0 * (double)FLT_EPSILON );
+        assert_near( double3_angle( f->normal, f->truth.normal ), 0.0, fmin( most, 1e-2 ),
+                     "angle of the normal of pair", number );
+    }
+}
+
+static void closest_points_are_those_of_the_oracle( void** state )
+{
+    (void)state;
+    for ( int kind = 0; kind < WISP_COUNT( KINDS ); ++kind )
+    {
+        for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+        {
+            pairs* s = new_pairs( SHAPES[n] );
+            KINDS[kind]( s );
+            run( widest_table(), s, true, 0, CLOSEST_GROUPS );
+            for ( int i = 0; i < PAIRS; ++i )
+            {
+                const int number = ( kind * 10 + n ) * 100000 + i;
+                const found_pair f = read_pair( s, i );
+                assert_near( f.distance, f.truth.distance, ROUNDING * f.size, "distance of pair", number );
+                check_weights( &f, number );
+                check_normal( &f, number );
+            }
+            free( s );
+        }
+    }
+}
+
+// ---- cases by hand ----
+
+static void put_four( pairs* s, int pair, const float xyz[4][3] )
+{
+    for ( int k = 0; k < 4; ++k )
+    {
+        memcpy( corner( s, pair, k ), xyz[k], sizeof( xyz[k] ) );
+    }
+}
+
+static void points_that_coincide_have_no_distance_and_no_normal( void** state )
+{
+    (void)state;
+    static const float SAME[][4][3] = {
+        { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } },
+        { { 1, 0, 0 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
+        { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 1, 0, 0 } },
+        { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, -1 }, { 0, 0, 3 } },
+    };
+    static const float ON_TRIANGLE[][4][3] = {
+        { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } },
+        { { 1, 0, 0 }, { 0, 0, 0 }, { 2, 0, 0 }, { 0, 2, 0 } },
+        { { 0, 2, 0 }, { 0, 0, 0 }, { 2, 0, 0 }, { 0, 2, 0 } },
+        { { 1, 1, 1 }, { 0, 0, 0 }, { 2, 2, 2 }, { 4, 4, 4 } },
+    };
+    for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+    {
+        pairs* s = new_pairs( SHAPES[n] );
+        for ( int i = 0; i < 8; ++i )
+        {
+            put_four( s, i, SHAPES[n] == TRIANGLE ? ON_TRIANGLE[i % 4] : SAME[i % 4] );
+        }
+        run( widest_table(), s, true, 0, 1 );
+        for ( int i = 0; i < 8; ++i )
+        {
+            const found_pair f = read_pair( s, i );
+            assert_true( f.distance == 0.0 && double3_length( f.normal ) == 0.0 );
+            check_weights( &f, i );
+        }
+        free( s );
+    }
+}
+
+// Where the two sides meet but for rounding, the direction of what is left is rubbish; faces and edges know better.
+static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+    {
+        pairs* s = new_pairs( SHAPES[n] );
+        for ( int i = 0; i < PAIRS; ++i )
+        {
+            const double v = (double)test_random_float( i, 20, 0.1f, 0.4f ),
+                         w = (double)test_random_float( i, 21, 0.1f, 0.4f );
+            const double3 a = at( s, i, 0 ), b = at( s, i, 1 ), c = at( s, i, 2 ), d = at( s, i, 3 );
+            if ( SHAPES[n] == TRIANGLE )
+            {
+                put( s, i, 0, double3_add( blend( b, v, c ), double3_scale( w, double3_sub( d, b ) ) ) );
+            }
+            else
+            {
+                const double3 to = double3_sub( blend( a, v, b ), double3_scale( w, c ) );
+                put( s, i, 3, double3_scale( 1.0 / ( 1.0 - w ), to ) );
+            }
+        }
+        run( widest_table(), s, true, 0, CLOSEST_GROUPS );
+        for ( int i = 0; i < PAIRS; ++i )
+        {
+            const found_pair f = read_pair( s, i );
+            const double3 u = SHAPES[n] == TRIANGLE ? double3_sub( f.x[2], f.x[1] ) : double3_sub( f.x[1], f.x[0] ),
+                          across =
+                              SHAPES[n] == TRIANGLE ? double3_sub( f.x[3], f.x[1] ) : double3_sub( f.x[3], f.x[2] ),
+                          face = double3_cross( u, across );
+            if ( double3_length( face ) < 0.01 * double3_length( u ) * double3_length( across ) )
+            {
+                continue; // in a plane with itself, but for a hundredth
+            }
+            assert_true( f.distance <= ROUNDING * f.size );
+            if ( f.distance > 0.0 )
+            {
+                const double sine = fabs( double3_dot( f.normal, face ) ) / double3_length( face );
+                // the width is known to a rounding, and is a hundredth of the size at least
+                assert_near( sine, 1.0, 100.0 * ROUNDING, "cosine of the face and the normal of pair", i );
+            }
+        }
+        free( s );
+    }
+}
+
+static void what_is_not_finite_has_no_finite_distance( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
+    {
+        pairs *s = new_pairs( SHAPES[n] ), *clean = new_pairs( SHAPES[n] );
+        make_strange( s );
+        make_slivers( clean );
+        run( widest_table(), clean, true, 0, CLOSEST_GROUPS );
+        for ( int i = 0; i < PAIRS; i += 2 )
+        {
+            memcpy( corner( s, i, i % 4 ), corner( clean, i, i % 4 ), 3 * sizeof( float ) );
+        }
+        run( widest_table(), s, true, 0, CLOSEST_GROUPS );
+        for ( int i = 0; i < PAIRS; ++i )
+        {
+            // neighbours in a group are none the worse
+            const float found = s->distance[i / 8][i % 8];
+            assert_true( i % 2 == 0 ? found == clean->distance[i / 8][i % 8] : !isfinite( found ) );
+        }
+        free( s );
+        free( clean );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( every_table_gives_the_same_bits_however_the_range_is_cut ),
+        cmocka_unit_test( distances_alone_are_the_same_and_nothing_else_is_written ),
+        cmocka_unit_test( closest_points_are_those_of_the_oracle ),
+        cmocka_unit_test( points_that_coincide_have_no_distance_and_no_normal ),
+        cmocka_unit_test( sides_that_meet_inside_keep_the_normal_of_the_face ),
+        cmocka_unit_test( what_is_not_finite_has_no_finite_distance ),
+    };
+    return cmocka_run_group_tests_name( "kernels of closest points", tests, NULL, NULL );
+}

@@ -1,0 +1,650 @@
+// Points on a mesh: how many there are (BND section 5), where they stand, and that it does not matter how they came there.
+#include "samples_fixture.h"
+
+// Numbers of about 3 m are rounded a few times to place a point.
+static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
+
+// ---- counts ----
+
+static void edges_have_the_counts_of_their_lengths( void** state )
+{
+    (void)state;
+    // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (BND-04), all of them floats
+    const float lengths[] = { 0.15f, 0.5f, 0.75f, 1.0f, 1.85f };
+    const int even[] = { 0, 0, 0, 1, 2 }, exact[] = { 0, 0, 1, 1, 3 }, up[] = { 0, 0, 1, 1, 3 },
+              near[] = { 0, 0, 1, 1, 3 };
+    for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
+    {
+        const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { lengths[i], 0.0f, 0.0f }, { 0.0f, 1e-3f, 0.0f } };
+        samples_mesh m = samples_mesh_of( points, 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
+        const int* expected[] = { even, exact, up, near };
+        for ( int k = 0; k < WISP_COUNT( expected ); ++k )
+        {
+            layer* l = layer_open( &m, 0.5f, 1 );
+            l->job.policy = k == 1 ? WISP_SPACING_EXACT : WISP_SPACING_EVEN;
+            l->job.rounding = k == 2 ? WISP_ROUND_UP : ( k == 3 ? WISP_ROUND_NEAREST : WISP_ROUND_DOWN );
+            layer_update( l );
+            assert_int_equal( l->job.edge_points[0], expected[k][i] );
+            assert_int_equal( l->samples.begin[1] - l->samples.begin[0], expected[k][i] );
+            layer_close( l );
+        }
+        samples_mesh_free( &m );
+    }
+}
+
+static void the_reference_sphere_has_the_counts_of_the_table( void** state )
+{
+    (void)state;
+    // BND-14 (table B5)
+    const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f };
+    const int expected[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
+                                    { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    assert_int_equal( m.vertex_count, 872 );
+    assert_int_equal( m.triangle_count, 1740 );
+    assert_int_equal( m.edge_count, 2610 );
+    for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
+    {
+        for ( int i = 0; i < WISP_COUNT( spacings ); ++i )
+        {
+            layer* l = layer_open( &m, spacings[i], 2 );
+            l->job.policy = (wisp_spacing)policy;
+            layer_update( l );
+            assert_int_equal( l->samples.edge_count, expected[policy][i][0] );
+            assert_int_equal( l->samples.count - l->samples.edge_count, expected[policy][i][1] );
+            assert_int_equal( l->samples.changed_elements, m.edge_count + m.triangle_count );
+            layer_close( l );
+        }
+    }
+    samples_mesh_free( &m );
+}
+
+// ---- places ----
+
+static double distance_of( const float* a, const float* b )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        sum += ( (double)a[k] - (double)b[k] ) * ( (double)a[k] - (double)b[k] );
+    }
+    return sqrt( sum );
+}
+
+static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
+    {
+        layer* l = layer_open( &m, 0.06f, 2 );
+        l->job.policy = (wisp_spacing)policy;
+        layer_update( l );
+        const wisp_samples* s = &l->samples;
+        for ( int p = 0; p < s->count; ++p )
+        {
+            double sum[3] = { 0.0 }, weights = 0.0, length = 0.0;
+            for ( int k = 0; k < 3; ++k )
+            {
+                const double w = (double)s->weights[p][k];
+                const float* parent = m.position + s->parents[p][k];
+                assert_true( p < s->edge_count && k == 2 ? w == 0.0 : w > 0.0 );
+                weights += w;
+                length += (double)s->normals[4 * p + k] * (double)s->normals[4 * p + k];
+                for ( int i = 0; i < 3; ++i )
+                {
+                    sum[i] += w * (double)parent[i];
+                }
+            }
+            assert_true( fabs( weights - 1.0 ) < 4e-7 ); // three roundings of numbers below 1
+            assert_true( fabs( length - 1.0 ) < 1e-6 );  // as many of a root, a quotient and products
+            for ( int i = 0; i < 3; ++i )
+            {
+                assert_true( fabs( sum[i] - (double)s->quads[4 * p + i] ) < PLACE_ROUNDING );
+            }
+            const int element = layer_element( l, p );
+            assert_true( p >= s->begin[element] && p < s->begin[element + 1] );
+            assert_true( ( element < m.edge_count ) == ( p < s->edge_count ) );
+            assert_true( s->parents[p][2] == s->parents[p][0] || p >= s->edge_count );
+        }
+        layer_close( l );
+    }
+    samples_mesh_free( &m );
+}
+
+static void gaps_along_edges_are_those_of_the_policy( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    const double d = 0.07, slack = 2.0 * PLACE_ROUNDING;
+    const struct
+    {
+        wisp_spacing policy;
+        wisp_rounding rounding;
+        double least, most;
+    } cases[] = { { WISP_SPACING_EVEN, WISP_ROUND_DOWN, d, 2.0 * d },
+                  { WISP_SPACING_EVEN, WISP_ROUND_UP, 0.0, d },
+                  { WISP_SPACING_EXACT, WISP_ROUND_DOWN, 0.0, d } };
+    for ( int c = 0; c < WISP_COUNT( cases ); ++c )
+    {
+        layer* l = layer_open( &m, (float)d, 1 );
+        l->job.policy = cases[c].policy;
+        l->job.rounding = cases[c].rounding;
+        layer_update( l );
+        for ( int e = 0; e < m.edge_count; ++e )
+        {
+            const float* before = m.position + 4 * m.edges[2 * e];
+            if ( distance_of( before, m.position + 4 * m.edges[2 * e + 1] ) < d )
+            {
+                assert_int_equal( l->samples.begin[e + 1], l->samples.begin[e] );
+                continue;
+            }
+            for ( int p = l->samples.begin[e]; p <= l->samples.begin[e + 1]; ++p )
+            {
+                const float* at =
+                    p < l->samples.begin[e + 1] ? l->samples.quads + 4 * p : m.position + 4 * m.edges[2 * e + 1];
+                const double gap = distance_of( before, at );
+                assert_true( gap > cases[c].least - slack && gap < cases[c].most + slack );
+                before = at;
+            }
+        }
+        layer_close( l );
+    }
+    samples_mesh_free( &m );
+}
+
+// ---- how they came there ----
+
+static void copy_settings( wisp_samples_job* to, const wisp_samples_job* from )
+{
+    to->policy = from->policy;
+    to->rounding = from->rounding;
+    to->scanline = from->scanline;
+    to->hysteresis = from->hysteresis;
+    to->edge_spacing = from->edge_spacing;
+    to->triangle_spacing = from->triangle_spacing;
+}
+
+// Swell and shear, so that some steps change nobody, some a few and some many.
+static void deform( const float* rest, samples_mesh* m, int step )
+{
+    const float amounts[] = { 0.0f, 1e-7f, 1e-4f, 3e-2f, 1e-3f, 0.2f, 0.2001f, 1e-5f, 0.0f };
+    const float s = amounts[step % WISP_COUNT( amounts )];
+    for ( int v = 0; v < m->vertex_count; ++v )
+    {
+        const float *p = rest + 4 * v, to[3] = { p[0] * ( 1.0f + s ) + s * p[1], p[1], p[2] * ( 1.0f - s * p[0] ) };
+        memcpy( m->position + 4 * v, to, sizeof( to ) );
+    }
+}
+
+static float* copy_of_positions( const samples_mesh* m )
+{
+    float* rest = samples_array( (size_t)m->vertex_count, 4 * sizeof( float ) );
+    memcpy( rest, m->position, (size_t)m->vertex_count * 4 * sizeof( float ) );
+    return rest;
+}
+
+static void refreshing_in_place_equals_sampling_from_scratch( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    float* rest = copy_of_positions( &m );
+    int in_place = 0, some = 0;
+    for ( int variant = 0; variant < 12; ++variant )
+    {
+        layer* kept = layer_open( &m, 0.05f, 2 );
+        kept->job.policy = (wisp_spacing)( variant % 2 );
+        kept->job.rounding = (wisp_rounding)( variant / 2 % 3 );
+        kept->job.scanline = variant >= 6;
+        for ( int step = 0; step < 18; ++step )
+        {
+            deform( rest, &m, step );
+            layer_update( kept );
+            layer* anew = layer_open( &m, 0.05f, 1 );
+            copy_settings( &anew->job, &kept->job );
+            layer_update( anew );
+            assert_same_points( &kept->samples, &anew->samples, m.edge_count + m.triangle_count );
+            assert_memory_equal( kept->job.triangle_axis, anew->job.triangle_axis,
+                                 (size_t)m.triangle_count * sizeof( int32_t ) );
+            const int changed = kept->samples.changed_elements;
+            in_place += changed == 0;
+            some += changed > 0 && changed < m.edge_count + m.triangle_count;
+            layer_close( anew );
+        }
+        layer_close( kept );
+    }
+    assert_true( in_place >= 12 && some >= 24 ); // both cases were met
+    free( rest );
+    samples_mesh_free( &m );
+}
+
+static void workers_do_not_change_a_bit( void** state )
+{
+    (void)state;
+    const int workers[] = { 2, 3, 5, 8 };
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    float* rest = copy_of_positions( &m );
+    for ( int w = 0; w < WISP_COUNT( workers ); ++w )
+    {
+        for ( int variant = 0; variant < 2; ++variant )
+        {
+            layer *one = layer_open( &m, 0.06f, 1 ), *many = layer_open( &m, 0.06f, workers[w] );
+            one->job.policy = (wisp_spacing)variant;
+            one->job.scanline = variant == 1;
+            one->job.hysteresis = 0.2f;
+            copy_settings( &many->job, &one->job );
+            for ( int step = 0; step < 6; ++step )
+            {
+                deform( rest, &m, step );
+                layer_update( one );
+                layer_update( many );
+                assert_int_equal( one->samples.changed_elements, many->samples.changed_elements );
+                assert_same_points( &one->samples, &many->samples, m.edge_count + m.triangle_count );
+                assert_memory_equal( one->job.triangle_extent, many->job.triangle_extent,
+                                     (size_t)m.triangle_count * 2 * sizeof( float ) );
+            }
+            layer_close( one );
+            layer_close( many );
+        }
+    }
+    free( rest );
+    samples_mesh_free( &m );
+}
+
+static void only_what_changes_is_sampled_anew( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    layer* l = layer_open( &m, 0.05f, 1 );
+    layer_update( l );
+    const int before = l->samples.count;
+    layer_update( l );
+    assert_int_equal( l->samples.changed_elements, 0 );
+    m.position[4 * 400] *= 1.1f; // one vertex: six edges and six triangles at most
+    layer_update( l );
+    assert_in_range( l->samples.changed_elements, 1, 12 );
+    assert_int_not_equal( l->samples.count, before );
+    layer_close( l );
+    samples_mesh_free( &m );
+}
+
+static void an_element_with_its_own_spacing_has_its_own_count( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    layer *all = layer_open( &m, 0.03f, 1 ), *each = layer_open( &m, 1.0f, 2 );
+    float* spacing = samples_array( (size_t)( m.edge_count + m.triangle_count ), sizeof( float ) );
+    for ( int i = 0; i < m.edge_count + m.triangle_count; ++i )
+    {
+        spacing[i] = 0.03f;
+    }
+    each->job.edge_spacing = spacing;
+    each->job.triangle_spacing = spacing + m.edge_count;
+    for ( int step = 0; step < 3; ++step )
+    {
+        layer_update( all );
+        layer_update( each );
+        assert_same_points( &all->samples, &each->samples, m.edge_count + m.triangle_count );
+    }
+    spacing[5] = 0.01f;
+    layer_update( each );
+    assert_int_equal( each->samples.changed_elements, 1 );
+    assert_true( each->job.edge_points[5] > 2 * all->job.edge_points[5] );
+    free( spacing );
+    layer_close( all );
+    layer_close( each );
+    samples_mesh_free( &m );
+}
+
+// ---- memory of counts ----
+
+static samples_mesh one_triangle( float length )
+{
+    const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { length, 0.0f, 0.0f }, { 0.5f * length, 3.0f, 0.0f } };
+    return samples_mesh_of( points, 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
+}
+
+static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state )
+{
+    (void)state;
+    samples_mesh m = one_triangle( 2.1f );
+    layer* l = layer_open( &m, 1.0f, 1 );
+    l->job.hysteresis = 0.2f;
+    const float lengths[] = { 2.1f, 1.9f, 1.81f, 1.79f, 1.95f, 2.1f, 2.19f, 2.21f, 1.95f };
+    const int expected[] = { 1, 1, 1, 0, 0, 0, 0, 1, 1 };
+    for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
+    {
+        m.position[4] = lengths[i];
+        m.position[8] = 0.5f * lengths[i];
+        layer_update( l );
+        assert_int_equal( l->job.edge_points[0], expected[i] );
+    }
+    layer_close( l );
+    samples_mesh_free( &m );
+}
+
+static void a_state_put_back_brings_its_points_back( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    float* rest = copy_of_positions( &m );
+    layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
+    through->job.hysteresis = back->job.hysteresis = 0.4f;
+    for ( int step = 0; step < 4; ++step )
+    {
+        deform( rest, &m, step );
+        layer_update( through );
+    }
+    const size_t edges = (size_t)m.edge_count * sizeof( int32_t ),
+                 triangles = (size_t)m.triangle_count * sizeof( int32_t );
+    deform( rest, &m, 5 );
+    layer_update( back ); // warm memory of something else
+    memcpy( back->job.edge_length, through->job.edge_length, edges );
+    memcpy( back->job.edge_points, through->job.edge_points, edges );
+    memcpy( back->job.triangle_extent, through->job.triangle_extent, 2 * triangles );
+    memcpy( back->job.triangle_axis, through->job.triangle_axis, triangles );
+    memcpy( back->job.triangle_points, through->job.triangle_points, triangles );
+    for ( int step = 3; step < 7; ++step )
+    {
+        deform( rest, &m, step );
+        layer_update( through );
+        layer_update( back );
+        assert_same_points( &through->samples, &back->samples, m.edge_count + m.triangle_count );
+        assert_memory_equal( through->job.edge_length, back->job.edge_length, edges );
+        assert_memory_equal( through->job.triangle_extent, back->job.triangle_extent, 2 * triangles );
+        assert_memory_equal( through->job.edge_points, back->job.edge_points, edges );
+    }
+    layer_close( through );
+    layer_close( back );
+    free( rest );
+    samples_mesh_free( &m );
+}
+
+// ---- limits ----
+
+static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    layer* l = layer_open( &m, 0.05f, 1 );
+    layer_update( l );
+    const int count = l->samples.count;
+    const int64_t bytes = atomic_load( &l->host.bytes );
+    l->job.limit = count + 10;
+    const float spacings[] = { 0.04f, 1e-6f, 1e-20f };
+    for ( int i = 0; i < WISP_COUNT( spacings ); ++i )
+    {
+        l->job.spacing = spacings[i];
+        m.position[4 * 30] += 0.01f;
+        layer_update( l );
+        assert_true( l->samples.refused );
+        assert_true( l->samples.wanted > (double)l->job.limit );
+        assert_int_equal( l->samples.count, count );
+        assert_int_equal( atomic_load( &l->host.bytes ), bytes );
+    }
+    const float* parent = m.position + l->samples.parents[0][0];
+    assert_true( distance_of( l->samples.quads, parent ) < 1.0 );
+    l->job.spacing = 0.06f;
+    layer_update( l );
+    assert_false( l->samples.refused );
+    assert_true( l->samples.count < count );
+    layer_close( l );
+    samples_mesh_free( &m );
+}
+
+static void without_memory_points_are_those_of_the_last_call( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    layer* l = layer_open( &m, 0.05f, 1 );
+    test_host_refuse( &l->host, 1, true );
+    assert_int_equal( layer_try( l ), WISP_NO_MEMORY );
+    test_host_refuse( &l->host, 2, true );
+    assert_int_equal( layer_try( l ), WISP_NO_MEMORY );
+    test_host_refuse( &l->host, 0, false );
+    layer_update( l );
+    const int count = l->samples.count;
+    const int32_t points = l->job.edge_points[3];
+    l->job.spacing = 0.01f;
+    test_host_refuse( &l->host, 1, true );
+    assert_int_equal( layer_try( l ), WISP_NO_MEMORY );
+    assert_int_equal( l->samples.count, count );
+    assert_int_equal( l->job.edge_points[3], points );
+    test_host_refuse( &l->host, 0, false );
+    layer_update( l );
+    assert_true( l->samples.count > 4 * count );
+    layer_close( l );
+    samples_mesh_free( &m );
+}
+
+static void a_warm_layer_asks_for_no_memory( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 30, 30, 2.5 );
+    float* rest = copy_of_positions( &m );
+    layer* l = layer_open( &m, 0.06f, 3 );
+    for ( int step = 0; step < 18; ++step )
+    {
+        deform( rest, &m, step );
+        layer_update( l );
+    }
+    const int64_t asked = atomic_load( &l->host.asked );
+    for ( int step = 0; step < 18; ++step )
+    {
+        deform( rest, &m, step );
+        layer_update( l );
+    }
+    assert_int_equal( atomic_load( &l->host.asked ), asked );
+    layer_close( l );
+    free( rest );
+    samples_mesh_free( &m );
+}
+
+// ---- degenerate meshes ----
+
+static void triangles_without_area_and_edges_without_length_have_no_points( void** state )
+{
+    (void)state;
+    const wisp_vec3 flat[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f } };
+    const wisp_vec3 folded[3] = { { 1.0f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.0f }, { 4.0f, 1.0f, 0.0f } };
+    const wisp_vec3* shapes[] = { flat, folded };
+    const int expected[2][3] = { { 9, 29, 19 }, { 0, 29, 29 } }; // edges 0-1, 0-2 and 1-2
+    for ( int i = 0; i < 2; ++i )
+    {
+        for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
+        {
+            samples_mesh m = samples_mesh_of( shapes[i], 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
+            layer* l = layer_open( &m, 0.1f * ( 1.0f - 1e-6f ), 1 );
+            l->job.policy = (wisp_spacing)policy;
+            for ( int step = 0; step < 2; ++step )
+            {
+                layer_update( l );
+                assert_int_equal( l->job.triangle_points[0], 0 );
+                for ( int e = 0; e < 3; ++e )
+                {
+                    const int points =
+                        policy == WISP_SPACING_EVEN || expected[i][e] == 0 ? expected[i][e] : expected[i][e] + 1;
+                    assert_int_equal( l->job.edge_points[e], points );
+                }
+            }
+            layer_close( l );
+            samples_mesh_free( &m );
+        }
+    }
+}
+
+static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
+{
+    (void)state;
+    // legs of a right triangle, rotated through its corners
+    const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
+    const int32_t corners[3][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 } };
+    const int axis[3] = { 0, 1, 0 };
+    for ( int i = 0; i < 3; ++i )
+    {
+        samples_mesh m = samples_mesh_of( points, 3, corners[i], 1 );
+        layer* l = layer_open( &m, 0.25f, 1 );
+        layer_update( l );
+        assert_int_equal( l->job.triangle_axis[0], axis[i] );
+        // lines at 1/4, 1/2 and 3/4 of the height, of 3, 2 and 1 spacings
+        assert_int_equal( l->job.triangle_points[0], 2 + 1 );
+        layer_close( l );
+        samples_mesh_free( &m );
+    }
+}
+
+static void what_is_not_finite_is_skipped_and_comes_back( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    const float good = m.position[4 * 50 + 1];
+    layer *l = layer_open( &m, 0.05f, 1 ), *other = layer_open( &m, 0.05f, 1 );
+    layer_update( l );
+    layer_update( other );
+    const float bad[] = { NAN, INFINITY, -INFINITY };
+    for ( int i = 0; i < 3; ++i )
+    {
+        m.position[4 * 50 + 1] = bad[i];
+        layer_update( l );
+        assert_int_equal( l->samples.skipped_elements, 12 ); // six edges and six triangles
+        assert_true( l->samples.count < other->samples.count );
+        for ( int p = 0; p < l->samples.count; ++p )
+        {
+            assert_true(
+                isfinite( l->samples.quads[4 * p] + l->samples.quads[4 * p + 1] + l->samples.quads[4 * p + 2] ) );
+        }
+    }
+    m.position[4 * 50 + 1] = good;
+    layer_update( l );
+    assert_int_equal( l->samples.skipped_elements, 0 );
+    assert_same_points( &l->samples, &other->samples, m.edge_count + m.triangle_count );
+    layer_close( l );
+    layer_close( other );
+    samples_mesh_free( &m );
+}
+
+static void normals_that_cancel_give_way_to_those_of_faces( void** state )
+{
+    (void)state;
+    const wisp_vec3 points[4] = {
+        { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.5f, 0.0f }, { 0.0f, -2.0f, 0.0f }
+    };
+    const int32_t triangles[6] = { 0, 1, 2, 1, 0, 3 };
+    samples_mesh m = samples_mesh_of( points, 4, triangles, 2 );
+    layer* l = layer_open( &m, 0.5f, 1 );
+    layer_update( l );
+    assert_int_equal( l->job.edge_points[0], 1 );
+    m.normal[4 * 1 + 2] = -1.0f; // against that of vertex 0
+    layer_update( l );
+    const float* n = l->samples.normals;
+    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
+
+    // faces back to back cancel, too: then the last normal stays
+    float* fourth = m.position + 4 * 3;
+    fourth[0] = 0.0f;
+    fourth[1] = 1.5f;
+    m.normal[2] = m.normal[4 + 2] = 0.0f;
+    m.normal[0] = 1.0f;
+    m.normal[4] = -1.0f;
+    layer_update( l );
+    n = l->samples.normals;
+    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
+    layer_close( l );
+
+    // and a layer that never had one has none
+    layer* other = layer_open( &m, 0.5f, 1 );
+    layer_update( other );
+    n = other->samples.normals;
+    assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f && n[3] == 0.0f );
+    layer_close( other );
+    samples_mesh_free( &m );
+}
+
+static void normals_along_lines_are_between_those_of_their_ends( void** state )
+{
+    (void)state;
+    samples_mesh m = one_triangle( 2.0f );
+    const float normals[3][4] = { { 1.0f, 0.0f, 0.0f, 0.0f },
+                                  { 0.0f, 1.0f, 0.0f, 0.0f },
+                                  { 0.0f, 0.0f, 1.0f, 0.0f } };
+    memcpy( m.normal, normals, sizeof( normals ) );
+    layer *line = layer_open( &m, 0.3f, 1 ), *plain = layer_open( &m, 0.3f, 1 );
+    line->job.scanline = true;
+    layer_update( line );
+    layer_update( plain );
+    assert_int_equal( line->samples.count, plain->samples.count );
+    double largest = 0.0;
+    for ( int p = line->samples.edge_count; p < line->samples.count; ++p )
+    {
+        const float* w = line->samples.weights[p];
+        const double q = (double)w[2], r = (double)w[1] / ( (double)w[0] + (double)w[1] );
+        const double end = sqrt( ( 1.0 - q ) * ( 1.0 - q ) + q * q ); // of both, by symmetry
+        double n[3] = { ( 1.0 - r ) * ( 1.0 - q ) / end, r * ( 1.0 - q ) / end, q / end };
+        const double length = sqrt( n[0] * n[0] + n[1] * n[1] + n[2] * n[2] );
+        for ( int k = 0; k < 3; ++k )
+        {
+            assert_true( fabs( n[k] / length - (double)line->samples.normals[4 * p + k] ) < 1e-6 );
+            largest = fmax( largest, fabs( (double)line->samples.normals[4 * p + k] -
+                                           (double)plain->samples.normals[4 * p + k] ) );
+        }
+    }
+    assert_true( line->samples.count > line->samples.edge_count );
+    assert_true( largest < 1e-6 ); // ends of one length weigh alike: the two modes meet
+    memcpy( m.normal + 4, ( const float[4] ){ 0.0f, 0.0f, 1.0f, 0.0f }, 4 * sizeof( float ) );
+    layer_update( line );
+    layer_update( plain );
+    largest = 0.0;
+    for ( int i = 4 * line->samples.edge_count; i < 4 * line->samples.count; ++i )
+    {
+        largest = fmax( largest, fabs( (double)line->samples.normals[i] - (double)plain->samples.normals[i] ) );
+    }
+    assert_true( largest > 0.01 ); // and part where they do not
+    layer_close( line );
+    layer_close( plain );
+    samples_mesh_free( &m );
+}
+
+static void a_layer_without_normals_has_places_alone( void** state )
+{
+    (void)state;
+    samples_mesh m = samples_sphere( 14, 13, 1.0 );
+    layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
+    without->job.normal = NULL;
+    layer_update( with );
+    layer_update( without );
+    assert_null( without->samples.normals );
+    assert_memory_equal( with->samples.quads, without->samples.quads,
+                         (size_t)with->samples.count * 4 * sizeof( float ) );
+    without->job.normal = m.normal;
+    layer_update( without );
+    assert_same_points( &with->samples, &without->samples, m.edge_count + m.triangle_count );
+    layer_close( with );
+    layer_close( without );
+    samples_mesh_free( &m );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( edges_have_the_counts_of_their_lengths ),
+        cmocka_unit_test( the_reference_sphere_has_the_counts_of_the_table ),
+        cmocka_unit_test( points_are_their_parents_by_weights_that_sum_to_one ),
+        cmocka_unit_test( gaps_along_edges_are_those_of_the_policy ),
+        cmocka_unit_test( refreshing_in_place_equals_sampling_from_scratch ),
+        cmocka_unit_test( workers_do_not_change_a_bit ),
+        cmocka_unit_test( only_what_changes_is_sampled_anew ),
+        cmocka_unit_test( an_element_with_its_own_spacing_has_its_own_count ),
+        cmocka_unit_test( hysteresis_keeps_counts_until_lengths_are_well_beyond ),
+        cmocka_unit_test( a_state_put_back_brings_its_points_back ),
+        cmocka_unit_test( a_layer_beyond_its_limit_stays_as_it_was_and_follows ),
+        cmocka_unit_test( without_memory_points_are_those_of_the_last_call ),
+        cmocka_unit_test( a_warm_layer_asks_for_no_memory ),
+        cmocka_unit_test( triangles_without_area_and_edges_without_length_have_no_points ),
+        cmocka_unit_test( the_lowest_of_equally_short_sides_is_the_axis ),
+        cmocka_unit_test( what_is_not_finite_is_skipped_and_comes_back ),
+        cmocka_unit_test( normals_that_cancel_give_way_to_those_of_faces ),
+        cmocka_unit_test( normals_along_lines_are_between_those_of_their_ends ),
+        cmocka_unit_test( a_layer_without_normals_has_places_alone ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,202 @@
+/// The engine's boundary points beside those of the oracle, on the same floats.
+#pragma once
+
+#include "support.h"
+
+#include "boundary_oracle_fixture.h"
+#include "jobs.h"
+#include "kernel_tables.h"
+
+#include "wisp/samples.h"
+
+/// How both sample.
+typedef struct duel_def
+{
+    double spacing; ///< m, exactly a float
+    wisp_spacing policy;
+    wisp_rounding rounding;
+    bool scanline;
+    double hysteresis;          ///< exactly a float
+    int workers;                ///< default 0: 2
+    const char* isa;            ///< the widest instruction set; null: the processor's
+    const double* edge_spacing; ///< [edge_count] exactly floats; null: `spacing`
+    const double* triangle_spacing;
+} duel_def;
+
+typedef struct duel
+{
+    balloon_mesh mesh; ///< the caller's
+    duel_def def;
+    double3* x; ///< widened floats
+    boundary_oracle_layer oracle;
+    boundary_oracle_point* before; ///< what the oracle had before its last update
+    int before_count;
+    boundary_oracle_memory* memory_before; ///< [element_count] of which only numbers count
+    test_host host;
+    wisp_allocator allocator;
+    jobs_pool* pool;
+    wisp_samples samples;
+    wisp_samples_job job;
+    float *position, *normal, *edge_spacing, *triangle_spacing;
+    int32_t *edges, *triangles;
+    wisp_status status;
+} duel;
+
+static inline void* duel_memory( int count, size_t row )
+{
+    void* memory = aligned_alloc( 64, ( (size_t)( count + 8 ) * row + 63 ) / 64 * 64 );
+    assert_non_null( memory );
+    memset( memory, 0, (size_t)( count + 8 ) * row );
+    return memory;
+}
+
+static inline float* duel_floats( const double* from, int count )
+{
+    float* to = duel_memory( count, sizeof( float ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        to[i] = (float)from[i];
+    }
+    return to;
+}
+
+static inline void duel_fill_job( duel* d )
+{
+    const int edges = d->oracle.edge_count, triangles = d->oracle.triangle_count;
+    d->edges = duel_memory( 2 * edges, sizeof( int32_t ) );
+    d->triangles = duel_memory( 3 * triangles, sizeof( int32_t ) );
+    for ( int e = 0; e < edges; ++e )
+    {
+        d->edges[2 * e] = d->oracle.topology.edges[e].a;
+        d->edges[2 * e + 1] = d->oracle.topology.edges[e].b;
+    }
+    memcpy( d->triangles, d->mesh.triangles, 3 * (size_t)triangles * sizeof( int32_t ) );
+    d->edge_spacing = d->def.edge_spacing != NULL ? duel_floats( d->def.edge_spacing, edges ) : NULL;
+    d->triangle_spacing = d->def.triangle_spacing != NULL ? duel_floats( d->def.triangle_spacing, triangles ) : NULL;
+    d->job = ( wisp_samples_job ){
+        .position = d->position,
+        .normal = d->normal,
+        .edges = d->edges,
+        .edge_count = edges,
+        .triangles = d->triangles,
+        .triangle_count = triangles,
+        .edge_spacing = d->edge_spacing,
+        .triangle_spacing = d->triangle_spacing,
+        .spacing = (float)d->def.spacing,
+        .policy = d->def.policy,
+        .rounding = d->def.rounding,
+        .hysteresis = (float)d->def.hysteresis,
+        .scanline = d->def.scanline,
+        .limit = 4000000,
+        .edge_length = duel_memory( edges, sizeof( float ) ),
+        .edge_points = duel_memory( edges, sizeof( int32_t ) ),
+        .triangle_extent = duel_memory( 2 * triangles, sizeof( float ) ),
+        .triangle_axis = duel_memory( triangles, sizeof( int32_t ) ),
+        .triangle_points = duel_memory( triangles, sizeof( int32_t ) ),
+    };
+}
+
+/// Close with duel_close(). The mesh stays the caller's.
+static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
+{
+    duel* d = calloc( 1, sizeof( duel ) );
+    assert_non_null( d );
+    d->mesh = *mesh;
+    d->def = *def;
+    const boundary_oracle_options options = {
+        .spacing = def->spacing,
+        .policy = (boundary_oracle_policy)def->policy,
+        .rounding = (boundary_oracle_rounding)def->rounding,
+        .normals = def->scanline ? BOUNDARY_ORACLE_SCANLINE : BOUNDARY_ORACLE_BARYCENTRIC,
+        .hysteresis = def->hysteresis,
+        .cap = 1e9,
+        .edge_spacing = def->edge_spacing,
+        .triangle_spacing = def->triangle_spacing,
+    };
+    assert_int_equal( boundary_oracle_create( mesh, &options, &d->oracle, NULL ), WISP_OK );
+    d->x = calloc( (size_t)mesh->vertex_count, sizeof( double3 ) );
+    assert_non_null( d->x );
+    d->position = duel_memory( 4 * mesh->vertex_count, sizeof( float ) );
+    d->normal = duel_memory( 4 * mesh->vertex_count, sizeof( float ) );
+    d->allocator = test_host_allocator( &d->host );
+    d->pool = jobs_create( &d->allocator, def->workers > 0 ? def->workers : 2, NULL, NULL );
+    duel_fill_job( d );
+    return d;
+}
+
+static inline void duel_close( duel* d )
+{
+    wisp_samples_release( &d->samples, &d->allocator );
+    jobs_destroy( d->pool );
+    assert_host_has_all_back( &d->host );
+    boundary_oracle_destroy( &d->oracle );
+    void* blocks[] = { d->x,
+                       d->before,
+                       d->memory_before,
+                       d->position,
+                       d->normal,
+                       d->edge_spacing,
+                       d->triangle_spacing,
+                       d->edges,
+                       d->triangles,
+                       d->job.edge_length,
+                       d->job.edge_points,
+                       d->job.triangle_extent,
+                       d->job.triangle_axis,
+                       d->job.triangle_points };
+    for ( size_t k = 0; k < sizeof( blocks ) / sizeof( blocks[0] ); ++k )
+    {
+        free( blocks[k] );
+    }
+    free( d );
+}
+
+static inline void duel_run( void* context )
+{
+    duel* d = context;
+    d->status =
+        wisp_samples_update( &d->samples, jobs_everyone( d->pool ), kernels_select( d->def.isa, NULL ), &d->job );
+}
+
+// Lets the oracle be where it is after this, and remembers where it was.
+static inline void duel_remember( duel* d )
+{
+    const boundary_oracle_layer* o = &d->oracle;
+    free( d->before );
+    free( d->memory_before );
+    d->before_count = o->point_count;
+    d->before = calloc( (size_t)o->point_count + 1, sizeof( boundary_oracle_point ) );
+    d->memory_before = calloc( (size_t)o->element_count + 1, sizeof( boundary_oracle_memory ) );
+    assert_true( d->before != NULL && d->memory_before != NULL );
+    memcpy( d->memory_before, o->memory, (size_t)o->element_count * sizeof( boundary_oracle_memory ) );
+    if ( o->point_count > 0 )
+    {
+        memcpy( d->before, o->points, (size_t)o->point_count * sizeof( boundary_oracle_point ) );
+    }
+}
+
+/// Both follow these positions, rounded to floats. Vertex normals are the oracle's, rounded.
+static inline void duel_update( duel* d, const double3* x )
+{
+    for ( int i = 0; i < d->mesh.vertex_count; ++i )
+    {
+        const float quad[4] = { (float)x[i].x, (float)x[i].y, (float)x[i].z, 1.0f };
+        memcpy( d->position + 4 * (size_t)i, quad, sizeof( quad ) );
+    }
+    // in a loop of its own: gcc 12 takes a pair of doubles that becomes floats and doubles again for the pair it was
+    for ( int i = 0; i < d->mesh.vertex_count; ++i )
+    {
+        const float* quad = d->position + 4 * (size_t)i;
+        d->x[i] = double3_make( (double)quad[0], (double)quad[1], (double)quad[2] );
+    }
+    duel_remember( d );
+    must_update( &d->oracle, d->x );
+    for ( int i = 0; i < d->mesh.vertex_count; ++i )
+    {
+        const double3 n = d->oracle.vertex_normal[i];
+        const float quad[4] = { (float)n.x, (float)n.y, (float)n.z, 0.0f };
+        memcpy( d->normal + 4 * (size_t)i, quad, sizeof( quad ) );
+    }
+    jobs_enter( d->pool, duel_run, d );
+    assert_int_equal( d->status, WISP_OK );
+}

@@ -1,0 +1,314 @@
+/// What the tests of contact share: worlds of cloth, balloons, strands and bodies that meet, meshes that are put somewhere,
+/// and crossings counted by asking every edge about every triangle.
+#pragma once
+
+#include "cloth_fixture.h"
+
+#include "balloon.h"
+#include "collision.h"
+#include "contact.h"
+#include "implicit_cloth.h"
+#include "strands.h"
+#include "wisp/crossings.h"
+
+static const float FRAME = 1.0f / 60.0f; // s
+
+static inline wisp_world_def contact_world_def( hosted* h )
+{
+    static const wisp_module* const MODULES[] = { &wisp_balloon_module,        &wisp_cloth_module,
+                                                  &wisp_implicit_cloth_module, &wisp_strands_module,
+                                                  &wisp_collision_module,      &wisp_contact_module };
+    wisp_world_def def = hosted_def( h );
+    def.modules = MODULES;
+    def.module_count = WISP_COUNT( MODULES );
+    return def;
+}
+
+/// Close with close_world().
+static inline void open_contact( hosted* h, int substeps, int iterations, int workers )
+{
+    *h = ( hosted ){ 0 };
+    h->def = contact_world_def( h );
+    h->def.substeps = substeps;
+    h->def.iterations = iterations;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+static inline void set_contact( wisp_world* world, wisp_entity e, const wisp_contact_def* def )
+{
+    assert_status( world, wisp_set_contact( world, e, def ), WISP_OK );
+}
+
+/// Of a thickness, without friction.
+static inline wisp_contact_def contact_of( float thickness )
+{
+    wisp_contact_def def = wisp_default_contact_def();
+    def.thickness = thickness;
+    def.friction = 0.0f;
+    return def;
+}
+
+static inline wisp_contact_figures contact_figures( wisp_world* world )
+{
+    wisp_contact_figures f;
+    assert_status( world, wisp_read_contact_figures( world, &f ), WISP_OK );
+    return f;
+}
+
+static inline void want_figures( wisp_world* world )
+{
+    assert_status( world, wisp_want_contact_figures( world, true, true ), WISP_OK );
+}
+
+// ---- meshes ----
+
+/// n x n vertices about `centre`, level, `size` wide.
+static inline test_mesh level_sheet( int n, float size, wisp_vec3 centre )
+{
+    test_mesh m = test_plane( n, size / (float)( n - 1 ) );
+    for ( int v = 0; v < m.vertex_count; ++v )
+    {
+        const wisp_vec3 p = m.points[v];
+        m.points[v] = ( wisp_vec3 ){ centre.x + p.x - 0.5f * size, centre.y, centre.z + p.z - 0.5f * size };
+    }
+    return m;
+}
+
+/// A ball of radius r.
+static inline test_mesh ball_of( int level, float radius, wisp_vec3 centre )
+{
+    test_mesh m = test_ball( level );
+    for ( int v = 0; v < m.vertex_count; ++v )
+    {
+        const wisp_vec3 p = m.points[v];
+        m.points[v] = ( wisp_vec3 ){ centre.x + radius * p.x, centre.y + radius * p.y, centre.z + radius * p.z };
+    }
+    return m;
+}
+
+/// Particles of a mesh, whose points and figures are wanted. Frees the mesh.
+static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const int32_t* pins, int pin_count,
+                                    float area_density )
+{
+    const wisp_fabric_def fabric = test_fabric_def( mesh );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = pins;
+    surface.pin_count = pin_count;
+    surface.area_density = area_density;
+    const wisp_entity e = test_surface_of( world, &fabric, surface );
+    assert_status( world, wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_status( world, wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    test_mesh_free( mesh );
+    return e;
+}
+
+/// The same, every vertex pinned.
+static inline wisp_entity add_pinned( wisp_world* world, test_mesh* mesh )
+{
+    int32_t* all = calloc( (size_t)mesh->vertex_count, sizeof( int32_t ) );
+    assert_non_null( all );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        all[v] = v;
+    }
+    const wisp_entity e = add_mesh( world, mesh, all, mesh->vertex_count, 0.15f );
+    free( all );
+    return e;
+}
+
+/// Cloth of a mesh. Frees the mesh.
+static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const int32_t* pins, int pin_count,
+                                       wisp_vec3 gravity )
+{
+    const wisp_entity e = add_mesh( world, mesh, pins, pin_count, 0.15f );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.damping = 1.0f;
+    assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
+    return e;
+}
+
+/// A balloon of 0.1 kg/m^2, taut, that air drags and does not lift. Frees the mesh.
+static inline wisp_entity add_balloon( wisp_world* world, test_mesh* mesh, wisp_vec3 gravity )
+{
+    const wisp_entity e = add_mesh( world, mesh, NULL, 0, 0.1f );
+    wisp_balloon_def def = wisp_default_balloon_def();
+    def.fill = 1.3f;
+    def.buoyancy = false;
+    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
+    assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
+    return e;
+}
+
+/// A plane that stands still, its normal y turned to `up` (a unit vector along an axis), which `e` and others collide with.
+static inline void add_floor( wisp_world* world, wisp_vec3 at, wisp_vec3 up )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    const float half = sqrtf( 0.5f );
+    def.kind = WISP_COLLIDER_PLANE;
+    def.pose.translation = at;
+    if ( up.y < -0.5f )
+    {
+        def.pose.rotation = ( wisp_quat ){ 1.0f, 0.0f, 0.0f, 0.0f };
+    }
+    else if ( up.y <= 0.5f )
+    {
+        def.pose.rotation = ( wisp_quat ){ up.z * half, 0.0f, -up.x * half, half };
+    }
+    wisp_entity e;
+    assert_status( world, wisp_add_collider( world, &def, &e ), WISP_OK );
+}
+
+static inline void set_collision( wisp_world* world, wisp_entity e )
+{
+    const wisp_collision_def def = wisp_default_collision_def();
+    assert_status( world, wisp_set_collision( world, e, &def ), WISP_OK );
+}
+
+// ---- crossings ----
+
+static inline bool boxes_part( const float* p, const float* q, const float* a, const float* b, const float* c )
+{
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float low = fminf( p[k], q[k] ), high = fmaxf( p[k], q[k] );
+        if ( high < fminf( a[k], fminf( b[k], c[k] ) ) || low > fmaxf( a[k], fmaxf( b[k], c[k] ) ) )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Edges of one surface that pass through triangles of another, or of itself: every edge is asked about every triangle.
+static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_entity triangles_of )
+{
+    const wisp_fabric *f = wisp_world_fabric( world, edges_of ), *g = wisp_world_fabric( world, triangles_of );
+    const float* x = wisp_world_column( world, edges_of, WISP_PARTICLE_POSITION, 0 );
+    const float* y = wisp_world_column( world, triangles_of, WISP_PARTICLE_POSITION, 0 );
+    int count = 0;
+    for ( int e = 0; e < f->edge_count; ++e )
+    {
+        const int32_t* ends = f->edges + 2 * (size_t)e;
+        for ( int t = 0; t < g->triangle_count; ++t )
+        {
+            const int32_t* corners = g->triangles + 3 * (size_t)t;
+            const float *p = x + 4 * (size_t)ends[0], *q = x + 4 * (size_t)ends[1], *a = y + 4 * (size_t)corners[0],
+                        *b = y + 4 * (size_t)corners[1], *c = y + 4 * (size_t)corners[2];
+            const bool share = p == a || p == b || p == c || q == a || q == b || q == c;
+            count += share == false && boxes_part( p, q, a, b, c ) == false && wisp_segment_crosses( p, q, a, b, c )
+                         ? 1
+                         : 0;
+        }
+    }
+    return count;
+}
+
+/// Among some surfaces, each with each and with itself.
+static inline int count_all_passing( wisp_world* world, const wisp_entity* surfaces, int count )
+{
+    int passing = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int k = 0; k < count; ++k )
+        {
+            passing += count_passing( world, surfaces[i], surfaces[k] );
+        }
+    }
+    return passing;
+}
+
+// ---- state ----
+
+/// Where a vertex is, three floats, the user's number.
+static inline const float* place_of( wisp_world* world, wisp_entity e, int vertex )
+{
+    const float* column = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
+    assert_non_null( column );
+    return column + (size_t)wisp_world_fabric( world, e )->vertex_slot[vertex] * 4;
+}
+
+/// The mean of a coordinate over all vertices.
+static inline double mean_of( wisp_world* world, wisp_entity e, int axis )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, e );
+    double sum = 0.0;
+    for ( int v = 0; v < f->vertex_count; ++v )
+    {
+        sum += (double)place_of( world, e, v )[axis];
+    }
+    return sum / f->vertex_count;
+}
+
+/// J, of several surfaces.
+static inline double energy_of( wisp_world* world, const wisp_entity* surfaces, int count )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < count; ++i )
+    {
+        sum += quality_of( world, surfaces[i] ).kinetic_energy;
+    }
+    return sum;
+}
+
+static inline void momentum_of( wisp_world* world, const wisp_entity* surfaces, int count, double out[3] )
+{
+    memset( out, 0, 3 * sizeof( double ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_quality q = quality_of( world, surfaces[i] );
+        for ( int k = 0; k < 3; ++k )
+        {
+            out[k] += q.momentum[k];
+        }
+    }
+}
+
+/// How far a point is inside a closed surface, m; 0 outside. Solid angles tell which (van Oosterom and Strackee 1983).
+static inline double depth_inside( wisp_world* world, wisp_entity closed, const float* at )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, closed );
+    const float* x = wisp_world_column( world, closed, WISP_PARTICLE_POSITION, 0 );
+    float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for ( int i = 0; i < 3 * f->vertex_count; ++i )
+    {
+        const float place = x[4 * ( i / 3 ) + i % 3];
+        low[i % 3] = fminf( low[i % 3], place );
+        high[i % 3] = fmaxf( high[i % 3], place );
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        if ( at[k] < low[k] || at[k] > high[k] )
+        {
+            return 0.0;
+        }
+    }
+    double turns = 0.0, nearest = INFINITY;
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        double r[3][3], length[3], dot[3], normal[3];
+        for ( int c = 0; c < 3; ++c )
+        {
+            for ( int k = 0; k < 3; ++k )
+            {
+                r[c][k] = (double)x[4 * (size_t)f->triangles[3 * (size_t)t + (size_t)c] + (size_t)k] - (double)at[k];
+            }
+            length[c] = sqrt( r[c][0] * r[c][0] + r[c][1] * r[c][1] + r[c][2] * r[c][2] );
+            nearest = fmin( nearest, length[c] );
+        }
+        for ( int c = 0; c < 3; ++c )
+        {
+            const double *u = r[c], *v = r[( c + 1 ) % 3];
+            dot[c] = u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        }
+        normal[0] = r[1][1] * r[2][2] - r[1][2] * r[2][1];
+        normal[1] = r[1][2] * r[2][0] - r[1][0] * r[2][2];
+        normal[2] = r[1][0] * r[2][1] - r[1][1] * r[2][0];
+        const double volume = r[0][0] * normal[0] + r[0][1] * normal[1] + r[0][2] * normal[2];
+        turns += 2.0 * atan2( volume, length[0] * length[1] * length[2] + dot[0] * length[2] + dot[1] * length[0] +
+                                          dot[2] * length[1] );
+    }
+    return fabs( turns ) > 6.2831853 ? nearest
+                                     : 0.0; // 4 pi inside, 0 outside; to the nearest vertex, which is farther
+}

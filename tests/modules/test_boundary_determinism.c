@@ -1,0 +1,115 @@
+// The same bits for any number of workers, any instruction set and after any restart, and the same as yesterday:
+// data/golden/boundary.hash. WISP_GOLDEN=write in the environment writes that file anew.
+#include "boundary_fixture.h"
+#include "golden_file.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/boundary.hash";
+
+typedef struct golden_case
+{
+    const char* name;
+    int level; // of the ball: 4 is enough for several workers in every stage
+    float spacing;
+    wisp_spacing policy;
+    wisp_rounding rounding;
+    bool scanline;
+    float hysteresis, curvature_gain, strain_gain;
+    bool by_screen;
+} golden_case;
+
+static const golden_case CASES[] = {
+    { "even", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.0f, 0.0f, 0.0f, false },
+    { "even-up-fine", 4, 0.02f, WISP_SPACING_EVEN, WISP_ROUND_UP, false, 0.0f, 0.0f, 0.0f, false },
+    { "even-nearest-scanline", 3, 0.04f, WISP_SPACING_EVEN, WISP_ROUND_NEAREST, true, 0.0f, 0.0f, 0.0f, false },
+    { "exact", 3, 0.04f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, false, 0.0f, 0.0f, 0.0f, false },
+    { "exact-scanline-steady", 4, 0.03f, WISP_SPACING_EXACT, WISP_ROUND_DOWN, true, 0.3f, 0.0f, 0.0f, false },
+    { "local", 3, 0.05f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.1f, 2.0f, 3.0f, true },
+    { "local-coarser", 3, 0.03f, WISP_SPACING_EVEN, WISP_ROUND_DOWN, false, 0.0f, 0.0f, -5.0f, false },
+};
+
+static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
+{
+    ball_world* b = ball_open( c->level, workers, isa );
+    wisp_boundary_def def = ball_layer( c->spacing );
+    def.policy = c->policy;
+    def.rounding = c->rounding;
+    def.scanline_normals = c->scanline;
+    def.hysteresis = c->hysteresis;
+    def.curvature_gain = c->curvature_gain;
+    def.strain_gain = c->strain_gain;
+    def.by_screen = c->by_screen;
+    def.eye = ( wisp_vec3 ){ 2.0f, 1.0f, 4.0f };
+    def.pixel_angle = 4e-3f;
+    set_layer( b, b->ball, &def );
+    uint64_t hash = 0;
+    for ( int i = 0; i < 8; ++i )
+    {
+        ball_steps( b, 1 );
+        hash = hash * 31u + layer_hash( b, b->ball );
+    }
+    ball_close( b );
+    return hash;
+}
+
+static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
+{
+    (void)state;
+    static const int WORKERS[] = { 1, 2, 3, 5, 8 };
+    static const char* const ISAS[] = { "baseline", "avx2", "avx512" }; // a cap: the widest that there is below it
+    for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
+    {
+        const uint64_t expected = hash_case( CASES + n, 1, "baseline" );
+        for ( int k = 1; k < WISP_COUNT( WORKERS ) + WISP_COUNT( ISAS ); ++k )
+        {
+            const int workers = WORKERS[k % WISP_COUNT( WORKERS )];
+            const char* isa = ISAS[k % WISP_COUNT( ISAS )];
+            const uint64_t hash = hash_case( CASES + n, workers, isa );
+            if ( hash != expected )
+            {
+                fail_msg( "%s: %016" PRIx64 " with %d workers and %s, %016" PRIx64 " with one and baseline",
+                          CASES[n].name, hash, workers, isa, expected );
+            }
+        }
+    }
+}
+
+static golden_hash run_numbered( int number, const void* context )
+{
+    (void)context;
+    return ( golden_hash ){ CASES[number].name, hash_case( CASES + number, 1, NULL ) };
+}
+
+static void layers_are_those_of_the_golden_file( void** state )
+{
+    (void)state;
+    golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, NULL );
+}
+
+// A hash that forgot something would let everything pass.
+static void a_hash_tells_cases_apart( void** state )
+{
+    (void)state;
+    uint64_t hashes[WISP_COUNT( CASES )];
+    for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
+    {
+        hashes[n] = hash_case( CASES + n, 2, NULL );
+        for ( int k = 0; k < n; ++k )
+        {
+            assert_true( hashes[n] != hashes[k] );
+        }
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( layers_are_those_of_the_golden_file ),
+        cmocka_unit_test( a_hash_tells_cases_apart ),
+        cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

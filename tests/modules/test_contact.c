@@ -1,0 +1,515 @@
+// The law of contact between two small bodies, against the oracle, and what a definition says: friction, recovery, gaps,
+// layers, the own surface, pins, guests that come, go and are halted.
+#include "contact_fixture.h"
+
+#include "oracle/contact_oracle.h"
+
+static const float DT = 0.01f;        // s
+static const float THICK = 0.015625f; // m
+
+static double3 from_floats( const float* x )
+{
+    return double3_make( (double)x[0], (double)x[1], (double)x[2] );
+}
+
+// ---- two triangles that meet in one pair ----
+
+typedef struct meeting
+{
+    hosted h;
+    wisp_entity body[2];
+    bool is_edges;
+} meeting;
+
+static test_mesh three( wisp_vec3 a, wisp_vec3 b, wisp_vec3 c, int n )
+{
+    test_mesh m = triangle_mesh( a, b, c );
+    for ( int v = 0; v < 3; ++v )
+    {
+        m.points[v].x += test_random_float( n, 10 + v, -0.05f, 0.05f );
+        m.points[v].z += test_random_float( n, 20 + v, -0.05f, 0.05f );
+    }
+    return m;
+}
+
+// A vertex above the middle of a triangle, or an edge across another; all else is far away. Masses differ, some are pinned,
+// the upper one comes down and slides.
+static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
+{
+    *m = ( meeting ){ .is_edges = is_edges };
+    open_contact( &m->h, 1, iterations, 1 );
+    wisp_world* w = m->h.world;
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.guard = false; // bodies of one triangle turn about: it would cut what the law has already answered
+    assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
+    const float height = THICK * test_random_float( n, 1, 0.6f, 1.4f );
+    test_mesh upper = is_edges ? three( ( wisp_vec3 ){ -0.5f, height, 0.0f }, ( wisp_vec3 ){ 0.5f, height, 0.0f },
+                                        ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, n )
+                               : three( ( wisp_vec3 ){ 0.0f, height, 0.0f }, ( wisp_vec3 ){ -0.1f, 1.0f, 0.1f },
+                                        ( wisp_vec3 ){ 0.2f, 1.0f, -0.1f }, n );
+    test_mesh lower = is_edges ? three( ( wisp_vec3 ){ 0.0f, 0.0f, -0.5f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.5f },
+                                        ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f }, n + 1000 )
+                               : three( ( wisp_vec3 ){ -0.5f, 0.0f, -0.4f }, ( wisp_vec3 ){ 0.0f, 0.0f, 0.6f },
+                                        ( wisp_vec3 ){ 0.5f, 0.0f, -0.4f }, n + 1000 );
+    const int32_t pins[2] = { test_random( n, 2, 3 ), test_random( n, 3, 3 ) };
+    m->body[0] = add_mesh( w, &upper, pins, n % 3 == 1 ? 1 : 0, 0.2f );
+    m->body[1] = add_mesh( w, &lower, pins + 1, n % 3 == 2 ? 1 : 0, 0.4f );
+    wisp_contact_def def = contact_of( THICK );
+    def.recovery_speed = 1e-9f; // the law alone
+    def.friction = test_random_float( n, 4, 0.0f, 2.0f );
+    set_contact( w, m->body[0], &def );
+    def.friction *= 0.5f;
+    set_contact( w, m->body[1], &def );
+    want_figures( w );
+    for ( int v = 0; v < 3; ++v )
+    {
+        const bool is_held = n % 3 == 1 && v == pins[0];
+        float* velocity = velocity_of( w, m->body[0], v );
+        velocity[0] = is_held ? 0.0f : test_random_float( n, 30 + v, -1.0f, 1.0f );
+        velocity[1] = is_held ? 0.0f : test_random_float( n, 40 + v, -3.0f, 0.5f );
+        velocity[2] = is_held ? 0.0f : test_random_float( n, 50 + v, -1.0f, 1.0f );
+    }
+}
+
+// What the oracle makes of the substep: the pair where it was apart, then the law as often as there are iterations.
+static contact_oracle_contact expect_places( const meeting* m, int n, int iterations, double3 x[6], double3 before[6],
+                                             double w[6] )
+{
+    for ( int i = 0; i < 6; ++i )
+    {
+        const float* at = place_of( m->h.world, m->body[i / 3], i % 3 );
+        before[i] = from_floats( at );
+        w[i] = (double)at[3];
+        const double3 v = from_floats( velocity_of( m->h.world, m->body[i / 3], i % 3 ) );
+        x[i] = w[i] > 0.0 ? double3_add( before[i], double3_scale( (double)DT, v ) ) : before[i];
+    }
+    const contact_oracle_closest c = m->is_edges ? contact_oracle_segments( before, before + 3 )
+                                                 : contact_oracle_point_triangle( before[0], before + 3 );
+    const double friction = (double)test_random_float( n, 4, 0.0f, 2.0f );
+    contact_oracle_contact contact = { .normal = c.normal,
+                                       .gap = fmin( c.distance, (double)THICK ),
+                                       .friction = sqrt( friction * 0.5 * friction ) };
+    contact.a.count = m->is_edges ? 2 : 1;
+    contact.b.count = m->is_edges ? 2 : 3;
+    for ( int i = 0; i < 3; ++i )
+    {
+        contact.a.vertex[i] = i;
+        contact.b.vertex[i] = 3 + i;
+        contact.a.weight[i] = c.a[i];
+        contact.b.weight[i] = c.b[i];
+    }
+    for ( int i = 0; i < iterations; ++i )
+    {
+        contact_oracle_push( &contact, w, x );
+        contact_oracle_rub( &contact, w, before, x );
+    }
+    return contact;
+}
+
+static void a_pair_moves_as_the_oracle_has_it( void** state )
+{
+    (void)state;
+    int pushed = 0, free = 0;
+    for ( int n = 0; n < 120; ++n )
+    {
+        const int iterations = 1 + n % 4;
+        meeting m;
+        open_meeting( &m, n, n % 2 == 1, iterations );
+        double3 x[6], before[6];
+        double w[6];
+        const contact_oracle_contact c = expect_places( &m, n, iterations, x, before, w );
+        run_steps( m.h.world, 1, DT );
+        for ( int i = 0; i < 6; ++i )
+        {
+            // places are of about one metre: some roundings of a float
+            const double off = double3_distance( from_floats( place_of( m.h.world, m.body[i / 3], i % 3 ) ), x[i] );
+            assert_near( off, 0.0, 4e-6 );
+        }
+        const wisp_contact_figures f = contact_figures( m.h.world );
+        assert_int_equal( f.contacts, c.lambda > 1e-9 ? 1 : 0 );
+        double impulse[3];
+        assert_status( m.h.world, wisp_read_contact_impulse( m.h.world, m.body[0], impulse ), WISP_OK );
+        const double3 wanted =
+            double3_scale( 1.0 / (double)DT, double3_add( double3_scale( c.lambda, c.normal ), c.rubbed ) );
+        const double3 got = double3_make( impulse[0], impulse[1], impulse[2] );
+        // of a push of a rounding of places in a step, with the masses of these bodies
+        assert_near( double3_distance( got, wanted ), 0.0, 1e-4 );
+        pushed += c.lambda > 0.0 ? 1 : 0;
+        free += c.lambda == 0.0 ? 1 : 0;
+        close_world( &m.h );
+    }
+    assert_true( pushed > 60 && free > 5 );
+}
+
+static void momentum_is_kept_and_forces_are_opposite( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 60; n += 3 ) // those without pins
+    {
+        meeting m;
+        open_meeting( &m, n, n % 2 == 1, 2 );
+        double before[3] = { 0 }, after[3], impulse[2][3];
+        for ( int i = 0; i < 6; ++i )
+        {
+            const double mass = 1.0 / (double)place_of( m.h.world, m.body[i / 3], i % 3 )[3];
+            for ( int k = 0; k < 3; ++k )
+            {
+                before[k] += mass * (double)velocity_of( m.h.world, m.body[i / 3], i % 3 )[k];
+            }
+        }
+        run_steps( m.h.world, 1, DT );
+        momentum_of( m.h.world, m.body, 2, after );
+        const wisp_contact_figures f = contact_figures( m.h.world );
+        for ( int b = 0; b < 2; ++b )
+        {
+            assert_status( m.h.world, wisp_read_contact_impulse( m.h.world, m.body[b], impulse[b] ), WISP_OK );
+        }
+        for ( int k = 0; k < 3; ++k )
+        {
+            // a rounding of places (6e-8 m) over the step, times 0.3 kg
+            assert_near( after[k], before[k], 1e-5 );
+            assert_near( impulse[0][k] + impulse[1][k], 0.0, 1e-15 );
+            assert_near( f.pushed[k], 0.0, 1e-15 );
+        }
+        close_world( &m.h );
+    }
+}
+
+// ---- sheets ----
+
+// A sheet of two triangles that cannot move, and a smaller free one above it, as far as told.
+static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const wisp_contact_def* lower,
+                         const wisp_contact_def* upper )
+{
+    open_contact( h, 4, 2, 1 );
+    test_mesh a = level_sheet( 2, 4.0f, ( wisp_vec3 ){ 0 } ),
+              b = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0.11f, height, 0.07f } );
+    sheets[0] = add_pinned( h->world, &a );
+    sheets[1] = add_draping( h->world, &b, NULL, 0, ( wisp_vec3 ){ 0 } );
+    set_contact( h->world, sheets[0], lower );
+    set_contact( h->world, sheets[1], upper );
+    want_figures( h->world );
+}
+
+// Gravity leans by an angle whose tangent is a share of mu. Below one it holds; above, m a = g (sin - mu cos).
+static void friction_is_that_of_coulomb( void** state )
+{
+    (void)state;
+    static const float SHARES[] = { 0.5f, 0.9f, 1.2f, 2.0f };
+    const double mu = 0.4, g = 9.81, seconds = 0.5;
+    for ( int i = 0; i < WISP_COUNT( SHARES ); ++i )
+    {
+        hosted h;
+        wisp_entity sheets[2];
+        wisp_contact_def rough = contact_of( THICK ), half = rough;
+        rough.friction = 0.8f; // the geometric mean is 0.4
+        half.friction = 0.2f;
+        open_sheets( &h, sheets, 1.0001f * THICK, &rough, &half );
+        const double angle = atan( (double)SHARES[i] * mu );
+        const wisp_vec3 gravity = { (float)( g * sin( angle ) ), (float)( -g * cos( angle ) ), 0.0f };
+        assert_status( h.world, wisp_set_damping( h.world, sheets[1], 0.0f ), WISP_OK );
+        assert_status( h.world, wisp_set_gravity( h.world, sheets[1], gravity ), WISP_OK );
+        const double start = mean_of( h.world, sheets[1], 0 );
+        run_steps( h.world, (int)( seconds / (double)DT + 0.5 ), DT );
+        const double slid = mean_of( h.world, sheets[1], 0 ) - start;
+        const double pull = fmax( 0.0, g * ( sin( angle ) - mu * cos( angle ) ) );
+        // a substep more or less of acceleration, and what it slid until it lay
+        assert_near( slid, 0.5 * pull * seconds * seconds, 0.03 * pull * seconds * seconds + 1e-4 );
+        close_world( &h );
+    }
+}
+
+static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[2];
+    wisp_contact_def def = contact_of( THICK );
+    def.recovery_speed = 0.125f;
+    open_sheets( &h, sheets, 0.25f * THICK, &def, &def );
+    for ( int i = 1; i <= 12; ++i )
+    {
+        run_steps( h.world, 1, DT );
+        const double expected = fmin( 0.25 * (double)THICK + 0.125 * i * (double)DT, (double)THICK );
+        assert_near( mean_of( h.world, sheets[1], 1 ), expected, 1e-5 );
+        assert_true( quality_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings of places over a substep
+    }
+    close_world( &h );
+}
+
+static void resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still( void** state )
+{
+    (void)state;
+    static const float PAIRS[][2] = { { 1.0f, 1.0f }, { 0.5f, 1.5f }, { 2.0f, 1.0f } };
+    for ( int i = 0; i < WISP_COUNT( PAIRS ); ++i )
+    {
+        hosted h;
+        wisp_entity sheets[2];
+        const wisp_contact_def lower = contact_of( PAIRS[i][0] * THICK ), upper = contact_of( PAIRS[i][1] * THICK );
+        open_sheets( &h, sheets, 4.0f * THICK, &lower, &upper );
+        assert_status( h.world, wisp_set_gravity( h.world, sheets[1], EARTH ), WISP_OK );
+        run_steps( h.world, 100, DT );
+        const double gap = 0.5 * (double)( PAIRS[i][0] + PAIRS[i][1] ) * (double)THICK;
+        for ( int n = 0; n < 100; ++n )
+        {
+            run_steps( h.world, 1, DT );
+            assert_near( mean_of( h.world, sheets[1], 1 ), gap, 0.001 * gap );
+            // a hundredth of what gravity gives in a step: what presses does not fall and rise
+            assert_true( quality_of( h.world, sheets[1] ).speed_max < 1e-3 );
+        }
+        const wisp_contact_figures f = contact_figures( h.world );
+        assert_near( (double)f.least_gap, 1.0, 1e-3 );
+        double impulse[3];
+        const double weight = quality_of( h.world, sheets[1] ).mass * 9.81;
+        assert_status( h.world, wisp_read_contact_impulse( h.world, sheets[1], impulse ), WISP_OK );
+        assert_near( impulse[1], weight * (double)DT, 0.01 * weight * (double)DT );
+        close_world( &h );
+    }
+}
+
+static bool falls_through( const wisp_contact_def* lower, const wisp_contact_def* upper )
+{
+    hosted h;
+    wisp_entity sheets[2];
+    open_sheets( &h, sheets, 2.0f * THICK, lower, upper );
+    assert_status( h.world, wisp_set_gravity( h.world, sheets[1], EARTH ), WISP_OK );
+    run_steps( h.world, 30, DT );
+    const bool through = mean_of( h.world, sheets[1], 1 ) < 0.0;
+    close_world( &h );
+    return through;
+}
+
+static void layers_and_masks_say_who_meets( void** state )
+{
+    (void)state;
+    const struct
+    {
+        uint32_t layers[2], masks[2];
+        bool meets;
+    } rows[] = {
+        { { 1, 1 }, { UINT32_MAX, UINT32_MAX }, true },
+        { { 1, 2 }, { 2, 1 }, true },
+        { { 1, 2 }, { 1, 2 }, false },
+        { { 1, 2 }, { 2, 2 }, false },
+        { { 1, 2 }, { 1, 1 }, false },
+        { { 6, 0x80000000u }, { 0x80000000u, 2 }, true },
+        { { 0, 1 }, { UINT32_MAX, UINT32_MAX }, false },
+    };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        wisp_contact_def defs[2] = { contact_of( THICK ), contact_of( THICK ) };
+        for ( int k = 0; k < 2; ++k )
+        {
+            defs[k].layers = rows[i].layers[k];
+            defs[k].mask = rows[i].masks[k];
+        }
+        assert_int_equal( falls_through( defs, defs + 1 ), rows[i].meets == false );
+    }
+    wisp_contact_def on = contact_of( THICK ), off = on;
+    off.enabled = false;
+    assert_false( falls_through( &on, &on ) );
+    assert_true( falls_through( &on, &off ) );
+}
+
+// Two pieces of one surface, the upper one coming down.
+static bool passes_itself( bool self )
+{
+    hosted h;
+    open_contact( &h, 4, 1, 1 );
+    test_mesh m = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } ),
+              two = { calloc( 32, sizeof( wisp_vec3 ) ), calloc( 108, sizeof( int32_t ) ), 32, 36 };
+    for ( int v = 0; v < 32; ++v )
+    {
+        const wisp_vec3 p = m.points[v % 16];
+        two.points[v] = ( wisp_vec3 ){ p.x + 0.013f * (float)( v / 16 ), 0.05f * (float)( v / 16 ), p.z };
+    }
+    for ( int i = 0; i < 108; ++i )
+    {
+        two.triangles[i] = m.triangles[i % 54] + 16 * ( i / 54 );
+    }
+    test_mesh_free( &m );
+    const wisp_entity e = add_mesh( h.world, &two, NULL, 0, 0.1f );
+    wisp_contact_def def = contact_of( THICK );
+    def.self = self;
+    set_contact( h.world, e, &def );
+    for ( int v = 16; v < 32; ++v )
+    {
+        velocity_of( h.world, e, v )[1] = -1.0f;
+    }
+    run_steps( h.world, 20, DT );
+    const float lower = place_of( h.world, e, 5 )[1], upper = place_of( h.world, e, 21 )[1];
+    close_world( &h );
+    return upper < lower;
+}
+
+static void a_surface_meets_itself_unless_told_not_to( void** state )
+{
+    (void)state;
+    assert_false( passes_itself( true ) );
+    assert_true( passes_itself( false ) );
+}
+
+static void pins_push_and_are_not_pushed( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[2];
+    const wisp_contact_def def = contact_of( THICK );
+    open_sheets( &h, sheets, 1.5f * THICK, &def, &def );
+    const int32_t all[4] = { 0, 1, 2, 3 };
+    wisp_vec3 targets[4];
+    for ( int i = 1; i <= 25; ++i )
+    {
+        for ( int v = 0; v < 4; ++v )
+        {
+            const float* at = place_of( h.world, sheets[0], v );
+            targets[v] = ( wisp_vec3 ){ at[0], 0.5f * (float)i * DT, at[2] };
+        }
+        assert_status( h.world, wisp_move_pins( h.world, sheets[0], all, targets, 4 ), WISP_OK );
+        run_steps( h.world, 1, DT );
+        for ( int v = 0; v < 4; ++v )
+        {
+            assert_memory_equal( place_of( h.world, sheets[0], v ), targets + v, sizeof( targets[v] ) );
+        }
+        if ( 0 )
+            assert_true( mean_of( h.world, sheets[1], 1 ) > (double)targets[0].y + 0.99 * (double)THICK );
+    }
+    // it goes on as fast as it was pushed: nothing bounces
+    assert_near( quality_of( h.world, sheets[1] ).momentum[1] / quality_of( h.world, sheets[1] ).mass, 0.5, 0.01 );
+    close_world( &h );
+}
+
+// ---- guests come and go ----
+
+// A sheet that rests on another.
+static void open_resting( hosted* h, wisp_entity sheets[2] )
+{
+    const wisp_contact_def def = contact_of( THICK );
+    open_sheets( h, sheets, 1.1f * THICK, &def, &def );
+    assert_status( h->world, wisp_set_gravity( h->world, sheets[1], EARTH ), WISP_OK );
+    run_steps( h->world, 20, DT );
+    assert_near( mean_of( h->world, sheets[1], 1 ), (double)THICK, 1e-3 * (double)THICK );
+}
+
+static void assert_free_fall( hosted* h, wisp_entity e )
+{
+    const double start = mean_of( h->world, e, 1 );
+    run_steps( h->world, 20, DT );
+    // 0.2 s: 0.196 m, and half a substep's worth more
+    assert_near( start - mean_of( h->world, e, 1 ), 0.196, 0.01 );
+}
+
+static void what_lay_on_a_guest_falls_when_that_is_removed_or_leaves( void** state )
+{
+    (void)state;
+    for ( int way = 0; way < 3; ++way )
+    {
+        hosted h;
+        wisp_entity sheets[2];
+        open_resting( &h, sheets );
+        wisp_contact_def off = contact_of( THICK );
+        off.enabled = false;
+        assert_status( h.world,
+                       way == 0   ? wisp_remove( h.world, sheets[0] )
+                       : way == 1 ? wisp_unset_contact( h.world, sheets[0] )
+                                  : wisp_set_contact( h.world, sheets[0], &off ),
+                       WISP_OK );
+        assert_free_fall( &h, sheets[1] );
+        assert_int_equal( contact_figures( h.world ).guests, 1 );
+        assert_status( h.world, wisp_unset_contact( h.world, sheets[1] ), WISP_OK );
+        run_steps( h.world, 1, DT );
+        assert_int_equal( count_passes_named( h.world, "contact.push" ), 0 );
+        assert_int_equal( count_passes_named( h.world, "contact.find" ), 0 );
+        close_world( &h );
+    }
+}
+
+static void a_guest_that_comes_later_is_met( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[2];
+    open_resting( &h, sheets );
+    test_mesh mesh = level_sheet( 5, 0.25f, ( wisp_vec3 ){ 0.1f, 3.0f * THICK, 0.05f } );
+    const wisp_entity third = add_draping( h.world, &mesh, NULL, 0, EARTH );
+    const wisp_contact_def def = contact_of( THICK );
+    run_steps( h.world, 2, DT );
+    set_contact( h.world, third, &def );
+    run_steps( h.world, 100, DT );
+    assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
+    assert_near( mean_of( h.world, third, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
+    assert_int_equal( contact_figures( h.world ).guests, 3 );
+    close_world( &h );
+}
+
+static void instances_meet_like_all_others( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[3];
+    open_resting( &h, sheets );
+    assert_status( h.world, wisp_add_instance( h.world, sheets[1], sheets + 2 ), WISP_OK );
+    const wisp_contact_def def = contact_of( THICK );
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_status( h.world, wisp_set_cloth( h.world, sheets[2], &cloth ), WISP_OK );
+    assert_status( h.world, wisp_set_gravity( h.world, sheets[2], EARTH ), WISP_OK );
+    float* column = wisp_world_column( h.world, sheets[2], WISP_PARTICLE_POSITION, 0 );
+    for ( int v = 0; v < 16; ++v )
+    {
+        column[4 * v + 1] = 4.0f * THICK;
+    }
+    set_contact( h.world, sheets[2], &def );
+    run_steps( h.world, 100, DT );
+    assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
+    assert_near( mean_of( h.world, sheets[2], 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
+    close_world( &h );
+}
+
+// The middle one of three that fall is halted; what falls on it lies there, and when it takes part again it falls itself.
+static void a_halted_guest_stands_and_is_met_again_when_it_is_resumed( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[2];
+    open_resting( &h, sheets );
+    test_mesh middle_mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0.11f, 20.0f * THICK, 0.07f } ),
+              upper_mesh = level_sheet( 4, 0.25f, ( wisp_vec3 ){ 0.1f, 24.0f * THICK, 0.07f } );
+    const wisp_entity middle = add_draping( h.world, &middle_mesh, NULL, 0, EARTH ),
+                      upper = add_draping( h.world, &upper_mesh, NULL, 0, EARTH );
+    const wisp_contact_def def = contact_of( THICK );
+    set_contact( h.world, middle, &def );
+    set_contact( h.world, upper, &def );
+    run_steps( h.world, 1, DT );
+    velocity_of( h.world, middle, 3 )[0] = NAN;
+    run_steps( h.world, 1, DT );
+    assert_true( wisp_is_halted( h.world, middle ) );
+    const uint64_t stands = hash_of( h.world, middle, WISP_SURFACE_POINTS );
+    run_steps( h.world, 100, DT );
+    assert_true( hash_of( h.world, middle, WISP_SURFACE_POINTS ) == stands );
+    assert_near( mean_of( h.world, upper, 1 ) - mean_of( h.world, middle, 1 ), (double)THICK, 0.01 * (double)THICK );
+    assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
+    assert_status( h.world, wisp_resume( h.world, middle ), WISP_OK );
+    run_steps( h.world, 60, DT ); // longer, and what is smaller slides off
+    assert_near( mean_of( h.world, middle, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
+    assert_near( mean_of( h.world, upper, 1 ), 3.0 * (double)THICK, 0.03 * (double)THICK );
+    close_world( &h );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_pair_moves_as_the_oracle_has_it ),
+        cmocka_unit_test( momentum_is_kept_and_forces_are_opposite ),
+        cmocka_unit_test( friction_is_that_of_coulomb ),
+        cmocka_unit_test( what_is_too_near_is_parted_slowly_and_gets_no_velocity ),
+        cmocka_unit_test( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still ),
+        cmocka_unit_test( layers_and_masks_say_who_meets ),
+        cmocka_unit_test( a_surface_meets_itself_unless_told_not_to ),
+        cmocka_unit_test( pins_push_and_are_not_pushed ),
+        cmocka_unit_test( what_lay_on_a_guest_falls_when_that_is_removed_or_leaves ),
+        cmocka_unit_test( a_guest_that_comes_later_is_met ),
+        cmocka_unit_test( instances_meet_like_all_others ),
+        cmocka_unit_test( a_halted_guest_stands_and_is_met_again_when_it_is_resumed ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,256 @@
+// What searches changes the time and not one bit; and boundary particles as what is kept apart: their law (BND-X4), and what
+// passes between them.
+#include "contact_fixture.h"
+
+#include "oracle/contact_oracle.h"
+
+static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
+                                             WISP_PAIR_SEARCH_BRUTE };
+
+// A cloth that falls on a balloon on a sheet, so that there are points of all kinds. @return the hash of all state
+static uint64_t run_scene( wisp_pair_search search, wisp_contact_features features, float margin, int* candidates )
+{
+    hosted h;
+    open_contact( &h, 8, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.search = search;
+    settings.features = features;
+    settings.margin = margin;
+    settings.sample_spacing = 0.02f;
+    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+    test_mesh ball = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.01f, 0.12f, 0.02f } ),
+              sheet = level_sheet( 7, 0.5f, ( wisp_vec3 ){ 0 } ),
+              cloth = level_sheet( 11, 0.4f, ( wisp_vec3 ){ 0.0f, 0.26f, 0.0f } );
+    const wisp_entity e[3] = { add_pinned( h.world, &sheet ), add_balloon( h.world, &ball, EARTH ),
+                               add_draping( h.world, &cloth, NULL, 0, EARTH ) };
+    const wisp_contact_def def = wisp_default_contact_def();
+    for ( int i = 0; i < 3; ++i )
+    {
+        set_contact( h.world, e[i], &def );
+    }
+    want_figures( h.world );
+    run_steps( h.world, 30, FRAME );
+    const wisp_contact_figures f = contact_figures( h.world );
+    assert_true( f.contacts > 0 );
+    *candidates = (int)f.candidates;
+    const uint64_t hash = wisp_world_hash( h.world );
+    close_world( &h );
+    return hash;
+}
+
+static void what_searches_does_not_change_a_bit( void** state )
+{
+    (void)state;
+    for ( int features = 0; features < WISP_CONTACT_FEATURES_COUNT; ++features )
+    {
+        int first_count, count;
+        const uint64_t first =
+            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_features)features, 2.0f, &first_count );
+        assert_true( first_count > 100 );
+        for ( int i = 0; i < WISP_COUNT( SEARCHES ); ++i )
+        {
+            assert_true( run_scene( SEARCHES[i], (wisp_contact_features)features, 2.0f, &count ) == first );
+            assert_int_equal( count, first_count );
+        }
+        // a wider margin finds more candidates: what was compared above is no constant
+        run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_features)features, 6.0f, &count );
+        assert_true( count > first_count );
+    }
+}
+
+// ---- boundary particles ----
+
+static const float DT = 0.01f, THICK = 0.125f;
+
+typedef struct six
+{
+    hosted h;
+    wisp_entity body[2];
+    double3 before[6], predicted[6], after[6];
+    double w[6];
+} six;
+
+static void read_places( six* s, double3* out )
+{
+    for ( int i = 0; i < 6; ++i )
+    {
+        const float* at = place_of( s->h.world, s->body[i / 3], i % 3 );
+        out[i] = double3_make( (double)at[0], (double)at[1], (double)at[2] );
+    }
+}
+
+// Two triangles, one turned and above the other, come at each other.
+static void open_six( six* s, int n )
+{
+    *s = ( six ){ 0 };
+    open_contact( &s->h, 1, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.features = WISP_CONTACT_SAMPLES;
+    settings.sample_spacing = 0.2f;
+    assert_status( s->h.world, wisp_set_contact_settings( s->h.world, &settings ), WISP_OK );
+    for ( int k = 0; k < 2; ++k )
+    {
+        wisp_vec3 p[3];
+        for ( int v = 0; v < 3; ++v )
+        {
+            const float angle = 2.0944f * (float)v + test_random_float( n, 10 * k + v, -0.4f, 0.4f ) + (float)k;
+            p[v] = ( wisp_vec3 ){ 0.5f * cosf( angle ) + test_random_float( n, 30 + k, -0.1f, 0.1f ),
+                                  k == 0 ? THICK * test_random_float( n, 40 + v, 1.1f, 1.3f ) : 0.0f,
+                                  0.5f * sinf( angle ) + test_random_float( n, 50 + k, -0.1f, 0.1f ) };
+        }
+        test_mesh mesh = triangle_mesh( p[0], p[1], p[2] );
+        s->body[k] = add_mesh( s->h.world, &mesh, NULL, 0, k == 0 ? 0.2f : 0.5f );
+        wisp_contact_def def = contact_of( THICK );
+        def.recovery_speed = 1e-9f; // the law alone
+        set_contact( s->h.world, s->body[k], &def );
+    }
+    want_figures( s->h.world );
+    read_places( s, s->before );
+    for ( int i = 0; i < 6; ++i )
+    {
+        float* velocity = velocity_of( s->h.world, s->body[i / 3], i % 3 );
+        velocity[1] = test_random_float( n, 60 + i, 0.0f, 4.0f ) * ( i < 3 ? -1.0f : 1.0f );
+        s->w[i] = (double)place_of( s->h.world, s->body[i / 3], i % 3 )[3];
+        s->predicted[i] = double3_add( s->before[i], double3_make( 0.0, (double)( velocity[1] * DT ), 0.0 ) );
+    }
+    run_steps( s->h.world, 1, DT );
+    read_places( s, s->after );
+}
+
+// What moved tells the weights: a parent moves by its own weight times its inverse mass. With them, the oracle must push
+// as far, along the line between the two points where they were.
+static bool check_six( const six* s )
+{
+    contact_oracle_contact c = { .a = { .count = 3, .vertex = { 0, 1, 2 } },
+                                 .b = { .count = 3, .vertex = { 3, 4, 5 } },
+                                 .gap = (double)THICK };
+    double3 sums[2] = { { 0 } }, ways[6];
+    for ( int i = 0; i < 6; ++i )
+    {
+        ways[i] = double3_scale( 1.0 / s->w[i], double3_sub( s->after[i], s->predicted[i] ) );
+        sums[i / 3] = double3_add( sums[i / 3], ways[i] );
+    }
+    const double length = double3_length( sums[0] );
+    // of a push of a millimetre, six digits of which are roundings
+    assert_near( double3_length( double3_add( sums[0], sums[1] ) ), 0.0, 1e-6 * fmax( length, 1.0 ) );
+    if ( length * s->w[0] < 1e-3 )
+    {
+        return false;
+    }
+    c.normal = double3_scale( 1.0 / length, sums[0] );
+    for ( int i = 0; i < 3; ++i )
+    {
+        c.a.weight[i] = double3_dot( ways[i], c.normal ) / length;
+        c.b.weight[i] = -double3_dot( ways[3 + i], c.normal ) / length;
+        assert_true( c.a.weight[i] > -1e-3 && c.b.weight[i] > -1e-3 );
+    }
+    const double3 between =
+        double3_sub( contact_oracle_point_of( &c.a, s->before ), contact_oracle_point_of( &c.b, s->before ) );
+    const double distance = double3_length( between );
+    assert_near( double3_distance( double3_scale( 1.0 / distance, between ), c.normal ), 0.0, 0.02 );
+    c.gap = fmin( c.gap, distance );
+    double3 x[6];
+    memcpy( x, s->predicted, sizeof( x ) );
+    contact_oracle_push( &c, s->w, x );
+    for ( int i = 0; i < 6; ++i )
+    {
+        // weights were read off ways of millimetres, known to 1e-7 m
+        assert_near( double3_distance( x[i], s->after[i] ), 0.0, 2e-5 );
+    }
+    return c.a.weight[0] > 0.05 && c.a.weight[1] > 0.05 && c.a.weight[2] > 0.05;
+}
+
+static void a_boundary_particle_moves_its_parents_by_their_weights( void** state )
+{
+    (void)state;
+    int checked = 0, inner = 0;
+    for ( int n = 0; n < 250; ++n )
+    {
+        six s;
+        open_six( &s, n );
+        double momentum[3];
+        momentum_of( s.h.world, s.body, 2, momentum );
+        double expected = 0.0;
+        for ( int i = 0; i < 6; ++i )
+        {
+            expected += ( s.predicted[i].y - s.before[i].y ) / ( s.w[i] * (double)DT );
+        }
+        // a rounding of places (6e-8 m) over the step, times 0.3 kg
+        assert_near( momentum[1], expected, 1e-5 );
+        assert_near( momentum[0], 0.0, 1e-5 );
+        if ( contact_figures( s.h.world ).contacts == 1 )
+        {
+            checked += 1;
+            inner += check_six( &s ) ? 1 : 0;
+        }
+        close_world( &s.h );
+    }
+    assert_true( checked > 30 && inner > 3 );
+}
+
+// A needle falls on a sheet: between particles that are as far apart as its edges it passes; it does not where they are nearer.
+static bool needle_passes( wisp_contact_features features, float spacing )
+{
+    hosted h;
+    open_contact( &h, 4, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.features = features;
+    settings.sample_spacing = spacing;
+    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+    test_mesh sheet = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
+              needle = triangle_mesh( ( wisp_vec3 ){ 0.13f, 0.03f, 0.31f }, ( wisp_vec3 ){ 0.14f, 0.13f, 0.31f },
+                                      ( wisp_vec3 ){ 0.13f, 0.13f, 0.32f } );
+    const wisp_entity a = add_pinned( h.world, &sheet ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
+    const wisp_contact_def def = contact_of( 0.02f );
+    set_contact( h.world, a, &def );
+    set_contact( h.world, b, &def );
+    want_figures( h.world );
+    run_steps( h.world, 30, DT );
+    assert_int_equal( contact_figures( h.world ).guests, 2 );
+    const bool passed = mean_of( h.world, b, 1 ) < 0.0;
+    close_world( &h );
+    return passed;
+}
+
+static void what_is_finer_than_the_spacing_passes( void** state )
+{
+    (void)state;
+    assert_true( needle_passes( WISP_CONTACT_SAMPLES, 0.5f ) );
+    assert_false( needle_passes( WISP_CONTACT_SAMPLES, 0.01f ) );
+    assert_false( needle_passes( WISP_CONTACT_EXACT, 0.5f ) );
+}
+
+static void more_particles_stand_on_a_finer_spacing( void** state )
+{
+    (void)state;
+    int points[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        hosted h;
+        open_contact( &h, 1, 1, 1 );
+        wisp_contact_settings settings = wisp_default_contact_settings();
+        settings.features = WISP_CONTACT_SAMPLES;
+        settings.sample_spacing = i == 2 ? 0.0f : 0.1f / (float)( 1 + i ); // of the last: the thickness, 0.0125 m
+        assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+        test_mesh sheet = level_sheet( 3, 0.5f, ( wisp_vec3 ){ 0 } );
+        const wisp_entity e = add_draping( h.world, &sheet, NULL, 0, EARTH );
+        const wisp_contact_def def = contact_of( 0.0125f );
+        set_contact( h.world, e, &def );
+        want_figures( h.world );
+        run_steps( h.world, 1, DT );
+        points[i] = contact_figures( h.world ).points;
+        close_world( &h );
+    }
+    assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( what_searches_does_not_change_a_bit ),
+        cmocka_unit_test( a_boundary_particle_moves_its_parents_by_their_weights ),
+        cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
+        cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
