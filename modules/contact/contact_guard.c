@@ -18,7 +18,6 @@ static const float LEAST_OF_WANTED = 0.1f, LEAST_OF_DISTANCE = 0.98f;
 
 typedef struct guard_loop
 {
-    const contact_work* work;
     contact_soup* soup;
     bool* has_cuts; // [block]
     bool gives_up;
@@ -152,7 +151,7 @@ static int count_cut( const contact_soup* s )
 int contact_guard( const contact_work* work )
 {
     contact_soup* s = work->soup;
-    guard_loop loop = { .work = work, .soup = s };
+    guard_loop loop = { .soup = s };
     atomic_init( &loop.is_crossed, false );
     loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)s->blocks.count + 1 );
     if ( loop.has_cuts == NULL )

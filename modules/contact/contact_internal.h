@@ -24,7 +24,7 @@ typedef struct contact_settings
 {
     float thickness, friction, recovery_speed;
     uint32_t layers, mask;
-    int32_t self, enabled;
+    int32_t self;
     int32_t is_new; // what is kept from substep to substep is not known yet
 } contact_settings;
 
@@ -32,7 +32,7 @@ typedef struct contact_settings
 typedef struct contact_memory
 {
     int32_t tangled; // something may cross something: pairs there are let go, and drawn apart
-    int32_t unused;
+    int32_t unused;  // rows of columns have no padding inside
     wisp_contact_figures figures;
 } contact_memory;
 
@@ -197,7 +197,6 @@ void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator )
 void contact_gather( const contact_work* work, bool is_start );
 /// Points back into the columns; what is safe and searched with the last iteration.
 void contact_scatter( const contact_work* work, bool is_end );
-
 /// What is kept of a guest from substep to substep, into its columns.
 void contact_keep_guest( const contact_work* work, const contact_guest* guest );
 

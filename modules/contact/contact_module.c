@@ -277,7 +277,6 @@ static contact_settings resolve( wisp_world* world, wisp_entity guest, const wis
         .layers = d->layers,
         .mask = d->mask,
         .self = d->self && strands == NULL ? 1 : 0,
-        .enabled = d->enabled ? 1 : 0,
         .is_new = 1,
     };
 }

@@ -1,8 +1,6 @@
 // Which pairs are within reach, by their boxes: those that share no point and may meet.
 #include "contact_internal.h"
 
-#include <string.h>
-
 enum
 {
     BOX_GRAIN = 1024,
