@@ -101,6 +101,78 @@ void results_add_cells( results* all, int number, const char* const* cells )
     }
 }
 
+int results_add_chart( results* all, const char* title, const char* x_label, const char* y_label )
+{
+    void* items = all->charts;
+    bool room = reserve( all, &items, all->chart_count, &all->chart_capacity, sizeof( results_chart ) );
+    all->charts = items;
+    if ( !room )
+    {
+        return -1;
+    }
+    results_chart* chart = &all->charts[all->chart_count++];
+    *chart = ( results_chart ){ 0 };
+    snprintf( chart->title, sizeof( chart->title ), "%s", title );
+    snprintf( chart->x_label, sizeof( chart->x_label ), "%s", x_label );
+    snprintf( chart->y_label, sizeof( chart->y_label ), "%s", y_label );
+    return all->chart_count - 1;
+}
+
+results_chart* results_chart_at( results* all, int chart )
+{
+    return chart < 0 ? NULL : &all->charts[chart];
+}
+
+int results_add_series( results* all, int number, const char* name, bool is_joined )
+{
+    results_chart* chart = results_chart_at( all, number );
+    if ( !chart )
+    {
+        return -1;
+    }
+    void* items = chart->series;
+    bool room = reserve( all, &items, chart->series_count, &chart->series_capacity, sizeof( results_series ) );
+    chart->series = items;
+    if ( !room )
+    {
+        return -1;
+    }
+    results_series* series = &chart->series[chart->series_count++];
+    *series = ( results_series ){ .is_joined = is_joined };
+    snprintf( series->name, sizeof( series->name ), "%s", name );
+    return chart->series_count - 1;
+}
+
+void results_add_point( results* all, int chart, int number, results_point point )
+{
+    if ( chart < 0 || number < 0 )
+    {
+        return;
+    }
+    results_series* series = &all->charts[chart].series[number];
+    void* items = series->points;
+    bool room = reserve( all, &items, series->count, &series->capacity, sizeof( results_point ) );
+    series->points = items;
+    if ( room )
+    {
+        series->points[series->count++] = point;
+    }
+}
+
+void results_add_picture( results* all, const char* path, const char* caption )
+{
+    void* items = all->pictures;
+    bool room = reserve( all, &items, all->picture_count, &all->picture_capacity, sizeof( results_picture ) );
+    all->pictures = items;
+    char* copy = room ? copy_text( all, path ) : NULL;
+    if ( copy )
+    {
+        results_picture* picture = &all->pictures[all->picture_count++];
+        *picture = ( results_picture ){ .path = copy };
+        snprintf( picture->caption, sizeof( picture->caption ), "%s", caption );
+    }
+}
+
 static void add_note( results* all, const char* before, const char* format, va_list arguments )
 {
     char text[1000];
@@ -145,10 +217,24 @@ void results_free( results* all )
         }
         free( table->cells );
     }
+    for ( int c = 0; c < all->chart_count; ++c )
+    {
+        for ( int i = 0; i < all->charts[c].series_count; ++i )
+        {
+            free( all->charts[c].series[i].points );
+        }
+        free( all->charts[c].series );
+    }
+    for ( int i = 0; i < all->picture_count; ++i )
+    {
+        free( all->pictures[i].path );
+    }
     for ( int i = 0; i < all->note_count; ++i )
     {
         free( all->notes[i] );
     }
+    free( all->charts );
+    free( all->pictures );
     free( all->rows );
     free( all->tables );
     free( all->notes );

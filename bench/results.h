@@ -45,6 +45,41 @@ typedef struct results_table
     char** cells; ///< [row_count][column_count], row 0 is the header
 } results_table;
 
+/// A point of a chart; NaN coordinates are left out where it is drawn.
+typedef struct results_point
+{
+    double x, y;
+    bool is_marked; ///< stands out, as a setting on the Pareto front does
+    char label[64]; ///< what a reader sees who points at it; empty: nothing
+} results_point;
+
+/// Points of one name and colour.
+typedef struct results_series
+{
+    char name[64];
+    bool is_joined; ///< a line through the points in their order
+    results_point* points;
+    int count, capacity;
+} results_series;
+
+/// What a table says, as a picture: two axes and some series.
+typedef struct results_chart
+{
+    char title[160];
+    char x_label[64], y_label[64]; ///< with their units
+    bool x_log, y_log;             ///< points that are not above 0 are left out of a logarithmic axis
+    char caption[400];             ///< a sentence or two below it; empty: none
+    results_series* series;
+    int series_count, series_capacity;
+} results_chart;
+
+/// A picture that a case has written.
+typedef struct results_picture
+{
+    char* path; ///< of a PNG
+    char caption[200];
+} results_picture;
+
 /// Zero-initialised means empty. Running out of memory is kept and reported once, by results_write().
 typedef struct results
 {
@@ -53,6 +88,10 @@ typedef struct results
     int row_count, row_capacity;
     results_table* tables;
     int table_count, table_capacity;
+    results_chart* charts; ///< only the HTML report draws them
+    int chart_count, chart_capacity;
+    results_picture* pictures;
+    int picture_count, picture_capacity;
     char** notes; ///< sentences below the tables
     int note_count, note_capacity;
     bool failed; ///< results_add_failure() was called: the run must not count as good
@@ -70,6 +109,17 @@ void results_put( results_values* values, const char* name, double value );
 int results_add_table( results* all, const char* title, int column_count, const char* const* header );
 /// @param cells [column_count], copied
 void results_add_cells( results* all, int table, const char* const* cells );
+
+/// @return number of the chart, -1 without memory
+int results_add_chart( results* all, const char* title, const char* x_label, const char* y_label );
+/// The chart to set its axes and caption, valid until the next one is added; null if the number is -1.
+results_chart* results_chart_at( results* all, int chart );
+/// @return number of the series in its chart, -1 without memory or without the chart
+int results_add_series( results* all, int chart, const char* name, bool is_joined );
+void results_add_point( results* all, int chart, int series, results_point point );
+
+/// @param path of a PNG that is there when the results are written
+void results_add_picture( results* all, const char* path, const char* caption );
 
 void results_add_note( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// A note that also makes the run a failed one.

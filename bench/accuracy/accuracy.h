@@ -1,0 +1,54 @@
+/// The case `accuracy`: what accuracy costs in time. A scene is run by many settings; every run has its time, its error and its
+/// hash, the Pareto front is marked, and settings are compared at equal time and at equal error.
+#pragma once
+
+#include "bench.h"
+
+#define ACCURACY_MEASURES_MAX 8
+#define ACCURACY_WORKERS_MAX 2
+
+/// What can be turned, and what to call it. A scene has settings of any number of methods and knobs.
+typedef struct accuracy_setting
+{
+    char name[64];      ///< as the table has it: "xpbd, 10 substeps, tethers"; no two of a scene are the same
+    char series[48];    ///< settings that differ in `knob` alone; empty: of no series
+    char knob_name[32]; ///< of a series: what goes to 0, with its unit: "substep, s", "spacing, m"
+    double knob;        ///< its value, above 0; the observed order is the slope of log error over log knob
+    double order;       ///< the order that theory promises; NaN: none is promised
+} accuracy_setting;
+
+/// What one run of a setting showed. The driver makes it with NaN everywhere.
+typedef struct accuracy_run
+{
+    double error;                           ///< against the scene's truth, in the scene's unit; NaN if it was halted
+    double measures[ACCURACY_MEASURES_MAX]; ///< what the scene looks at besides, in its order
+    uint64_t hash; ///< of the state at the end: the same for every worker count, looked at or not
+    int halted_at; ///< step; 0: never
+    double* ms;    ///< of each step: fill with accuracy_keep_ms()
+    int ms_count, ms_capacity;
+} accuracy_run;
+
+/// Keep the time of a step. @return WISP_NO_MEMORY
+wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
+
+/// A scene with its truth and its settings. Made by an accuracy_scene_fn, which also makes or reads the truth.
+typedef struct accuracy_scene
+{
+    char truth[200];     ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
+    char error_name[48]; ///< "distance to the truth"
+    char error_unit[16]; ///< "mm", "%": of `error` as it is printed
+    const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
+    int measure_count;
+    accuracy_setting* settings; ///< [setting_count] malloc'ed, the scene's
+    int setting_count;
+    void* context; ///< what run() needs
+    /// Run a setting from its start to its end, keeping the time of every step.
+    /// @param is_looked_at error and measures are asked for; otherwise only times, hash and halted_at
+    wisp_status ( *run )( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                          wisp_error* error );
+    void ( *destroy )( void* context ); ///< null: nothing to do
+} accuracy_scene;
+
+/// @param seconds about how long all runs of the scene may take, its truth included
+typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
+                                       wisp_error* error );
