@@ -4,6 +4,11 @@
 
 #include <string.h>
 
+enum
+{
+    RENEWED_SHARE = 6, // where more than one of so many points spent its reach, all are searched
+};
+
 contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
     return ( contact_work ){
@@ -17,24 +22,44 @@ contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, conta
     };
 }
 
-static bool search( const contact_work* work )
+static bool succeeds( const contact_work* work, wisp_status status, const wisp_error* error )
 {
-    wisp_error error = { 0 };
-    wisp_status status = contact_mark_tangles( work, &error );
-    status = status == WISP_OK ? contact_search( work, &error ) : status;
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( work->frame, status, "%s", error.sentence );
+        wisp_frame_fail( work->frame, status, "%s", error->sentence );
     }
     return status == WISP_OK;
 }
 
+// A restored snapshot brings the places along where its points were searched: the same pairs come of them. If something is
+// crossed, all is searched once more anyway.
+static bool search_restored( const contact_work* work )
+{
+    wisp_error error = { 0 };
+    memset( work->soup->is_tangled, 0, (size_t)work->soup->point_count );
+    return succeeds( work, contact_search( work, true, &error ), &error );
+}
+
 static bool search_anew( const contact_work* work )
 {
+    wisp_error error = { 0 };
     contact_set_reach( work );
     work->soup->is_anew = false;
+    const wisp_status status = contact_mark_tangles( work, &error );
+    return succeeds( work, status == WISP_OK ? contact_search( work, false, &error ) : status, &error );
+}
+
+// Points spend their reach at different times, so that mostly a few are looked for at a time.
+static bool look_again( const contact_work* work )
+{
+    const contact_soup* s = work->soup;
+    const int most = s->point_count / RENEWED_SHARE;
+    wisp_error error = { 0 };
     work->memory->figures.searches += 1;
-    return search( work );
+    const bool is_whole = s->is_anew || work->memory->tangled != 0 ||
+                          work->state->world.features == WISP_CONTACT_SAMPLES ||
+                          contact_renew_reach( work, most ) > most;
+    return is_whole ? search_anew( work ) : succeeds( work, contact_renew_pairs( work, &error ), &error );
 }
 
 static void begin_step( const contact_work* work )
@@ -68,15 +93,14 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         state->changed = false;
     }
     contact_gather( &work, true );
-    // a restored snapshot brings the places of its last search along: the same pairs come of them
-    if ( s->candidate_count < 0 && s->is_anew == false && search( &work ) == false )
+    if ( s->candidate_count < 0 && s->is_anew == false && search_restored( &work ) == false )
     {
         return;
     }
     const contact_reached reached = contact_expect_ways( &work );
     // while something is crossed, what is changes from substep to substep
     const bool is_due = s->is_anew || reached == CONTACT_BEYOND || work.memory->tangled != 0;
-    if ( is_due && search_anew( &work ) == false )
+    if ( is_due && look_again( &work ) == false )
     {
         return;
     }
@@ -87,7 +111,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 static void guard_ways( const contact_work* work )
 {
     const contact_reached reached = contact_measure_ways( work );
-    if ( reached == CONTACT_BEYOND && search_anew( work ) == false )
+    if ( reached == CONTACT_BEYOND && look_again( work ) == false )
     {
         return;
     }

@@ -316,7 +316,7 @@ static void settle_stack( int count, int level, int start, int steps )
     for ( int s = 0; s < 60; ++s )
     {
         run_steps( x.h.world, 1, FRAME );
-        if ( speed_of( &x ) >= 0.03 )
+        if ( speed_of( &x ) >= 0.02 )
         {
             fail_msg( "start %d: %.3g m/s in step %d", start, speed_of( &x ), steps + s );
         }
@@ -340,7 +340,7 @@ static void a_stack_of_ten_comes_to_rest( void** state )
     (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
-        settle_stack( 10, 2, start, 150 );
+        settle_stack( 10, 2, start, 270 ); // one of them falls into its last place after four seconds
     }
 }
 
