@@ -13,6 +13,7 @@
 #include "wisp/shapes.h"
 #include "wisp/space.h"
 #include "wisp/springs.h"
+#include "wisp/tune.h"
 #include "wisp/wisp.h"
 
 #include "balloon.h"

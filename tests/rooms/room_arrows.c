@@ -23,6 +23,7 @@ static const engine_room engine_rooms[] = {
     { "plan", 4, NULL },
     { "passes", 5, NULL },
     { "world", 6, NULL },
+    { "tune", 7, NULL },
 };
 
 static const engine_room* find_room( const char* name )

@@ -1,0 +1,333 @@
+#include "tune.h"
+
+#include "alloc.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const uint32_t TUNE_JOB_MADE = 0x54554e45;
+
+wisp_tune_job wisp_default_tune_job( void )
+{
+    return (
+        wisp_tune_job ){ .max_runs = 100, .max_seconds = INFINITY, .repeats = 3, .made_by_default = TUNE_JOB_MADE };
+}
+
+// ---- what a job may say ----
+
+static wisp_status check_knob( const wisp_tune_knob* knob, int number, wisp_error* error )
+{
+    if ( !knob->name || !knob->name[0] )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "knob %d has no name", number );
+    }
+    if ( knob->value_count < 1 || knob->value_count > WISP_TUNE_MAX_VALUES || !knob->values )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "knob '%s' has %d values, it must have 1 to %d", knob->name,
+                          knob->values ? knob->value_count : 0, WISP_TUNE_MAX_VALUES );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_knobs( const wisp_tune_job* job, int* setting_count, wisp_error* error )
+{
+    if ( job->knob_count < 1 || job->knob_count > WISP_TUNE_MAX_KNOBS || !job->knobs )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "there are %d knobs, there must be 1 to %d",
+                          job->knobs ? job->knob_count : 0, WISP_TUNE_MAX_KNOBS );
+    }
+    *setting_count = 1;
+    for ( int k = 0; k < job->knob_count; ++k )
+    {
+        wisp_status status = check_knob( &job->knobs[k], k, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        *setting_count *= job->knobs[k].value_count;
+    }
+    if ( *setting_count > WISP_TUNE_MAX_SETTINGS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the knobs make %d settings together, at most %d can be searched",
+                          *setting_count, WISP_TUNE_MAX_SETTINGS );
+    }
+    return WISP_OK;
+}
+
+wisp_status tune_check_job( const wisp_tune_job* job, int* setting_count, wisp_error* error )
+{
+    WISP_ASSERT( job->made_by_default == TUNE_JOB_MADE );
+    if ( !isfinite( job->error ) || !isfinite( job->budget_ms ) || job->error < 0.0 || job->budget_ms < 0.0 ||
+         ( job->error > 0.0 ) == ( job->budget_ms > 0.0 ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "error is %g and budget_ms is %g, one of them must be above 0 and the other 0", job->error,
+                          job->budget_ms );
+    }
+    if ( job->max_runs < 1 || !( job->max_seconds > 0.0 ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "max_runs is %d and max_seconds is %g, both must be above 0",
+                          job->max_runs, job->max_seconds );
+    }
+    if ( job->repeats < 1 || job->repeats > WISP_TUNE_MAX_REPEATS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "repeats is %d, it must be 1 to %d", job->repeats,
+                          WISP_TUNE_MAX_REPEATS );
+    }
+    if ( ( job->allocator.allocate == NULL ) != ( job->allocator.release == NULL ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "an allocator needs both functions or neither" );
+    }
+    return check_knobs( job, setting_count, error );
+}
+
+// ---- which sample is preferred ----
+
+bool tune_meets( const wisp_tune_job* job, const wisp_tune_sample* sample )
+{
+    return !sample->is_halted && ( job->error > 0.0 ? sample->error <= job->error : sample->ms <= job->budget_ms );
+}
+
+bool tune_is_better( const wisp_tune_job* job, const wisp_tune_sample* a, const wisp_tune_sample* b )
+{
+    if ( a->is_halted || b->is_halted )
+    {
+        return !a->is_halted && b->is_halted;
+    }
+    const bool meets = tune_meets( job, a );
+    if ( meets != tune_meets( job, b ) )
+    {
+        return meets;
+    }
+    // Those that meet an error compete by time, those that miss it by error; of a budget it is the other way round.
+    const bool by_time = ( job->error > 0.0 ) == meets;
+    const double first = by_time ? a->ms - b->ms : a->error - b->error;
+    const double second = by_time ? a->error - b->error : a->ms - b->ms;
+    return first < 0.0 || ( first == 0.0 && second < 0.0 );
+}
+
+static void find_best( tune_search* s )
+{
+    s->best = -1;
+    for ( int v = 0; v < s->visit_count; ++v )
+    {
+        if ( s->best < 0 || tune_is_better( s->job, &s->visits[v].sample, &s->visits[s->best].sample ) )
+        {
+            s->best = v;
+        }
+    }
+}
+
+// ---- runs ----
+
+bool tune_may_run( tune_search* s, int reserve )
+{
+    const wisp_tune_job* job = s->job;
+    // The first run is owed to the host however little time there is: a result without a choice helps nobody.
+    const bool may = s->run_count == 0 || ( !s->is_stopped && s->run_count + reserve < job->max_runs &&
+                                            wisp_clock_seconds() - s->start < job->max_seconds );
+    s->is_cut |= !may;
+    return may;
+}
+
+static int compare_times( const void* a, const void* b )
+{
+    const double x = *(const double*)a, y = *(const double*)b;
+    return ( x > y ) - ( x < y );
+}
+
+double tune_median( double* times, int count )
+{
+    qsort( times, (size_t)count, sizeof( double ), compare_times );
+    return 0.5 * ( times[( count - 1 ) / 2] + times[count / 2] );
+}
+
+static wisp_status check_sample( const tune_search* s, const int* choice, const wisp_tune_sample* sample,
+                                 wisp_error* error )
+{
+    const bool is_good = isfinite( sample->ms ) && sample->ms >= 0.0 &&
+                         ( sample->is_halted || ( isfinite( sample->error ) && sample->error >= 0.0 ) );
+    if ( is_good )
+    {
+        return WISP_OK;
+    }
+    const wisp_tune_knob* knob = &s->job->knobs[0];
+    return wisp_fail(
+        error, WISP_BAD_INPUT,
+        "run %d, with '%s' at %g, came back with %g ms and the error %g, both must be numbers from 0 on",
+        s->run_count, knob->name, knob->values[choice[0]], sample->ms, sample->error );
+}
+
+// A run that halts once, or misses once, has done so for good.
+static void take_down( tune_search* s, wisp_tune_visit* visit, const wisp_tune_sample* sample )
+{
+    double* times = s->times + ( visit - s->visits ) * s->job->repeats;
+    WISP_ASSERT( visit->run_count < s->job->repeats );
+    times[visit->run_count] = sample->ms;
+    if ( visit->run_count == 0 )
+    {
+        visit->sample = *sample;
+    }
+    else
+    {
+        visit->sample.error = fmax( visit->sample.error, sample->error );
+        visit->sample.largest = fmax( visit->sample.largest, sample->largest );
+        visit->sample.is_halted |= sample->is_halted;
+    }
+    ++visit->run_count;
+    visit->sample.ms = tune_median( times, visit->run_count );
+}
+
+wisp_status tune_visit( tune_search* s, int setting, wisp_error* error )
+{
+    tune_setting* place = &s->settings[setting];
+    int choice[WISP_TUNE_MAX_KNOBS] = { 0 };
+    for ( int k = 0; k < s->job->knob_count; ++k )
+    {
+        choice[k] = place->choice[k];
+    }
+    wisp_tune_sample sample = { 0 };
+    wisp_status status = s->job->run( s->job->user, choice, &sample, error );
+    ++s->run_count;
+    status = status == WISP_OK ? check_sample( s, choice, &sample, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( place->visit < 0 )
+    {
+        place->visit = s->visit_count++;
+        place->is_open = false;
+        s->visits[place->visit] = ( wisp_tune_visit ){ 0 };
+        memcpy( s->visits[place->visit].choice, choice, sizeof( choice ) );
+    }
+    take_down( s, &s->visits[place->visit], &sample );
+    find_best( s );
+    if ( s->job->progress && !s->job->progress( s->job->progress_user, s->run_count, s->job->max_runs ) )
+    {
+        s->is_stopped = true;
+    }
+    return WISP_OK;
+}
+
+// ---- from a job to a result ----
+
+int tune_setting_number( const tune_search* s, const int* choice )
+{
+    int number = 0;
+    for ( int k = 0; k < s->job->knob_count; ++k )
+    {
+        number = number * s->job->knobs[k].value_count + choice[k];
+    }
+    return number;
+}
+
+static void number_settings( tune_search* s )
+{
+    for ( int i = 0; i < s->setting_count; ++i )
+    {
+        s->settings[i] = ( tune_setting ){ .is_open = true, .visit = -1 };
+        int rest = i;
+        for ( int k = s->job->knob_count; k-- > 0; )
+        {
+            s->settings[i].choice[k] = (int8_t)( rest % s->job->knobs[k].value_count );
+            rest /= s->job->knobs[k].value_count;
+        }
+    }
+}
+
+static wisp_status search( tune_search* s, wisp_error* error )
+{
+    wisp_status status = tune_bisect( s, error );
+    status = status == WISP_OK ? tune_look_around( s, error ) : status;
+    // A time that was measured again may have made another one the best, which has neighbours of its own.
+    s->reserve = 0;
+    for ( int last = -1; status == WISP_OK && s->best != last; )
+    {
+        last = s->best;
+        status = tune_measure_again( s, error );
+        status = status == WISP_OK && s->best != last ? tune_look_around( s, error ) : status;
+    }
+    return status;
+}
+
+// The visits move out of the search's room into a block whose size the result can tell when it is released.
+static wisp_status hand_over( const tune_search* s, wisp_tune_result* out, wisp_error* error )
+{
+    const size_t bytes = (size_t)s->visit_count * sizeof( wisp_tune_visit );
+    wisp_tune_visit* visits = base_allocate( &s->job->allocator, bytes, _Alignof( wisp_tune_visit ) );
+    if ( !visits )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d settings that were run", s->visit_count );
+    }
+    memcpy( visits, s->visits, bytes );
+    const wisp_tune_visit* best = &s->visits[s->best];
+    *out = ( wisp_tune_result ){ .is_met = tune_meets( s->job, &best->sample ),
+                                 .is_cut = s->is_cut,
+                                 .achieved = best->sample,
+                                 .visits = visits,
+                                 .visit_count = s->visit_count,
+                                 .run_count = s->run_count,
+                                 .seconds = wisp_clock_seconds() - s->start,
+                                 .allocator = s->job->allocator };
+    for ( int k = 0; k < s->job->knob_count; ++k )
+    {
+        out->choice[k] = best->choice[k];
+        out->values[k] = s->job->knobs[k].values[best->choice[k]];
+    }
+    return WISP_OK;
+}
+
+static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_result* out, wisp_error* error )
+{
+    const size_t count = (size_t)s->setting_count;
+    s->times = room;
+    s->visits = (wisp_tune_visit*)( s->times + count * (size_t)s->job->repeats );
+    s->settings = (tune_setting*)( s->visits + count );
+    number_settings( s );
+    // A fourth of the runs at most waits for the finalists; a search that has none to spare measures once.
+    const int wanted = 2 * ( s->job->repeats - 1 );
+    s->reserve = wanted < s->job->max_runs / 4 ? wanted : s->job->max_runs / 4;
+    wisp_status status = search( s, error );
+    if ( status == WISP_OK )
+    {
+        tune_mark_front( s );
+        status = hand_over( s, out, error );
+    }
+    return status;
+}
+
+wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_error* error )
+{
+    *out = ( wisp_tune_result ){ 0 };
+    tune_search s = { .job = job, .best = -1, .start = wisp_clock_seconds() };
+    wisp_status status = tune_check_job( job, &s.setting_count, error );
+    if ( status == WISP_OK && !job->run )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "there is no callback that runs a choice" );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const size_t each = (size_t)job->repeats * sizeof( double ) + sizeof( wisp_tune_visit ) + sizeof( tune_setting );
+    const size_t bytes = each * (size_t)s.setting_count;
+    void* room = base_allocate( &job->allocator, bytes, BASE_BUFFER_ALIGNMENT );
+    if ( !room )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to search %d settings", s.setting_count );
+    }
+    status = search_with_room( &s, room, out, error );
+    base_release( &job->allocator, room, bytes );
+    return status;
+}
+
+void wisp_tune_release( wisp_tune_result* result )
+{
+    if ( result )
+    {
+        base_release( &result->allocator, result->visits, (size_t)result->visit_count * sizeof( wisp_tune_visit ) );
+        *result = ( wisp_tune_result ){ 0 };
+    }
+}

@@ -1,0 +1,163 @@
+// What does not trust the order of values, nor a time that was taken once.
+#include "tune.h"
+
+#define FINALISTS_MAX 4
+
+// ---- neighbours ----
+
+// Run a choice unless it was run, or lies outside.
+static wisp_status run_neighbour( tune_search* s, const int* choice, wisp_error* error )
+{
+    for ( int k = 0; k < s->job->knob_count; ++k )
+    {
+        if ( choice[k] < 0 || choice[k] >= s->job->knobs[k].value_count )
+        {
+            return WISP_OK;
+        }
+    }
+    const int setting = tune_setting_number( s, choice );
+    return s->settings[setting].visit < 0 && tune_may_run( s, s->reserve ) ? tune_visit( s, setting, error )
+                                                                           : WISP_OK;
+}
+
+// One knob changes: to the next values where they are ordered, to all others where they are not.
+static wisp_status run_along( tune_search* s, const int* centre, int knob, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int v = 0; v < s->job->knobs[knob].value_count && status == WISP_OK; ++v )
+    {
+        const int away = v - centre[knob];
+        if ( s->job->knobs[knob].is_unordered || away == 1 || away == -1 )
+        {
+            int choice[WISP_TUNE_MAX_KNOBS];
+            for ( int k = 0; k < WISP_TUNE_MAX_KNOBS; ++k )
+            {
+                choice[k] = k == knob ? v : centre[k];
+            }
+            status = run_neighbour( s, choice, error );
+        }
+    }
+    return status;
+}
+
+// One knob gets finer and another one rougher.
+static wisp_status run_trade( tune_search* s, const int* centre, int finer, int rougher, wisp_error* error )
+{
+    const wisp_tune_knob* knobs = s->job->knobs;
+    if ( finer == rougher || knobs[finer].is_unordered || knobs[rougher].is_unordered )
+    {
+        return WISP_OK;
+    }
+    int choice[WISP_TUNE_MAX_KNOBS];
+    for ( int k = 0; k < WISP_TUNE_MAX_KNOBS; ++k )
+    {
+        choice[k] = centre[k] + ( k == finer ) - ( k == rougher );
+    }
+    return run_neighbour( s, choice, error );
+}
+
+wisp_status tune_look_around( tune_search* s, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int centre = -1; status == WISP_OK && centre != s->best; )
+    {
+        centre = s->best;
+        const int count = s->job->knob_count;
+        for ( int k = 0; k < count && status == WISP_OK; ++k )
+        {
+            status = run_along( s, s->visits[centre].choice, k, error );
+            for ( int other = 0; other < count && status == WISP_OK; ++other )
+            {
+                status = run_trade( s, s->visits[centre].choice, k, other, error );
+            }
+        }
+    }
+    return status;
+}
+
+// ---- finalists ----
+
+// Whether another measurement may put this one in the best one's place.
+static bool may_win( const tune_search* s, const wisp_tune_sample* sample )
+{
+    const wisp_tune_job* job = s->job;
+    const wisp_tune_sample* best = &s->visits[s->best].sample;
+    const bool best_meets = tune_meets( job, best );
+    if ( sample->is_halted || ( job->error > 0.0 && !best_meets ) )
+    {
+        return false; // errors have no noise
+    }
+    if ( job->error > 0.0 )
+    {
+        return tune_meets( job, sample ) && sample->ms <= TUNE_NOISE * best->ms;
+    }
+    return best_meets ? sample->error < best->error && sample->ms <= TUNE_NOISE * job->budget_ms
+                      : sample->ms <= TUNE_NOISE * best->ms;
+}
+
+// The best, and the fastest of those that may win. @return how many
+static int find_finalists( const tune_search* s, int* finalists )
+{
+    int count = 0;
+    finalists[count++] = s->best;
+    for ( int v = 0; v < s->visit_count; ++v )
+    {
+        if ( v == s->best || !may_win( s, &s->visits[v].sample ) )
+        {
+            continue;
+        }
+        int place = count < FINALISTS_MAX ? count++ : FINALISTS_MAX;
+        for ( ; place > 1 && s->visits[v].sample.ms < s->visits[finalists[place - 1]].sample.ms; --place )
+        {
+            if ( place < FINALISTS_MAX )
+            {
+                finalists[place] = finalists[place - 1];
+            }
+        }
+        if ( place < FINALISTS_MAX )
+        {
+            finalists[place] = v;
+        }
+    }
+    return count;
+}
+
+// In turns, so that a slow second of the machine is everybody's.
+wisp_status tune_measure_again( tune_search* s, wisp_error* error )
+{
+    int finalists[FINALISTS_MAX];
+    const int count = find_finalists( s, finalists );
+    wisp_status status = WISP_OK;
+    for ( int turn = 1; turn < s->job->repeats; ++turn )
+    {
+        for ( int i = 0; i < count && status == WISP_OK; ++i )
+        {
+            const wisp_tune_visit* visit = &s->visits[finalists[i]];
+            if ( visit->run_count <= turn && tune_may_run( s, 0 ) )
+            {
+                status = tune_visit( s, tune_setting_number( s, visit->choice ), error );
+            }
+        }
+    }
+    return status;
+}
+
+// ---- the front ----
+
+static bool beats( const wisp_tune_sample* a, const wisp_tune_sample* b )
+{
+    return !a->is_halted && a->ms <= b->ms && a->error <= b->error && ( a->ms < b->ms || a->error < b->error );
+}
+
+void tune_mark_front( tune_search* s )
+{
+    for ( int v = 0; v < s->visit_count; ++v )
+    {
+        bool is_front = !s->visits[v].sample.is_halted;
+        for ( int other = 0; other < s->visit_count && is_front; ++other )
+        {
+            is_front = !beats( &s->visits[other].sample, &s->visits[v].sample );
+        }
+        s->visits[v].is_front = is_front;
+    }
+}

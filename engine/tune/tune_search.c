@@ -1,0 +1,114 @@
+// Which choice is run next. Choices are partly ordered: one is below another if it is nowhere finer. What a run shows of
+// one choice is taken to hold for all above or below it, so that a run closes many, and what stays open is cut like
+// a list by bisection.
+#include "tune.h"
+
+static bool is_below( const wisp_tune_job* job, const tune_setting* low, const tune_setting* high )
+{
+    for ( int k = 0; k < job->knob_count; ++k )
+    {
+        const int8_t a = low->choice[k], b = high->choice[k];
+        if ( job->knobs[k].is_unordered ? a != b : a > b )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// ---- what a run closes ----
+
+// Finer ones cannot win: they meet the error at a higher cost, or are beyond the budget like this one.
+static bool closes_above( const tune_search* s, const wisp_tune_sample* sample )
+{
+    const wisp_tune_sample* best = &s->visits[s->best].sample;
+    if ( s->job->budget_ms > 0.0 )
+    {
+        return !tune_meets( s->job, sample );
+    }
+    return tune_meets( s->job, sample ) || ( tune_meets( s->job, best ) && sample->ms >= TUNE_NOISE * best->ms );
+}
+
+// Rougher ones cannot win: they miss the error like this one, or are no more accurate than the best within the budget.
+static bool closes_below( const tune_search* s, const wisp_tune_sample* sample )
+{
+    const wisp_tune_sample* best = &s->visits[s->best].sample;
+    if ( s->job->budget_ms > 0.0 )
+    {
+        return tune_meets( s->job, sample ) || ( tune_meets( s->job, best ) && sample->error >= best->error );
+    }
+    return !tune_meets( s->job, sample );
+}
+
+// All visits are asked again after every run, since a better best closes more.
+static void close_settings( tune_search* s )
+{
+    for ( int i = 0; i < s->setting_count; ++i )
+    {
+        const tune_setting* run = &s->settings[i];
+        if ( run->visit < 0 || s->visits[run->visit].sample.is_halted )
+        {
+            continue;
+        }
+        const bool above = closes_above( s, &s->visits[run->visit].sample );
+        const bool below = closes_below( s, &s->visits[run->visit].sample );
+        for ( int j = 0; j < s->setting_count; ++j )
+        {
+            tune_setting* other = &s->settings[j];
+            if ( other->is_open &&
+                 ( ( above && is_below( s->job, run, other ) ) || ( below && is_below( s->job, other, run ) ) ) )
+            {
+                other->is_open = false;
+            }
+        }
+    }
+}
+
+// ---- which one is run ----
+
+// How many open settings a run closes at least, whichever way it turns out.
+static int worth_of( const tune_search* s, const tune_setting* candidate )
+{
+    int above = 0, below = 0;
+    for ( int j = 0; j < s->setting_count; ++j )
+    {
+        const tune_setting* other = &s->settings[j];
+        if ( other->is_open )
+        {
+            above += is_below( s->job, candidate, other );
+            below += is_below( s->job, other, candidate );
+        }
+    }
+    return above < below ? above : below;
+}
+
+// Of equal ones the first, which is the cheaper where they are ordered. @return -1: none is open
+static int pick_setting( const tune_search* s )
+{
+    int best = -1, most = 0;
+    for ( int i = 0; i < s->setting_count; ++i )
+    {
+        const int worth = s->settings[i].is_open ? worth_of( s, &s->settings[i] ) : 0;
+        if ( worth > most )
+        {
+            most = worth;
+            best = i;
+        }
+    }
+    return best;
+}
+
+wisp_status tune_bisect( tune_search* s, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int next = pick_setting( s ); next >= 0 && status == WISP_OK && tune_may_run( s, s->reserve );
+          next = pick_setting( s ) )
+    {
+        status = tune_visit( s, next, error );
+        if ( status == WISP_OK )
+        {
+            close_settings( s );
+        }
+    }
+    return status;
+}

@@ -1,0 +1,311 @@
+// Runs of worlds: the truth once, then each choice against it.
+#include "tune.h"
+
+#include "alloc.h"
+
+#include <float.h>
+#include <math.h>
+
+static const uint32_t TUNE_WORLDS_DEF_MADE = 0x54554e57;
+
+wisp_tune_worlds_def wisp_default_tune_worlds_def( void )
+{
+    return ( wisp_tune_worlds_def ){ .step_seconds = 1.0f / 60.0f,
+                                     .step_count = 120,
+                                     .look_count = 12,
+                                     .truth_factor = 16,
+                                     .made_by_default = TUNE_WORLDS_DEF_MADE };
+}
+
+static wisp_status check_def( const wisp_tune_worlds_def* def, wisp_error* error )
+{
+    WISP_ASSERT( def->made_by_default == TUNE_WORLDS_DEF_MADE );
+    if ( !def->build )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "there is no callback that builds the world of a choice" );
+    }
+    if ( !( def->step_seconds > 0.0f ) || !isfinite( def->step_seconds ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "step_seconds is %g, it must be above 0",
+                          (double)def->step_seconds );
+    }
+    if ( def->look_count < 1 || def->look_count > def->step_count )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "look_count is %d, it must be 1 to step_count, which is %d",
+                          def->look_count, def->step_count );
+    }
+    if ( def->truth_factor < 2 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "truth_factor is %d, it must be at least 2", def->truth_factor );
+    }
+    return WISP_OK;
+}
+
+// ---- a run ----
+
+typedef struct worlds_run
+{
+    const wisp_tune_worlds_def* def;
+    const wisp_tune_job* job;
+    wisp_vec3* truth;   // [look][total]
+    size_t truth_bytes; // 0: the truth was not seen yet
+    int total;          // points of a look
+    double* times;      // [step_count] ms
+} worlds_run;
+
+/// What a run of one world has shown so far.
+typedef struct world_sums
+{
+    double squares; // m^2
+    double largest; // m
+    int looks;
+    bool is_halted;
+} world_sums;
+
+static wisp_status fail_in_world( const wisp_tune_world* w, wisp_status status, wisp_error* error )
+{
+    return wisp_fail( error, status, "%s", wisp_world_message( w->world ) );
+}
+
+static wisp_status step_world( const worlds_run* r, wisp_tune_world* w, int step, wisp_error* error )
+{
+    if ( r->def->step )
+    {
+        return r->def->step( r->def->user, w, step, error );
+    }
+    wisp_status status = wisp_world_step( w->world, r->def->step_seconds );
+    return status == WISP_OK ? WISP_OK : fail_in_world( w, status, error );
+}
+
+static wisp_status view_points( const wisp_tune_world* w, int entry, wisp_view* out, wisp_error* error )
+{
+    const wisp_tune_points* points = &w->points[entry];
+    wisp_status status = wisp_world_view( w->world, points->entity, points->component, out );
+    return status == WISP_OK ? WISP_OK : fail_in_world( w, status, error );
+}
+
+static wisp_status count_points( const wisp_tune_world* w, int* total, wisp_error* error )
+{
+    *total = 0;
+    for ( int i = 0; i < w->point_count; ++i )
+    {
+        wisp_view view;
+        wisp_status status = view_points( w, i, &view, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        *total += view.count;
+    }
+    return WISP_OK;
+}
+
+static wisp_status make_room( worlds_run* r, const wisp_tune_world* w, wisp_error* error )
+{
+    wisp_status status = count_points( w, &r->total, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( r->total == 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the world has no points to compare" );
+    }
+    size_t bytes;
+    const bool fits =
+        base_size_multiply( (size_t)r->total * sizeof( wisp_vec3 ), (size_t)r->def->look_count, &bytes );
+    r->truth = fits ? base_allocate( &r->job->allocator, bytes, _Alignof( wisp_vec3 ) ) : NULL;
+    if ( !r->truth )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d points at %d looks", r->total,
+                          r->def->look_count );
+    }
+    r->truth_bytes = bytes;
+    return WISP_OK;
+}
+
+static void compare( wisp_vec3 is, wisp_vec3 truth, world_sums* sums )
+{
+    const double x = (double)is.x - (double)truth.x;
+    const double y = (double)is.y - (double)truth.y;
+    const double z = (double)is.z - (double)truth.z;
+    const double square = x * x + y * y + z * z;
+    sums->squares += square;
+    sums->largest = fmax( sums->largest, sqrt( square ) );
+    sums->is_halted |= !isfinite( square );
+}
+
+// Keep what the truth shows, or compare with it.
+static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_truth, world_sums* sums, wisp_error* error )
+{
+    wisp_status status = is_truth && r->truth_bytes == 0 ? make_room( r, w, error ) : WISP_OK;
+    int total = 0;
+    status = status == WISP_OK ? count_points( w, &total, error ) : status;
+    if ( status == WISP_OK && total != r->total )
+    {
+        status = wisp_fail( error, WISP_CONFLICT,
+                            "one world has %d points and another one %d, which cannot be compared", r->total, total );
+    }
+    wisp_vec3* truth = r->truth + (size_t)sums->looks * (size_t)r->total;
+    for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
+    {
+        wisp_view view;
+        status = view_points( w, i, &view, error );
+        for ( int v = 0; v < view.count && status == WISP_OK; ++v, ++truth )
+        {
+            const wisp_vec3* point = (const wisp_vec3*)( (const char*)view.data + (size_t)v * view.stride );
+            if ( is_truth )
+            {
+                *truth = *point;
+            }
+            compare( *point, *truth, sums );
+        }
+    }
+    ++sums->looks;
+    return status;
+}
+
+// Looks are spread evenly, and the last step is one of them.
+static bool is_look( const wisp_tune_worlds_def* def, int step )
+{
+    const int64_t looks = def->look_count, steps = def->step_count;
+    return ( step + 1 ) * looks / steps > step * looks / steps;
+}
+
+static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_truth, wisp_tune_sample* out,
+                              wisp_error* error )
+{
+    world_sums sums = { 0 };
+    wisp_status status = WISP_OK;
+    int step = 0;
+    for ( ; step < r->def->step_count && status == WISP_OK && !sums.is_halted; ++step )
+    {
+        const double start = wisp_clock_seconds();
+        status = step_world( r, w, step, error );
+        r->times[step] = 1e3 * ( wisp_clock_seconds() - start );
+        sums.is_halted |= wisp_world_counter( w->world, WISP_COUNT_HALTED ) > 0;
+        if ( status == WISP_OK && !sums.is_halted && is_look( r->def, step ) )
+        {
+            status = look( r, w, is_truth, &sums, error );
+        }
+    }
+    if ( status == WISP_OK )
+    {
+        const double count = (double)sums.looks * (double)r->total;
+        *out = ( wisp_tune_sample ){ .ms = tune_median( r->times, step ),
+                                     .error = sums.is_halted ? 0.0 : sqrt( sums.squares / count ),
+                                     .largest = sums.is_halted ? 0.0 : sums.largest,
+                                     .is_halted = sums.is_halted };
+    }
+    return status;
+}
+
+static wisp_status want_points( const wisp_tune_world* w, wisp_error* error )
+{
+    if ( !w->world || w->point_count < 1 || !w->points )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the callback that builds left no world, or no points to compare" );
+    }
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
+    {
+        const wisp_component component = w->points[i].component;
+        if ( component != WISP_SURFACE_POINTS && component != WISP_STRAND_POINTS )
+        {
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "entry %d of the points is component %d, it must be surface.points or strand.points", i,
+                              component );
+        }
+        status = wisp_want( w->world, w->points[i].entity, component );
+    }
+    return status == WISP_OK ? WISP_OK : fail_in_world( w, status, error );
+}
+
+static wisp_status run_world( worlds_run* r, const int* choice, int factor, wisp_tune_sample* out, wisp_error* error )
+{
+    const wisp_tune_worlds_def* def = r->def;
+    wisp_tune_world w = { 0 };
+    wisp_status status = def->build( def->user, choice, factor, &w, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = want_points( &w, error );
+    status = status == WISP_OK ? run_steps( r, &w, factor > 1, out, error ) : status;
+    if ( def->let_go )
+    {
+        def->let_go( def->user, &w );
+    }
+    else
+    {
+        wisp_world_destroy( w.world );
+    }
+    return status;
+}
+
+static wisp_status run_choice( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error )
+{
+    return run_world( user, choice, 1, out, error );
+}
+
+// ---- the truth, and the search ----
+
+static wisp_status run_truth( worlds_run* r, wisp_error* error )
+{
+    int finest[WISP_TUNE_MAX_KNOBS] = { 0 };
+    for ( int k = 0; k < r->job->knob_count; ++k )
+    {
+        finest[k] = r->job->knobs[k].value_count - 1;
+    }
+    wisp_tune_sample sample;
+    wisp_status status = run_world( r, finest, r->def->truth_factor, &sample, error );
+    if ( status == WISP_OK && sample.is_halted )
+    {
+        status =
+            wisp_fail( error, WISP_CONFLICT,
+                       "the truth, which has %d times the substeps of the finest setting, left its bounds: there "
+                       "is nothing to compare with",
+                       r->def->truth_factor );
+    }
+    return status;
+}
+
+static wisp_status search_worlds( worlds_run* r, wisp_tune_result* out, wisp_error* error )
+{
+    const double start = wisp_clock_seconds();
+    wisp_status status = run_truth( r, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const double spent = wisp_clock_seconds() - start;
+    wisp_tune_job job = *r->job;
+    job.run = run_choice;
+    job.user = r;
+    // Time that the truth has used up leaves the one run that every search makes.
+    job.max_seconds = job.max_seconds > spent ? job.max_seconds - spent : DBL_MIN;
+    status = wisp_tune( &job, out, error );
+    out->seconds += status == WISP_OK ? spent : 0.0;
+    return status;
+}
+
+wisp_status wisp_tune_worlds( const wisp_tune_job* job, const wisp_tune_worlds_def* def, wisp_tune_result* out,
+                              wisp_error* error )
+{
+    *out = ( wisp_tune_result ){ 0 };
+    int setting_count;
+    wisp_status status = tune_check_job( job, &setting_count, error );
+    status = status == WISP_OK ? check_def( def, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    worlds_run r = { .def = def, .job = job };
+    const size_t bytes = (size_t)def->step_count * sizeof( double );
+    r.times = base_allocate( &job->allocator, bytes, _Alignof( double ) );
+    status = r.times ? search_worlds( &r, out, error )
+                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d steps", def->step_count );
+    base_release( &job->allocator, r.truth, r.truth_bytes );
+    base_release( &job->allocator, r.times, bytes );
+    return status;
+}

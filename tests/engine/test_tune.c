@@ -1,0 +1,634 @@
+// The search for a setting, on surfaces of time and error that are made up: it is held against all choices of the product.
+#include "support.h"
+
+#include "wisp/tune.h"
+
+#include <math.h>
+
+// ---- surfaces ----
+
+#define CHOICES_MAX 400
+
+/// Time and error of every choice of three knobs, and what the search asked for.
+typedef struct surface
+{
+    int counts[3];
+    double ms[CHOICES_MAX], error[CHOICES_MAX];
+    bool is_halted[CHOICES_MAX];
+    double noise; ///< times are off by up to this share
+    int asked[CHOICES_MAX];
+    int run_count;
+    int fail_at; ///< run that fails, from 1; 0: none
+} surface;
+
+static const double VALUES[WISP_TUNE_MAX_VALUES] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16 };
+
+static double random_unit( uint64_t seed, int event, int element )
+{
+    return wisp_random_unit( wisp_random_make_key( seed, 7, 0 ), (uint32_t)event, (uint32_t)element, 0 );
+}
+
+static int number_of( const surface* s, const int* choice )
+{
+    return ( choice[0] * s->counts[1] + choice[1] ) * s->counts[2] + choice[2];
+}
+
+static int size_of( const surface* s )
+{
+    return s->counts[0] * s->counts[1] * s->counts[2];
+}
+
+// Each finer value multiplies the time and divides the error by factors of its own.
+static surface make_surface( uint64_t seed, int a, int b, int c )
+{
+    surface s = { .counts = { a, b, c } };
+    double dear[3][WISP_TUNE_MAX_VALUES], fine[3][WISP_TUNE_MAX_VALUES];
+    for ( int k = 0; k < 3; ++k )
+    {
+        dear[k][0] = fine[k][0] = 1.0;
+        for ( int v = 1; v < s.counts[k]; ++v )
+        {
+            dear[k][v] = dear[k][v - 1] * ( 1.05 + random_unit( seed, k, v ) );
+            fine[k][v] = fine[k][v - 1] / ( 1.05 + 2.0 * random_unit( seed, k + 3, v ) );
+        }
+    }
+    for ( int i = 0; i < size_of( &s ); ++i )
+    {
+        const int choice[3] = { i / ( b * c ), i / c % b, i % c };
+        s.ms[i] = dear[0][choice[0]] * dear[1][choice[1]] * dear[2][choice[2]];
+        s.error[i] = 0.1 * fine[0][choice[0]] * fine[1][choice[1]] * fine[2][choice[2]];
+    }
+    return s;
+}
+
+// Every sample is off by a share of its own, so that values are in order no more.
+static void make_bumpy( surface* s, uint64_t seed, double share )
+{
+    for ( int i = 0; i < size_of( s ); ++i )
+    {
+        s->ms[i] *= 1.0 + share * ( 2.0 * random_unit( seed, 20, i ) - 1.0 );
+        s->error[i] *= 1.0 + share * ( 2.0 * random_unit( seed, 21, i ) - 1.0 );
+    }
+}
+
+static wisp_status run_surface( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error )
+{
+    surface* s = user;
+    const int i = number_of( s, choice );
+    ++s->asked[i];
+    if ( ++s->run_count == s->fail_at )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "the host has lost its disk" );
+    }
+    const double off = 1.0 + s->noise * ( 2.0 * random_unit( 99, s->run_count, i ) - 1.0 );
+    *out = ( wisp_tune_sample ){ s->ms[i] * off, s->error[i], 2.0 * s->error[i], s->is_halted[i] };
+    return WISP_OK;
+}
+
+typedef struct searched
+{
+    wisp_tune_knob knobs[3];
+    wisp_tune_job job;
+} searched;
+
+static searched search_of( surface* s, double error, double budget_ms )
+{
+    searched out = { .knobs = { { "substeps", VALUES, s->counts[0], false },
+                                { "iterations", VALUES, s->counts[1], false },
+                                { "third", VALUES, s->counts[2], false } },
+                     .job = wisp_default_tune_job() };
+    out.job.knob_count = 3;
+    out.job.error = error;
+    out.job.budget_ms = budget_ms;
+    out.job.run = run_surface;
+    out.job.user = s;
+    out.job.max_runs = 1000;
+    out.job.repeats = 1;
+    return out;
+}
+
+// A failure leaves the result zero.
+static wisp_tune_result find( searched* s )
+{
+    s->job.knobs = s->knobs;
+    wisp_tune_result result;
+    wisp_error error = { 0 };
+    if ( wisp_tune( &s->job, &result, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return result;
+}
+
+// ---- what all choices say ----
+
+static int best_by_error( const surface* s, double target )
+{
+    int best = -1;
+    for ( int i = 0; i < size_of( s ); ++i )
+    {
+        if ( !s->is_halted[i] && s->error[i] <= target && ( best < 0 || s->ms[i] < s->ms[best] ) )
+        {
+            best = i;
+        }
+    }
+    return best;
+}
+
+static int best_by_budget( const surface* s, double budget )
+{
+    int best = -1;
+    for ( int i = 0; i < size_of( s ); ++i )
+    {
+        if ( !s->is_halted[i] && s->ms[i] <= budget && ( best < 0 || s->error[i] < s->error[best] ) )
+        {
+            best = i;
+        }
+    }
+    return best;
+}
+
+// Targets that some choices of a surface meet and some do not.
+static double between( const double* numbers, int count, double share )
+{
+    double low = numbers[0], high = numbers[0];
+    for ( int i = 1; i < count; ++i )
+    {
+        low = fmin( low, numbers[i] );
+        high = fmax( high, numbers[i] );
+    }
+    return low * pow( high / low, share );
+}
+
+#define SEEDS 40
+
+// ---- errors and budgets ----
+
+static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all( void** state )
+{
+    (void)state;
+    int runs = 0, choices = 0;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 6, 5, 4 );
+        const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
+        searched job = search_of( &s, target, 0.0 );
+        wisp_tune_result found = find( &job );
+        const int best = best_by_error( &s, target );
+        assert_true( found.is_met );
+        assert_false( found.is_cut );
+        assert_int_equal( number_of( &s, found.choice ), best );
+        assert_true( found.achieved.ms == s.ms[best] && found.achieved.error == s.error[best] );
+        assert_true( found.achieved.largest == 2.0 * s.error[best] );
+        assert_true( found.values[1] == VALUES[found.choice[1]] );
+        runs += found.run_count;
+        choices += size_of( &s );
+        wisp_tune_release( &found );
+    }
+    assert_true( 3 * runs < choices ); // a third of them is still more than it takes
+}
+
+static void the_most_accurate_choice_within_a_budget_is_found_without_running_all( void** state )
+{
+    (void)state;
+    int runs = 0, choices = 0;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 6, 5, 4 );
+        const double budget = between( s.ms, size_of( &s ), random_unit( seed, 31, 0 ) );
+        searched job = search_of( &s, 0.0, budget );
+        wisp_tune_result found = find( &job );
+        assert_true( found.is_met );
+        assert_int_equal( number_of( &s, found.choice ), best_by_budget( &s, budget ) );
+        runs += found.run_count;
+        choices += size_of( &s );
+        wisp_tune_release( &found );
+    }
+    assert_true( 3 * runs < choices );
+}
+
+static void values_out_of_order_cost_a_tenth_at_most( void** state )
+{
+    (void)state;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 6, 5, 3 );
+        make_bumpy( &s, seed, 0.15 );
+        const double target = between( s.error, size_of( &s ), 0.2 + 0.6 * random_unit( seed, 30, 0 ) );
+        searched job = search_of( &s, target, 0.0 );
+        wisp_tune_result found = find( &job );
+        assert_true( found.is_met && found.achieved.error <= target );
+        assert_true( found.achieved.ms <= 1.1 * s.ms[best_by_error( &s, target )] );
+        wisp_tune_release( &found );
+    }
+}
+
+static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state )
+{
+    (void)state;
+    surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
+    searched by_error = search_of( &s, 0.3, 0.0 );
+    wisp_tune_result cheap = find( &by_error );
+    assert_int_equal( cheap.choice[0], 4 );
+    wisp_tune_release( &cheap );
+}
+
+static void nothing_is_concluded_across_values_without_order( void** state )
+{
+    (void)state;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 6, 1, 4 );
+        for ( int i = 0; i < size_of( &s ); ++i )
+        {
+            // The third knob changes time and error by whatever it likes.
+            s.ms[i] *= 0.3 + random_unit( seed, 40, i % 4 );
+            s.error[i] *= 0.3 + random_unit( seed, 41, i % 4 );
+        }
+        const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
+        searched job = search_of( &s, target, 0.0 );
+        job.knobs[2].is_unordered = true;
+        wisp_tune_result found = find( &job );
+        assert_int_equal( number_of( &s, found.choice ), best_by_error( &s, target ) );
+        wisp_tune_release( &found );
+    }
+}
+
+static void noise_of_times_never_lets_an_error_pass( void** state )
+{
+    (void)state;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 6, 5, 3 );
+        s.noise = 0.1;
+        const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
+        searched job = search_of( &s, target, 0.0 );
+        job.job.repeats = 5;
+        wisp_tune_result found = find( &job );
+        const int chosen = number_of( &s, found.choice );
+        assert_true( found.is_met );
+        assert_true( s.error[chosen] <= target );
+        // Two times that are off by a tenth each, the wrong way, differ by 1.1 / 0.9.
+        assert_true( s.ms[chosen] <= 1.23 * s.ms[best_by_error( &s, target )] );
+        wisp_tune_release( &found );
+    }
+}
+
+static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
+{
+    (void)state;
+    for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
+    {
+        surface s = make_surface( seed, 5, 4, 3 );
+        for ( int i = 0; i < size_of( &s ); ++i )
+        {
+            const int choice[3] = { i / 12, i / 3 % 4, i % 3 };
+            // One rough corner and one fine one.
+            s.is_halted[i] = choice[0] + choice[1] < 2 || choice[0] + choice[1] + choice[2] > 7;
+        }
+        const double target = between( s.error, size_of( &s ), 0.2 + 0.8 * random_unit( seed, 30, 0 ) );
+        const double budget = between( s.ms, size_of( &s ), 0.3 + 0.7 * random_unit( seed, 31, 0 ) );
+        searched by_error = search_of( &s, target, 0.0 ), by_budget = search_of( &s, 0.0, budget );
+        wisp_tune_result cheap = find( &by_error ), accurate = find( &by_budget );
+        const int best = best_by_error( &s, target );
+        if ( best >= 0 )
+        {
+            assert_int_equal( number_of( &s, cheap.choice ), best );
+        }
+        assert_false( cheap.achieved.is_halted );
+        assert_int_equal( number_of( &s, accurate.choice ), best_by_budget( &s, budget ) );
+        wisp_tune_release( &cheap );
+        wisp_tune_release( &accurate );
+    }
+}
+
+// ---- what cannot be met ----
+
+static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( void** state )
+{
+    (void)state;
+    surface s = make_surface( 3, 6, 5, 4 );
+    searched job = search_of( &s, 1e-30, 0.0 );
+    wisp_tune_result found = find( &job );
+    assert_false( found.is_met );
+    assert_false( found.is_cut );
+    assert_int_equal( number_of( &s, found.choice ), size_of( &s ) - 1 );
+    wisp_tune_release( &found );
+}
+
+static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** state )
+{
+    (void)state;
+    surface s = make_surface( 3, 6, 5, 4 );
+    searched job = search_of( &s, 0.0, 1e-30 );
+    wisp_tune_result found = find( &job );
+    assert_false( found.is_met );
+    assert_int_equal( number_of( &s, found.choice ), 0 );
+    wisp_tune_release( &found );
+}
+
+static void where_every_choice_halts_nothing_is_met( void** state )
+{
+    (void)state;
+    surface s = make_surface( 3, 3, 2, 2 );
+    for ( int i = 0; i < size_of( &s ); ++i )
+    {
+        s.is_halted[i] = true;
+    }
+    searched job = search_of( &s, 1.0, 0.0 );
+    wisp_tune_result found = find( &job );
+    assert_false( found.is_met );
+    assert_true( found.achieved.is_halted );
+    assert_int_equal( found.visit_count, size_of( &s ) );
+    for ( int v = 0; v < found.visit_count; ++v )
+    {
+        assert_false( found.visits[v].is_front );
+    }
+    wisp_tune_release( &found );
+}
+
+// ---- how runs are spent ----
+
+static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
+{
+    (void)state;
+    surface s = make_surface( 5, 6, 5, 4 );
+    s.noise = 0.05;
+    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    job.job.repeats = 3;
+    wisp_tune_result found = find( &job );
+    int again = 0, asked = 0;
+    for ( int v = 0; v < found.visit_count; ++v )
+    {
+        const int runs = s.asked[number_of( &s, found.visits[v].choice )];
+        assert_int_equal( runs, found.visits[v].run_count );
+        assert_true( runs == 1 || ( runs <= 3 && found.visits[v].sample.error <= job.job.error ) );
+        again += runs > 1;
+        asked += runs;
+    }
+    assert_true( again >= 1 );
+    assert_int_equal( asked, found.run_count );
+    assert_int_equal( s.run_count, found.run_count );
+    assert_int_equal( s.asked[number_of( &s, found.choice )], 3 );
+    wisp_tune_release( &found );
+}
+
+static void a_limit_of_runs_is_kept_and_told( void** state )
+{
+    (void)state;
+    for ( int limit = 1; limit <= 12; ++limit )
+    {
+        surface s = make_surface( 5, 6, 5, 4 );
+        searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+        job.job.max_runs = limit;
+        job.job.repeats = 3;
+        wisp_tune_result found = find( &job );
+        assert_true( s.run_count <= limit && found.run_count == s.run_count );
+        assert_true( found.is_cut );
+        assert_true( found.visit_count >= 1 );
+        assert_true( found.is_met == ( found.achieved.error <= job.job.error ) );
+        wisp_tune_release( &found );
+    }
+}
+
+static void time_that_is_up_leaves_one_run( void** state )
+{
+    (void)state;
+    surface s = make_surface( 5, 6, 5, 4 );
+    searched job = search_of( &s, 0.01, 0.0 );
+    job.job.max_seconds = 1e-300;
+    wisp_tune_result found = find( &job );
+    assert_int_equal( s.run_count, 1 );
+    assert_true( found.is_cut );
+    wisp_tune_release( &found );
+}
+
+static bool stop_after_five( void* user, int run_count, int max_runs )
+{
+    *(int*)user = run_count;
+    return max_runs == 1000 && run_count < 5;
+}
+
+static void the_host_may_stop_a_search( void** state )
+{
+    (void)state;
+    surface s = make_surface( 5, 6, 5, 4 );
+    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    int told = 0;
+    job.job.progress = stop_after_five;
+    job.job.progress_user = &told;
+    wisp_tune_result found = find( &job );
+    assert_int_equal( s.run_count, 5 );
+    assert_int_equal( told, 5 );
+    assert_true( found.is_cut );
+    wisp_tune_release( &found );
+}
+
+static void a_knob_of_one_value_is_left_alone( void** state )
+{
+    (void)state;
+    surface s = make_surface( 5, 1, 1, 1 );
+    searched job = search_of( &s, 1.0, 0.0 );
+    wisp_tune_result found = find( &job );
+    assert_int_equal( found.run_count, 1 );
+    assert_true( found.is_met );
+    assert_false( found.is_cut );
+    wisp_tune_release( &found );
+}
+
+static void the_same_samples_lead_to_the_same_result( void** state )
+{
+    (void)state;
+    surface first = make_surface( 8, 6, 5, 4 ), second = first;
+    first.noise = second.noise = 0.2;
+    const double target = between( first.error, size_of( &first ), 0.5 );
+    searched a = search_of( &first, target, 0.0 ), b = search_of( &second, target, 0.0 );
+    a.job.repeats = b.job.repeats = 3;
+    wisp_tune_result x = find( &a ), y = find( &b );
+    assert_memory_equal( x.choice, y.choice, sizeof( x.choice ) );
+    assert_int_equal( x.visit_count, y.visit_count );
+    assert_memory_equal( first.asked, second.asked, sizeof( first.asked ) );
+    wisp_tune_release( &x );
+    wisp_tune_release( &y );
+}
+
+static void the_front_is_what_nothing_beats( void** state )
+{
+    (void)state;
+    surface s = make_surface( 9, 6, 5, 4 );
+    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    wisp_tune_result found = find( &job );
+    int fronts = 0;
+    for ( int v = 0; v < found.visit_count; ++v )
+    {
+        bool is_beaten = false;
+        for ( int w = 0; w < found.visit_count; ++w )
+        {
+            const wisp_tune_sample *a = &found.visits[w].sample, *b = &found.visits[v].sample;
+            is_beaten |= a->ms <= b->ms && a->error <= b->error && ( a->ms < b->ms || a->error < b->error );
+        }
+        assert_true( found.visits[v].is_front == !is_beaten );
+        fronts += found.visits[v].is_front;
+    }
+    assert_true( fronts > 1 && fronts < found.visit_count );
+    wisp_tune_release( &found );
+}
+
+// ---- what is refused ----
+
+static void assert_no_search( searched* job, wisp_status expected, const char* words )
+{
+    job->job.knobs = job->job.knobs ? job->job.knobs : job->knobs;
+    wisp_tune_result result = { .run_count = 77 };
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_tune( &job->job, &result, &error ), expected );
+    assert_int_equal( result.run_count, 0 );
+    assert_null( result.visits );
+    if ( !strstr( error.sentence, words ) )
+    {
+        fail_msg( "'%s' is not in: %s", words, error.sentence );
+    }
+}
+
+static void bad_targets_are_refused( void** state )
+{
+    (void)state;
+    static const double targets[][2] = { { 0, 0 }, { 1, 1 }, { -1, 0 }, { 0, -1 }, { 1, -1 } };
+    surface s = make_surface( 1, 2, 2, 2 );
+    for ( int i = 0; i < WISP_COUNT( targets ); ++i )
+    {
+        searched job = search_of( &s, targets[i][0], targets[i][1] );
+        assert_no_search( &job, WISP_BAD_INPUT, "one of them must be above 0 and the other 0" );
+    }
+    searched nan = search_of( &s, NAN, 0.0 ), infinite = search_of( &s, 0.0, INFINITY );
+    assert_no_search( &nan, WISP_BAD_INPUT, "error is nan" );
+    assert_no_search( &infinite, WISP_BAD_INPUT, "budget_ms is inf" );
+    assert_int_equal( s.run_count, 0 );
+}
+
+static void bad_knobs_are_refused( void** state )
+{
+    (void)state;
+    surface s = make_surface( 1, 2, 2, 2 );
+    searched none = search_of( &s, 1, 0 ), seven = none, nameless = none, empty = none, many = none, absent = none;
+    none.job.knob_count = 0;
+    assert_no_search( &none, WISP_BAD_INPUT, "there are 0 knobs" );
+    seven.job.knob_count = 7;
+    assert_no_search( &seven, WISP_BAD_INPUT, "there are 7 knobs" );
+    nameless.knobs[1].name = "";
+    assert_no_search( &nameless, WISP_BAD_INPUT, "knob 1 has no name" );
+    empty.knobs[2].value_count = 0;
+    assert_no_search( &empty, WISP_BAD_INPUT, "knob 'third' has 0 values" );
+    absent.knobs[0].values = NULL;
+    assert_no_search( &absent, WISP_BAD_INPUT, "knob 'substeps' has 0 values" );
+    wisp_tune_knob wide[4] = {
+        { "a", VALUES, 16, false }, { "b", VALUES, 16, false }, { "c", VALUES, 16, false }, { "d", VALUES, 2, false }
+    };
+    many.job.knobs = wide;
+    many.job.knob_count = 4;
+    assert_no_search( &many, WISP_BAD_INPUT, "8192 settings" );
+    assert_int_equal( s.run_count, 0 );
+}
+
+static void bad_limits_are_refused( void** state )
+{
+    (void)state;
+    surface s = make_surface( 1, 2, 2, 2 );
+    searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
+    runs.job.max_runs = 0;
+    assert_no_search( &runs, WISP_BAD_INPUT, "max_runs is 0" );
+    seconds.job.max_seconds = NAN;
+    assert_no_search( &seconds, WISP_BAD_INPUT, "max_seconds is nan" );
+    repeats.job.repeats = 100;
+    assert_no_search( &repeats, WISP_BAD_INPUT, "repeats is 100" );
+    callback.job.run = NULL;
+    assert_no_search( &callback, WISP_BAD_INPUT, "no callback" );
+    test_host host = { 0 };
+    allocator.job.allocator = test_host_allocator( &host );
+    allocator.job.allocator.release = NULL;
+    assert_no_search( &allocator, WISP_BAD_INPUT, "allocator" );
+}
+
+static void a_run_that_fails_ends_the_search_with_its_sentence( void** state )
+{
+    (void)state;
+    for ( int run = 1; run <= 6; ++run )
+    {
+        surface s = make_surface( 5, 6, 5, 4 );
+        s.fail_at = run;
+        searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+        assert_no_search( &job, WISP_IO_ERROR, "the host has lost its disk" );
+        assert_int_equal( s.run_count, run );
+    }
+}
+
+static void a_sample_that_is_no_number_is_refused( void** state )
+{
+    (void)state;
+    static const double wrong[] = { NAN, INFINITY, -1.0 };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        surface time = make_surface( 5, 1, 1, 1 ), error = time;
+        time.ms[0] = wrong[i];
+        error.error[0] = wrong[i];
+        searched first = search_of( &time, 1, 0 ), second = search_of( &error, 1, 0 );
+        assert_no_search( &first, WISP_BAD_INPUT, "run 1, with 'substeps' at 1" );
+        assert_no_search( &second, WISP_BAD_INPUT, "both must be numbers from 0 on" );
+    }
+}
+
+static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
+{
+    (void)state;
+    for ( int refuse = 0; refuse <= 2; ++refuse )
+    {
+        test_host host = { .refuse = refuse };
+        surface s = make_surface( 5, 3, 3, 3 );
+        searched job = search_of( &s, 0.05, 0.0 );
+        job.job.allocator = test_host_allocator( &host );
+        if ( refuse > 0 )
+        {
+            assert_no_search( &job, WISP_NO_MEMORY, "no memory" );
+        }
+        else
+        {
+            wisp_tune_result found = find( &job );
+            wisp_tune_release( &found );
+            wisp_tune_release( &found );
+            assert_int_equal( host.asked, 2 );
+        }
+        assert_int_equal( host.blocks, 0 );
+        assert_int_equal( host.faults, 0 );
+    }
+    wisp_tune_release( NULL );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_cheapest_choice_that_meets_an_error_is_found_without_running_all ),
+        cmocka_unit_test( the_most_accurate_choice_within_a_budget_is_found_without_running_all ),
+        cmocka_unit_test( values_out_of_order_cost_a_tenth_at_most ),
+        cmocka_unit_test( a_finer_value_that_is_cheaper_is_found_beside_the_best ),
+        cmocka_unit_test( nothing_is_concluded_across_values_without_order ),
+        cmocka_unit_test( noise_of_times_never_lets_an_error_pass ),
+        cmocka_unit_test( choices_that_halt_are_never_chosen_and_hide_no_other ),
+        cmocka_unit_test( an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so ),
+        cmocka_unit_test( a_budget_out_of_reach_gives_the_fastest_choice_and_says_so ),
+        cmocka_unit_test( where_every_choice_halts_nothing_is_met ),
+        cmocka_unit_test( no_choice_is_run_twice_but_to_measure_it_again ),
+        cmocka_unit_test( a_limit_of_runs_is_kept_and_told ),
+        cmocka_unit_test( time_that_is_up_leaves_one_run ),
+        cmocka_unit_test( the_host_may_stop_a_search ),
+        cmocka_unit_test( a_knob_of_one_value_is_left_alone ),
+        cmocka_unit_test( the_same_samples_lead_to_the_same_result ),
+        cmocka_unit_test( the_front_is_what_nothing_beats ),
+        cmocka_unit_test( bad_targets_are_refused ),
+        cmocka_unit_test( bad_knobs_are_refused ),
+        cmocka_unit_test( bad_limits_are_refused ),
+        cmocka_unit_test( a_run_that_fails_ends_the_search_with_its_sentence ),
+        cmocka_unit_test( a_sample_that_is_no_number_is_refused ),
+        cmocka_unit_test( memory_that_runs_out_is_told_and_all_comes_back ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

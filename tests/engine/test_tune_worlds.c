@@ -1,0 +1,335 @@
+// The search for a setting of worlds: a small cloth that falls from two corners, and a check of what is told that shares
+// no code with it.
+#include "surface_fixture.h"
+
+#include "wisp/tune.h"
+
+#define SIDE 9
+#define STEPS 64
+#define LOOKS 4
+#define TOO_MUCH 1e6f // m/s^2: a cloth without pins is beyond 1e6 m/s after 61 steps, where worlds halt it
+#define STEP_SECONDS ( 1.0f / 60.0f )
+
+static const double SUBSTEPS[] = { 1, 2, 4, 8 };
+static const double ITERATIONS[] = { 1, 3 };
+static const wisp_tune_knob KNOBS[] = {
+    { "substeps", SUBSTEPS, WISP_COUNT( SUBSTEPS ), false },
+    { "iterations", ITERATIONS, WISP_COUNT( ITERATIONS ), false },
+};
+
+typedef struct cloth_host
+{
+    test_host memory; ///< of the search
+    wisp_tune_points points;
+    float gravity;        ///< m/s^2, downwards
+    int more_at;          ///< substeps from which on the cloth has more vertices; 0: never
+    int built, let_go;    ///< worlds
+    int stepped;          ///< by the host's own steps
+    int fail_at_substeps; ///< building this many fails; 0: none does
+} cloth_host;
+
+// ---- worlds ----
+
+static wisp_world* make_world( int substeps, int iterations, int side, float gravity, wisp_entity* out )
+{
+    static const wisp_module* const modules[] = { &wisp_cloth_module };
+    static test_log log;
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = modules;
+    def.module_count = WISP_COUNT( modules );
+    def.workers = 1;
+    def.substeps = substeps;
+    def.iterations = iterations;
+    def.log = test_log_listen;
+    def.log_user = &log;
+    wisp_world* world;
+    assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
+    test_mesh mesh = test_plane( side, 0.05f );
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    const int32_t corners[2] = { 0, side - 1 };
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.pins = corners;
+    surface.pin_count = gravity < TOO_MUCH ? WISP_COUNT( corners ) : 0;
+    *out = test_surface_of( world, &fabric, surface );
+    test_mesh_free( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    assert_int_equal( wisp_set_cloth( world, *out, &cloth ), WISP_OK );
+    assert_int_equal( wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -gravity, 0.0f } ), WISP_OK );
+    return world;
+}
+
+static wisp_status build( void* user, const int* choice, int factor, wisp_tune_world* out, wisp_error* error )
+{
+    cloth_host* host = user;
+    const int substeps = (int)SUBSTEPS[choice[0]];
+    if ( substeps == host->fail_at_substeps && factor == 1 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "the mesh is gone" );
+    }
+    const int side = host->more_at > 0 && substeps >= host->more_at ? SIDE + 1 : SIDE;
+    const wisp_component component = host->points.component;
+    host->points = ( wisp_tune_points ){ .component = component ? component : WISP_SURFACE_POINTS };
+    out->world =
+        make_world( substeps * factor, (int)ITERATIONS[choice[1]], side, host->gravity, &host->points.entity );
+    out->points = &host->points;
+    out->point_count = 1;
+    ++host->built;
+    return WISP_OK;
+}
+
+static void let_go( void* user, wisp_tune_world* world )
+{
+    ++( (cloth_host*)user )->let_go;
+    wisp_world_destroy( world->world );
+}
+
+static wisp_tune_worlds_def worlds_def( cloth_host* host )
+{
+    wisp_tune_worlds_def def = wisp_default_tune_worlds_def();
+    def.build = build;
+    def.let_go = let_go;
+    def.user = host;
+    def.step_seconds = STEP_SECONDS;
+    def.step_count = STEPS;
+    def.look_count = LOOKS;
+    def.truth_factor = 4;
+    return def;
+}
+
+static wisp_tune_job job_of( cloth_host* host, double error, double budget_ms )
+{
+    wisp_tune_job job = wisp_default_tune_job();
+    job.knobs = KNOBS;
+    job.knob_count = WISP_COUNT( KNOBS );
+    job.error = error;
+    job.budget_ms = budget_ms;
+    job.repeats = 2;
+    job.allocator = test_host_allocator( &host->memory );
+    return job;
+}
+
+// ---- the check: both worlds side by side ----
+
+static void measure_errors( const int* choice, double* rms, double* largest )
+{
+    wisp_entity a, b;
+    wisp_world* rough = make_world( (int)SUBSTEPS[choice[0]], (int)ITERATIONS[choice[1]], SIDE, 9.81f, &a );
+    wisp_world* truth = make_world( 4 * 8, 3, SIDE, 9.81f, &b );
+    assert_int_equal( wisp_want( rough, a, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_want( truth, b, WISP_SURFACE_POINTS ), WISP_OK );
+    double sum = 0.0, count = 0.0;
+    *largest = 0.0;
+    for ( int step = 1; step <= STEPS; ++step )
+    {
+        assert_int_equal( wisp_world_step( rough, STEP_SECONDS ), WISP_OK );
+        assert_int_equal( wisp_world_step( truth, STEP_SECONDS ), WISP_OK );
+        wisp_view x, y;
+        assert_int_equal( wisp_world_view( rough, a, WISP_SURFACE_POINTS, &x ), WISP_OK );
+        assert_int_equal( wisp_world_view( truth, b, WISP_SURFACE_POINTS, &y ), WISP_OK );
+        for ( int v = 0; v < x.count && step % ( STEPS / LOOKS ) == 0; ++v )
+        {
+            const wisp_vec3 p = ( (const wisp_vec3*)x.data )[v], q = ( (const wisp_vec3*)y.data )[v];
+            const double away[3] = { (double)p.x - (double)q.x, (double)p.y - (double)q.y,
+                                     (double)p.z - (double)q.z };
+            const double square = away[0] * away[0] + away[1] * away[1] + away[2] * away[2];
+            sum += square;
+            *largest = fmax( *largest, sqrt( square ) );
+            count += 1.0;
+        }
+    }
+    *rms = sqrt( sum / count );
+    wisp_world_destroy( rough );
+    wisp_world_destroy( truth );
+}
+
+static wisp_tune_result find( cloth_host* host, const wisp_tune_job* job )
+{
+    const wisp_tune_worlds_def def = worlds_def( host );
+    wisp_tune_result found;
+    wisp_error error = { 0 };
+    if ( wisp_tune_worlds( job, &def, &found, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return found;
+}
+
+// ---- what is found ----
+
+static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void** state )
+{
+    (void)state;
+    // The error of a choice in the middle is a target that some meet and some miss.
+    static const int middle[2] = { 2, 0 };
+    double target, largest;
+    measure_errors( middle, &target, &largest );
+    assert_true( target > 1e-5 );
+    cloth_host host = { .gravity = 9.81f };
+    const wisp_tune_job job = job_of( &host, target * ( 1.0 + 1e-9 ), 0.0 );
+    wisp_tune_result found = find( &host, &job );
+    assert_true( found.is_met );
+    assert_false( found.is_cut );
+    assert_true( found.visit_count >= 3 );
+    for ( int v = 0; v < found.visit_count; ++v )
+    {
+        double rms;
+        measure_errors( found.visits[v].choice, &rms, &largest );
+        // The same sums in another order of operations, of the same bits of positions.
+        assert_true( fabs( found.visits[v].sample.error / rms - 1.0 ) < 1e-9 );
+        assert_true( fabs( found.visits[v].sample.largest / largest - 1.0 ) < 1e-9 );
+        assert_true( found.visits[v].sample.ms > 0.0 );
+    }
+    assert_true( found.achieved.error <= job.error );
+    assert_int_equal( host.built, found.run_count + 1 );
+    assert_int_equal( host.let_go, host.built );
+    wisp_tune_release( &found );
+    assert_host_has_all_back( &host.memory );
+}
+
+static void a_generous_budget_gives_the_most_accurate_of_what_was_run( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = 9.81f };
+    const wisp_tune_job job = job_of( &host, 0.0, 1e6 );
+    wisp_tune_result found = find( &host, &job );
+    assert_true( found.is_met );
+    for ( int v = 0; v < found.visit_count; ++v )
+    {
+        assert_true( found.visits[v].sample.error >= found.achieved.error );
+    }
+    wisp_tune_release( &found );
+}
+
+static wisp_status own_step( void* user, wisp_tune_world* world, int step, wisp_error* error )
+{
+    cloth_host* host = user;
+    host->stepped += step >= 0 && step < STEPS;
+    return wisp_world_step( world->world, STEP_SECONDS ) == WISP_OK
+               ? WISP_OK
+               : wisp_fail( error, WISP_CONFLICT, "%s", wisp_world_message( world->world ) );
+}
+
+static void a_host_may_step_worlds_itself( void** state )
+{
+    (void)state;
+    cloth_host ours = { .gravity = 9.81f }, theirs = ours;
+    wisp_tune_job job = job_of( &ours, 1e-9, 0.0 );
+    wisp_tune_result plain = find( &ours, &job ), stepped;
+    wisp_tune_worlds_def def = worlds_def( &theirs );
+    def.step = own_step;
+    assert_int_equal( wisp_tune_worlds( &job, &def, &stepped, NULL ), WISP_OK );
+    assert_int_equal( theirs.stepped, STEPS * theirs.built );
+    assert_true( plain.visits[0].sample.error == stepped.visits[0].sample.error );
+    assert_false( plain.is_met || stepped.is_met );
+    wisp_tune_release( &plain );
+    wisp_tune_release( &stepped );
+}
+
+// ---- what is refused ----
+
+static void assert_no_worlds( cloth_host* host, const wisp_tune_job* job, const wisp_tune_worlds_def* def,
+                              wisp_status expected, const char* words )
+{
+    wisp_tune_result result = { .run_count = 77 };
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_tune_worlds( job, def, &result, &error ), expected );
+    assert_int_equal( result.run_count, 0 );
+    assert_null( result.visits );
+    assert_one_sentence( error.sentence );
+    if ( !strstr( error.sentence, words ) )
+    {
+        fail_msg( "'%s' is not in: %s", words, error.sentence );
+    }
+    assert_int_equal( host->built, host->let_go );
+    assert_host_has_all_back( &host->memory );
+}
+
+static void a_truth_that_halts_is_no_truth( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = TOO_MUCH };
+    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_worlds_def def = worlds_def( &host );
+    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "the truth" );
+    assert_int_equal( host.built, 1 );
+}
+
+static void worlds_of_different_points_are_not_compared( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = 9.81f, .more_at = 8 };
+    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_worlds_def def = worlds_def( &host );
+    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "one world has 100 points and another one 81" );
+}
+
+static void a_world_that_cannot_be_built_ends_the_search( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = 9.81f, .fail_at_substeps = 8 };
+    const wisp_tune_job job = job_of( &host, 1e-9, 0.0 );
+    const wisp_tune_worlds_def def = worlds_def( &host );
+    assert_no_worlds( &host, &job, &def, WISP_IO_ERROR, "the mesh is gone" );
+    assert_true( host.built > 1 );
+}
+
+static void wrong_definitions_are_refused_before_anything_is_built( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = 9.81f };
+    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 ), neither = job_of( &host, 0.0, 0.0 );
+    const wisp_tune_worlds_def good = worlds_def( &host );
+    wisp_tune_worlds_def none = good, still = good, blind = good, often = good, same = good;
+    none.build = NULL;
+    still.step_seconds = 0.0f;
+    blind.look_count = 0;
+    often.look_count = STEPS + 1;
+    same.truth_factor = 1;
+    assert_no_worlds( &host, &neither, &good, WISP_BAD_INPUT, "one of them must be above 0" );
+    assert_no_worlds( &host, &job, &none, WISP_BAD_INPUT, "no callback that builds" );
+    assert_no_worlds( &host, &job, &still, WISP_BAD_INPUT, "step_seconds is 0" );
+    assert_no_worlds( &host, &job, &blind, WISP_BAD_INPUT, "look_count is 0" );
+    assert_no_worlds( &host, &job, &often, WISP_BAD_INPUT, "look_count is 65" );
+    assert_no_worlds( &host, &job, &same, WISP_BAD_INPUT, "truth_factor is 1" );
+    assert_int_equal( host.built, 0 );
+}
+
+static void what_is_no_point_is_refused( void** state )
+{
+    (void)state;
+    cloth_host host = { .gravity = 9.81f, .points = { .component = WISP_SURFACE_NORMALS } };
+    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_worlds_def def = worlds_def( &host );
+    assert_no_worlds( &host, &job, &def, WISP_BAD_INPUT, "it must be surface.points or strand.points" );
+    host.points.component = WISP_STRAND_POINTS; // a cloth has none
+    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "strand.points" );
+}
+
+static void memory_that_runs_out_is_told( void** state )
+{
+    (void)state;
+    for ( int refuse = 1; refuse <= 4; ++refuse )
+    {
+        cloth_host host = { .gravity = 9.81f, .memory = { .refuse = refuse } };
+        const wisp_tune_job job = job_of( &host, 1.0, 0.0 );
+        const wisp_tune_worlds_def def = worlds_def( &host );
+        assert_no_worlds( &host, &job, &def, WISP_NO_MEMORY, "no memory" );
+    }
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( an_error_that_is_told_as_met_is_met_when_it_is_measured_apart ),
+        cmocka_unit_test( a_generous_budget_gives_the_most_accurate_of_what_was_run ),
+        cmocka_unit_test( a_host_may_step_worlds_itself ),
+        cmocka_unit_test( a_truth_that_halts_is_no_truth ),
+        cmocka_unit_test( worlds_of_different_points_are_not_compared ),
+        cmocka_unit_test( a_world_that_cannot_be_built_ends_the_search ),
+        cmocka_unit_test( wrong_definitions_are_refused_before_anything_is_built ),
+        cmocka_unit_test( what_is_no_point_is_refused ),
+        cmocka_unit_test( memory_that_runs_out_is_told ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
