@@ -12,7 +12,7 @@ typedef struct program_verb
 
 static const program_verb verbs[] = {
     { "run", verb_run },   { "plan", verb_plan },     { "bench", verb_bench },
-    { "info", verb_info }, { "render", verb_render },
+    { "info", verb_info }, { "render", verb_render }, { "tune", verb_tune },
 };
 
 const char* argp_program_version = "wisp " WISP_VERSION_STRING;
@@ -26,6 +26,7 @@ static const char program_doc[] =
     "  bench [CASE]   measure, with the error beside every time\n"
     "  info FILE      what is in a mesh, groom, scene, recording or result, and what is wrong with it\n"
     "  render FILE    pictures of a scene, recording, mesh or groom\n"
+    "  tune SCENE     the cheapest setting that meets an error, or the most accurate within a time\n"
     "\v"
     "'wisp VERB --help' tells more about a verb.\n" STATUS_HELP;
 
@@ -40,7 +41,7 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which verb? one of run, plan, bench, info, render" );
+            argp_error( state, "which verb? one of run, plan, bench, info, render, tune" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -61,7 +62,7 @@ static int unknown_verb( const char* word )
     }
     else
     {
-        fprintf( stderr, "wisp: there is no verb '%s', only run, plan, bench, info and render\n", word );
+        fprintf( stderr, "wisp: there is no verb '%s', only run, plan, bench, info, render and tune\n", word );
     }
     return STATUS_USAGE;
 }

@@ -10,6 +10,7 @@
 enum
 {
     STATUS_GOOD = 0,
+    STATUS_UNMET = 1,  ///< of tune: no setting that was run meets what was asked for
     STATUS_FAILED = 2, ///< a failed run, or input that is wrong
     STATUS_USAGE = 64, ///< EX_USAGE of sysexits.h, which is what argp exits with
 };
@@ -24,6 +25,7 @@ verb_fn verb_plan;
 verb_fn verb_bench;
 verb_fn verb_info;
 verb_fn verb_render;
+verb_fn verb_tune;
 
 /// Print the one sentence of a failure to stderr. @return STATUS_FAILED
 int verb_fail( const wisp_error* error );

@@ -55,6 +55,7 @@ static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** sta
         { "bench --help", "Usage: wisp bench [OPTION...] [CASE...]" },
         { "info --help", "Usage: wisp info [OPTION...] FILE" },
         { "render --help", "Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM" },
+        { "tune --help", "Usage: wisp tune [OPTION...] SCENE" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
@@ -70,7 +71,7 @@ static void usage_of_every_verb_is_told( void** state )
 {
     (void)state;
     static const char* const commands[] = { "--usage",       "run --usage",  "plan --usage",
-                                            "bench --usage", "info --usage", "render --usage" };
+                                            "bench --usage", "info --usage", "render --usage", "tune --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
         run( commands[i] );

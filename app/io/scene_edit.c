@@ -1,0 +1,345 @@
+// Values are found by the places that the reader's tree keeps, and what stands there is compared with what the tree says
+// before a byte is changed: whatever is written in an unusual way is refused and not guessed at.
+#include "scene_edit.h"
+
+#include "io_file.h"
+#include "scene.h"
+#include "scene_text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// Bytes that go and bytes that come.
+typedef struct patch
+{
+    size_t at, removed;
+    int order; // of patches at one place
+    char text[120];
+} patch;
+
+typedef struct editor
+{
+    scene_source source;
+    scene_tree tree;
+    size_t* lines; // [line_count] where each begins
+    int line_count;
+    patch* patches; // [patch_count]
+    int patch_count;
+} editor;
+
+// ---- places ----
+
+static wisp_status index_lines( editor* e )
+{
+    const scene_source* s = &e->source;
+    int count = 1;
+    for ( size_t i = 0; i < s->size; ++i )
+    {
+        count += s->text[i] == '\n';
+    }
+    e->lines = malloc( (size_t)count * sizeof *e->lines );
+    if ( !e->lines )
+    {
+        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: no memory for the scene", s->name );
+    }
+    e->lines[e->line_count++] = 0;
+    for ( size_t i = 0; i < s->size; ++i )
+    {
+        if ( s->text[i] == '\n' )
+        {
+            e->lines[e->line_count++] = i + 1;
+        }
+    }
+    return WISP_OK;
+}
+
+// Columns count characters. @return the size of the text for a place that is not there
+static size_t place_of( const editor* e, int line, int column )
+{
+    const scene_source* s = &e->source;
+    if ( line < 1 || line > e->line_count )
+    {
+        return s->size;
+    }
+    size_t at = e->lines[line - 1];
+    for ( int c = 1; c < column && at < s->size; ++c )
+    {
+        do
+        {
+            ++at;
+        } while ( at < s->size && ( (unsigned char)s->text[at] & 0xc0u ) == 0x80u );
+    }
+    return at;
+}
+
+static bool stands_at( const editor* e, size_t at, const char* text )
+{
+    const size_t length = strlen( text );
+    return at <= e->source.size && length <= e->source.size - at && memcmp( e->source.text + at, text, length ) == 0;
+}
+
+static char letter( const editor* e, size_t at )
+{
+    return at < e->source.size ? e->source.text[at] : '\0';
+}
+
+// Behind the line's end; the size of the text for the last line.
+static size_t next_line( const editor* e, int line )
+{
+    return line < e->line_count ? e->lines[line] : e->source.size;
+}
+
+// ---- nodes ----
+
+static const scene_node* find_child( const editor* e, const scene_node* node, const char* key )
+{
+    const scene_node* child = node && node->kind == SCENE_MAP ? scene_first( &e->tree, node ) : NULL;
+    while ( child && strcmp( scene_key_of( &e->tree, child ), key ) != 0 )
+    {
+        child = scene_next( &e->tree, child );
+    }
+    return child;
+}
+
+static const scene_node* find_map( const editor* e, const wisp_scene_edit* edit )
+{
+    const scene_node* node = &e->tree.nodes[0];
+    if ( edit->list )
+    {
+        node = find_child( e, node, edit->list );
+        node = node && node->kind == SCENE_LIST ? scene_first( &e->tree, node ) : NULL;
+        for ( int i = 0; node && i < edit->index; ++i )
+        {
+            node = scene_next( &e->tree, node );
+        }
+    }
+    node = node && edit->block ? find_child( e, node, edit->block ) : node;
+    return node && node->kind == SCENE_MAP ? node : NULL;
+}
+
+static wisp_status refuse_edit( const editor* e, const scene_node* node, const wisp_scene_edit* edit )
+{
+    return scene_refuse( &e->source, node ? node->line : 0, node ? node->column : 0, "",
+                         "'%s' cannot be set to %s here without writing the file anew; set it by hand", edit->key,
+                         edit->value );
+}
+
+// ---- patches ----
+
+// @param text one line at most, with its indentation
+static void add_patch( editor* e, size_t at, size_t removed, const char* text )
+{
+    patch* p = &e->patches[e->patch_count];
+    *p = ( patch ){ .at = at, .removed = removed, .order = e->patch_count };
+    snprintf( p->text, sizeof p->text, "%s", text );
+    ++e->patch_count;
+}
+
+static wisp_status replace_value( editor* e, const scene_node* node, const wisp_scene_edit* edit )
+{
+    const char* old = scene_text_of( &e->tree, node );
+    const size_t at = place_of( e, node->line, node->column );
+    if ( node->kind != SCENE_SCALAR || !node->plain || !old[0] || !stands_at( e, at, old ) )
+    {
+        return refuse_edit( e, node, edit );
+    }
+    add_patch( e, at, strlen( old ), edit->value );
+    return WISP_OK;
+}
+
+// Behind the brace. A file whose root has braces is taken for JSON, whose keys are quoted.
+static void add_to_braces( editor* e, const scene_node* map, size_t at, const wisp_scene_edit* edit )
+{
+    const scene_node* root = &e->tree.nodes[0];
+    const char* quote = letter( e, place_of( e, root->line, root->column ) ) == '{' ? "\"" : "";
+    const char next = letter( e, at + 1 );
+    const bool is_apart = next == ' ' || next == '\n' || next == '\r' || next == '\t';
+    char text[120];
+    snprintf( text, sizeof text, " %s%s%s: %s%s%s", quote, edit->key, quote, edit->value, map->count > 0 ? "," : "",
+              is_apart ? "" : " " );
+    add_patch( e, at + 1, 0, text );
+}
+
+// The first key whose value ends where its line does: a new line fits behind it.
+static const scene_node* find_one_line( const editor* e, const scene_node* map )
+{
+    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    {
+        const char* text = child->kind == SCENE_SCALAR ? scene_text_of( &e->tree, child ) : "";
+        if ( child->plain && text[0] && child->line == child->key_line &&
+             stands_at( e, place_of( e, child->line, child->column ), text ) )
+        {
+            return child;
+        }
+    }
+    return NULL;
+}
+
+static bool is_blank( const editor* e, size_t begin, size_t end )
+{
+    while ( begin < end && e->source.text[begin] == ' ' )
+    {
+        ++begin;
+    }
+    return begin == end;
+}
+
+// The first key that has its line for itself: a new line fits before it.
+static const scene_node* find_own_line( const editor* e, const scene_node* map )
+{
+    for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
+    {
+        const size_t start = place_of( e, child->key_line, 1 );
+        const size_t key = place_of( e, child->key_line, child->key_column );
+        if ( stands_at( e, key, scene_key_of( &e->tree, child ) ) && is_blank( e, start, key ) )
+        {
+            return child;
+        }
+    }
+    return NULL;
+}
+
+static wisp_status add_line( editor* e, const scene_node* map, const wisp_scene_edit* edit )
+{
+    const scene_node* before = find_one_line( e, map );
+    const scene_node* behind = before ? NULL : find_own_line( e, map );
+    const scene_node* near = before ? before : behind;
+    if ( !near || near->key_column > 60 )
+    {
+        return refuse_edit( e, map, edit );
+    }
+    const size_t end = next_line( e, near->key_line );
+    const bool has_return = end > 1 && e->source.text[end - 2] == '\r' && e->source.text[end - 1] == '\n';
+    // The last line of a file may have no end of its own.
+    const bool is_open = before && end > 0 && e->source.text[end - 1] != '\n';
+    const char* line_end = has_return ? "\r\n" : "\n";
+    char text[120];
+    snprintf( text, sizeof text, "%s%*s%s: %s%s", is_open ? line_end : "", near->key_column - 1, "", edit->key,
+              edit->value, is_open ? "" : line_end );
+    add_patch( e, before ? end : place_of( e, near->key_line, 1 ), 0, text );
+    return WISP_OK;
+}
+
+static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
+{
+    const scene_node* map = find_map( e, edit );
+    if ( !map )
+    {
+        return refuse_edit( e, NULL, edit );
+    }
+    const scene_node* node = find_child( e, map, edit->key );
+    if ( node )
+    {
+        return replace_value( e, node, edit );
+    }
+    const size_t at = place_of( e, map->line, map->column );
+    if ( letter( e, at ) == '{' )
+    {
+        add_to_braces( e, map, at, edit );
+        return WISP_OK;
+    }
+    return add_line( e, map, edit );
+}
+
+// ---- the new text ----
+
+static int compare_patches( const void* a, const void* b )
+{
+    const patch *x = a, *y = b;
+    return x->at != y->at ? ( x->at > y->at ) - ( x->at < y->at ) : x->order - y->order;
+}
+
+// @param out receives a block for free()
+static wisp_status apply( editor* e, char** out, size_t* out_size )
+{
+    const scene_source* s = &e->source;
+    qsort( e->patches, (size_t)e->patch_count, sizeof *e->patches, compare_patches );
+    char* text = malloc( s->size + (size_t)e->patch_count * sizeof e->patches->text + 1 );
+    if ( !text )
+    {
+        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: no memory for the scene", s->name );
+    }
+    size_t read = 0, written = 0;
+    for ( int i = 0; i < e->patch_count; ++i )
+    {
+        const patch* p = &e->patches[i];
+        memcpy( text + written, s->text + read, p->at - read );
+        written += p->at - read;
+        memcpy( text + written, p->text, strlen( p->text ) );
+        written += strlen( p->text );
+        read = p->at + p->removed;
+    }
+    memcpy( text + written, s->text + read, s->size - read );
+    *out = text;
+    *out_size = written + s->size - read;
+    return WISP_OK;
+}
+
+static wisp_status edit_text( const scene_source* source, const wisp_scene_edit* edits, int count, char** out,
+                              size_t* out_size )
+{
+    editor e = { .source = *source };
+    e.patches = malloc( ( (size_t)count + 1 ) * sizeof *e.patches );
+    wisp_status status =
+        e.patches ? index_lines( &e ) : wisp_fail( source->error, WISP_NO_MEMORY, "no memory for %d changes", count );
+    status = status == WISP_OK ? scene_tree_build( source, &e.tree ) : status;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        status = add_edit( &e, &edits[i] );
+    }
+    status = status == WISP_OK ? apply( &e, out, out_size ) : status;
+    scene_tree_release( &e.tree );
+    free( e.lines );
+    free( e.patches );
+    return status;
+}
+
+static wisp_status write_text( const char* path, const char* head, size_t head_size, const char* text, size_t size,
+                               wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    fwrite( head, 1, head_size, output.stream );
+    fwrite( text, 1, size, output.stream );
+    return io_output_commit( &output, error );
+}
+
+// The result is read as any scene before it is written.
+static wisp_status check_and_write( const char* head, size_t head_size, const char* text, size_t size,
+                                    const char* from, const char* to, wisp_error* error )
+{
+    wisp_scene scene;
+    wisp_status status = wisp_scene_parse( text, size, to ? to : from, &scene, error );
+    wisp_scene_release( &scene );
+    return status == WISP_OK && to ? write_text( to, head, head_size, text, size, error ) : status;
+}
+
+wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits, int count, const char* to,
+                                  wisp_error* error )
+{
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( from, SCENE_MAX_BYTES, &bytes, &size, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    // Places of the tree do not count a byte order mark, which is kept.
+    const char* text = bytes ? (const char*)bytes : "";
+    const size_t mark = size >= 3 && memcmp( text, "\xef\xbb\xbf", 3 ) == 0 ? 3 : 0;
+    const scene_source source = { from, text + mark, size - mark, error };
+    char* edited = NULL;
+    size_t edited_size = 0;
+    status = edit_text( &source, edits, count, &edited, &edited_size );
+    if ( status == WISP_OK )
+    {
+        status = check_and_write( text, mark, edited, edited_size, from, to, error );
+    }
+    free( edited );
+    free( bytes );
+    return status;
+}

@@ -1,0 +1,146 @@
+#include "tune_scene.h"
+
+#include "progress.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define RUNS_MAX 100
+#define LOOKS 12
+#define SECONDS_MAX 2.0
+#define STEPS_MAX 1000000
+
+/// One world at a time.
+typedef struct host
+{
+    const tune_scene_def* def;
+    tune_scene_facts* facts;
+    scene_world world;
+    wisp_tune_points* points; // [points of the scene]
+    progress bar;
+} host;
+
+// ---- worlds ----
+
+// What moves by itself; what only follows it would count the same error twice.
+static int list_points( host* h )
+{
+    const wisp_scene* scene = h->def->scene;
+    int count = 0;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        if ( scene->strands[i].has_dynamics )
+        {
+            h->points[count++] = ( wisp_tune_points ){ h->world.entities[i], WISP_STRAND_POINTS };
+        }
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        h->points[count++] = ( wisp_tune_points ){ h->world.surfaces[i].entity, WISP_SURFACE_POINTS };
+    }
+    return count;
+}
+
+static void take_facts( host* h )
+{
+    tune_scene_facts* facts = h->facts;
+    const wisp_scene* scene = h->def->scene;
+    facts->points = 0;
+    for ( int i = 0; i < scene_world_moving_count( &h->world ); ++i )
+    {
+        if ( i >= scene->strands_count || scene->strands[i].has_dynamics )
+        {
+            facts->points += scene_world_body( &h->world, i ).vertex_count;
+        }
+    }
+    facts->workers = wisp_world_workers( h->world.world );
+    snprintf( facts->isa, sizeof facts->isa, "%s", wisp_world_isa( h->world.world ) );
+}
+
+static wisp_status build( void* user, const int* choice, int substep_factor, wisp_tune_world* out, wisp_error* error )
+{
+    host* h = user;
+    wisp_scene* scene = h->def->scene;
+    tune_knobs_set( h->def->knobs, choice, scene );
+    scene->substeps *= substep_factor;
+    wisp_status status = scene_world_create( scene, &h->def->world, &h->world, error );
+    if ( status == WISP_OK )
+    {
+        take_facts( h );
+        *out = ( wisp_tune_world ){ .world = h->world.world, .points = h->points, .point_count = list_points( h ) };
+    }
+    return status;
+}
+
+static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_error* error )
+{
+    (void)world;
+    (void)number;
+    return scene_world_step( &( (host*)user )->world, error );
+}
+
+static void let_go( void* user, wisp_tune_world* world )
+{
+    (void)world;
+    scene_world_destroy( &( (host*)user )->world );
+}
+
+static bool show( void* user, int run_count, int max_runs )
+{
+    progress_show( &( (host*)user )->bar, (double)run_count / max_runs, "settings at most" );
+    return true;
+}
+
+// ---- the search ----
+
+static int steps_of( const tune_scene_def* def )
+{
+    const double step_seconds = (double)def->scene->step_seconds;
+    const double whole = def->scene->steps * step_seconds;
+    const double wanted = def->seconds > 0.0 ? def->seconds : whole > 0.0 ? fmin( whole, SECONDS_MAX ) : SECONDS_MAX;
+    const double steps = round( wanted / step_seconds );
+    return steps < 1.0 ? 1 : steps > STEPS_MAX ? STEPS_MAX : (int)steps;
+}
+
+static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
+{
+    const tune_scene_def* def = h->def;
+    wisp_tune_job job = wisp_default_tune_job();
+    job.knobs = def->knobs->knobs;
+    job.knob_count = def->knobs->count;
+    job.error = def->error;
+    job.budget_ms = def->budget_ms;
+    job.max_runs = RUNS_MAX;
+    job.max_seconds = def->limit;
+    job.progress = show;
+    job.progress_user = h;
+    wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
+    worlds.build = build;
+    worlds.step = step;
+    worlds.let_go = let_go;
+    worlds.user = h;
+    worlds.step_seconds = def->scene->step_seconds;
+    worlds.step_count = h->facts->steps;
+    worlds.look_count = h->facts->steps < LOOKS ? h->facts->steps : LOOKS;
+    worlds.truth_factor = TUNE_TRUTH_FACTOR;
+    h->bar = progress_begin();
+    wisp_status status = wisp_tune_worlds( &job, &worlds, out, error );
+    progress_end( &h->bar );
+    return status;
+}
+
+wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_facts* facts,
+                               wisp_error* error )
+{
+    *out = ( wisp_tune_result ){ 0 };
+    *facts = ( tune_scene_facts ){ .steps = steps_of( def ) };
+    host h = { .def = def, .facts = facts };
+    const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;
+    h.points = malloc( room * sizeof *h.points + 1 );
+    wisp_status status = h.points
+                             ? search( &h, out, error )
+                             : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its points", def->scene->name );
+    free( h.points );
+    return status;
+}

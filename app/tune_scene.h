@@ -1,0 +1,31 @@
+/// Tuning a scene: its worlds for wisp_tune_worlds().
+#pragma once
+
+#include "tune_knobs.h"
+#include "world_from_scene.h"
+
+/// Substeps of the truth, times those of the finest setting.
+#define TUNE_TRUTH_FACTOR 16
+
+typedef struct tune_scene_def
+{
+    wisp_scene* scene; ///< its fields change from run to run
+    const tune_knobs* knobs;
+    scene_world_options world;
+    double error, budget_ms; ///< m, ms; one of them
+    double seconds;          ///< of simulated time; 0: the scene, or 2 s if that is shorter
+    double limit;            ///< s of wall time
+} tune_scene_def;
+
+/// What was measured, and on what.
+typedef struct tune_scene_facts
+{
+    int steps;    ///< of each run
+    int points;   ///< compared at each look
+    int workers;  ///< that the worlds had
+    char isa[16]; ///< instruction set that they used
+} tune_scene_facts;
+
+/// @param out to be released
+wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_facts* facts,
+                               wisp_error* error );

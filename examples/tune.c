@@ -1,0 +1,148 @@
+// Ask for an error and get a setting: how many substeps and iterations a hanging cloth needs to be right to two centimetres.
+//
+//     cc -std=c17 tune.c $(pkg-config --cflags --libs wisp) -o tune && ./tune
+//
+// Prints what was tried and what was chosen; exit status 0 if the error is met, 1 if not.
+#include <wisp/cloth.h>
+#include <wisp/fabric.h>
+#include <wisp/tune.h>
+#include <wisp/wisp.h>
+
+#include <stdio.h>
+
+#define SIDE 13 // vertices
+
+static wisp_vec3 points[SIDE * SIDE];
+static int32_t triangles[2 * ( SIDE - 1 ) * ( SIDE - 1 )][3];
+static const int32_t corners[2] = { 0, SIDE - 1 };
+
+// From rough to fine.
+static const double substeps[] = { 1, 2, 4, 8, 16, 32 };
+static const double iterations[] = { 1, 2 };
+static const wisp_tune_knob knobs[] = {
+    { "substeps", substeps, WISP_COUNT( substeps ), false },
+    { "iterations", iterations, WISP_COUNT( iterations ), false },
+};
+
+// A square of half a metre in the plane y = 0.
+static void make_mesh( void )
+{
+    int count = 0;
+    for ( int v = 0; v < SIDE * SIDE; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ 0.5f * (float)( v % SIDE ) / ( SIDE - 1 ), 0.0f,
+                                   0.5f * (float)( v / SIDE ) / ( SIDE - 1 ) };
+    }
+    for ( int32_t v = 0; v < SIDE * ( SIDE - 1 ); ++v )
+    {
+        if ( v % SIDE < SIDE - 1 )
+        {
+            const int32_t pair[2][3] = { { v, v + SIDE, v + 1 }, { v + 1, v + SIDE, v + SIDE + 1 } };
+            for ( int corner = 0; corner < 3; ++corner )
+            {
+                triangles[count][corner] = pair[0][corner];
+                triangles[count + 1][corner] = pair[1][corner];
+            }
+            count += 2;
+        }
+    }
+}
+
+static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entity* out )
+{
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.fabric = fabric;
+    surface.pins = corners;
+    surface.pin_count = WISP_COUNT( corners );
+    const wisp_cloth_def cloth = wisp_default_cloth_def();
+    wisp_status status = wisp_add_surface( world, &surface, out );
+    status = status == WISP_OK ? wisp_set_cloth( world, *out, &cloth ) : status;
+    return status == WISP_OK ? wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ) : status;
+}
+
+// A world of a choice. Tuning asks for the points, runs it, and lets it go.
+static wisp_status build( void* user, const int* choice, int substep_factor, wisp_tune_world* out, wisp_error* error )
+{
+    static const wisp_module* const modules[] = { &wisp_cloth_module };
+    static wisp_tune_points compared;
+    wisp_world_def def = wisp_default_world_def();
+    def.modules = modules;
+    def.module_count = WISP_COUNT( modules );
+    def.workers = 1;
+    def.substeps = (int)substeps[choice[0]] * substep_factor;
+    def.iterations = (int)iterations[choice[1]];
+    wisp_status status = wisp_world_create( &def, &out->world, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = add_cloth( out->world, user, &compared.entity );
+    if ( status != WISP_OK )
+    {
+        wisp_fail( error, status, "%s", wisp_world_message( out->world ) );
+        wisp_world_destroy( out->world );
+        return status;
+    }
+    compared.component = WISP_SURFACE_POINTS;
+    out->points = &compared;
+    out->point_count = 1;
+    return WISP_OK;
+}
+
+static wisp_status tune( wisp_fabric* fabric, wisp_tune_result* out, wisp_error* error )
+{
+    wisp_tune_job job = wisp_default_tune_job();
+    job.knobs = knobs;
+    job.knob_count = WISP_COUNT( knobs );
+    job.error = 0.02; // m; or job.budget_ms
+    wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
+    worlds.build = build;
+    worlds.user = fabric;
+    worlds.step_count = 30;
+    return wisp_tune_worlds( &job, &worlds, out, error );
+}
+
+static void print( const wisp_tune_result* found )
+{
+    for ( int i = 0; i < found->visit_count; ++i )
+    {
+        const wisp_tune_visit* visit = &found->visits[i];
+        printf( "%2.0f substeps, %1.0f iterations: %.4f ms, %.2f mm%s\n", substeps[visit->choice[0]],
+                iterations[visit->choice[1]], visit->sample.ms, 1e3 * visit->sample.error,
+                visit->is_front ? ", nothing beats it" : "" );
+    }
+    printf( "%s: %g substeps, %g iterations: %.4f ms a step, %.2f mm\n", found->is_met ? "met" : "not met",
+            found->values[0], found->values[1], found->achieved.ms, 1e3 * found->achieved.error );
+}
+
+int main( void )
+{
+    make_mesh();
+    wisp_fabric_def def = wisp_default_fabric_def();
+    def.points = points;
+    def.vertex_count = SIDE * SIDE;
+    def.triangles = &triangles[0][0];
+    def.triangle_count = WISP_COUNT( triangles );
+    def.attachments = corners;
+    def.attachment_count = WISP_COUNT( corners );
+    def.cross_links = true;
+    wisp_error error = { 0 };
+    wisp_fabric* fabric;
+    wisp_tune_result found;
+    if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )
+    {
+        printf( "%s\n", error.sentence );
+        return 1;
+    }
+    const wisp_status status = tune( fabric, &found, &error );
+    wisp_fabric_release( fabric );
+    if ( status != WISP_OK )
+    {
+        printf( "%s\n", error.sentence );
+        return 1;
+    }
+    print( &found );
+    const bool is_met = found.is_met && found.achieved.error <= 0.02;
+    wisp_tune_release( &found );
+    return is_met ? 0 : 1;
+}

@@ -1,0 +1,210 @@
+// Single values of a scene's file are changed: every other byte stays, whatever the file looks like.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "scene.h"
+#include "scene_edit.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FROM "scene_edit_from.yaml"
+#define TO "scene_edit_to.yaml"
+
+static void write_text( const char* path, const char* text )
+{
+    FILE* file = fopen( path, "wb" );
+    assert_non_null( file );
+    assert_int_equal( fwrite( text, 1, strlen( text ), file ), strlen( text ) );
+    assert_int_equal( fclose( file ), 0 );
+}
+
+static void read_text( const char* path, char* out, size_t size )
+{
+    FILE* file = fopen( path, "rb" );
+    assert_non_null( file );
+    out[fread( out, 1, size - 1, file )] = '\0';
+    fclose( file );
+}
+
+static void assert_edited( const char* text, const wisp_scene_edit* edits, int count, const char* expected )
+{
+    write_text( FROM, text );
+    wisp_error error = { 0 };
+    if ( wisp_scene_edit_file( FROM, edits, count, TO, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    char is[4000];
+    read_text( TO, is, sizeof is );
+    assert_string_equal( is, expected );
+    remove( FROM );
+    remove( TO );
+}
+
+static void assert_not_edited( const char* text, wisp_scene_edit edit, const char* words )
+{
+    write_text( FROM, text );
+    write_text( TO, "what was there" );
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_scene_edit_file( FROM, &edit, 1, TO, &error ), WISP_BAD_INPUT );
+    if ( !strstr( error.sentence, words ) )
+    {
+        fail_msg( "'%s' is not in: %s", words, error.sentence );
+    }
+    char is[4000];
+    read_text( TO, is, sizeof is );
+    assert_string_equal( is, "what was there" );
+    remove( FROM );
+    remove( TO );
+}
+
+static const wisp_scene_edit substeps_7 = { NULL, 0, NULL, "substeps", "7" };
+static const wisp_scene_edit tethers = { "surfaces", 1, "cloth", "tethers", "true" };
+
+#define SURFACE( name ) "  - name: " name "\n    make: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
+
+// ---- values that are there ----
+
+static void a_value_is_replaced_and_comments_stay( void** state )
+{
+    (void)state;
+    assert_edited( "# of a flag\nwisp: 1 # the only one\n\nsubsteps:   12  # many\nsteps: 3\n", &substeps_7, 1,
+                   "# of a flag\nwisp: 1 # the only one\n\nsubsteps:   7  # many\nsteps: 3\n" );
+}
+
+static void columns_count_characters_and_not_bytes( void** state )
+{
+    (void)state;
+    // Two values on the line of a file's name whose letters have two bytes each.
+    const wisp_scene_edit edit = { "surfaces", 0, "cloth", "tethers", "false" };
+    assert_edited( "wisp: 1\nsurfaces:\n  - { name: a, file: \xc3\xa4\xc3\xb6\xc3\xbc.obj,"
+                   " pins: [0], cloth: { tethers: true } }\n",
+                   &edit, 1,
+                   "wisp: 1\nsurfaces:\n  - { name: a, file: \xc3\xa4\xc3\xb6\xc3\xbc.obj,"
+                   " pins: [0], cloth: { tethers: false } }\n" );
+}
+
+static void a_byte_order_mark_and_returns_stay( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edits[2] = { substeps_7, { NULL, 0, NULL, "iterations", "3" } };
+    assert_edited( "\xef\xbb\xbfwisp: 1\r\nsubsteps: 2\r\n", edits, 2,
+                   "\xef\xbb\xbfwisp: 1\r\niterations: 3\r\nsubsteps: 7\r\n" );
+}
+
+// ---- keys that are not there ----
+
+static void a_key_joins_its_mapping_behind_a_line_of_it( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edits[2] = { { "surfaces", 0, NULL, "damping", "0.5" }, substeps_7 };
+    assert_edited(
+        "wisp: 1 # first\nsurfaces:\n" SURFACE( "a # named" ) "    # soft\n    cloth: {}\n", edits, 2,
+        "wisp: 1 # first\nsubsteps: 7\nsurfaces:\n  - name: a # named\n    damping: 0.5\n    make: { shape: "
+        "plane, columns: 3, rows: 3, spacing: 0.1 }\n    # soft\n    cloth: {}\n" );
+}
+
+static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** state )
+{
+    (void)state;
+    assert_edited(
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    cloth: {}\n" SURFACE( "b" ) "    pins: [0]\n    cloth: {}\n",
+        &tethers, 1,
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    cloth: {}\n" SURFACE(
+            "b" ) "    pins: [0]\n    cloth: { tethers: true }\n" );
+    assert_edited(
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth: {drag: 1}\n", &tethers, 1,
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth: { tethers: true, drag: "
+                                                             "1}\n" );
+    assert_edited(
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth:\n      wind: [0, 0, 1]\n",
+        &tethers, 1,
+        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth:\n      tethers: true\n"
+                                                             "      wind: [0, 0, 1]\n" );
+}
+
+static void a_last_line_without_an_end_gets_one( void** state )
+{
+    (void)state;
+    assert_edited( "wisp: 1", &substeps_7, 1, "wisp: 1\nsubsteps: 7" );
+}
+
+static void json_stays_json( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edits[2] = { substeps_7, { NULL, 0, NULL, "steps", "4" } };
+    assert_edited( "{\n  \"wisp\": 1,\n  \"steps\": 3\n}\n", edits, 2,
+                   "{ \"substeps\": 7,\n  \"wisp\": 1,\n  \"steps\": 4\n}\n" );
+}
+
+static void no_edits_copy_the_file( void** state )
+{
+    (void)state;
+    assert_edited( "wisp: 1\n# end\n", NULL, 0, "wisp: 1\n# end\n" );
+}
+
+// ---- what is refused ----
+
+static void what_is_not_there_is_refused_and_nothing_is_written( void** state )
+{
+    (void)state;
+    assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), tethers, "'tethers' cannot be set to true here" );
+    assert_not_edited( "wisp: 1\nsubsteps: [\n", substeps_7, "not YAML" );
+}
+
+static void a_value_in_several_pieces_is_refused_with_its_line( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edit = { "surfaces", 0, NULL, "name", "short" };
+    assert_not_edited(
+        "wisp: 1\nsurfaces:\n  - name: a long\n      name\n    make: { shape: plane, columns: 3, rows: 3, "
+        "spacing: 0.1 }\n",
+        edit, FROM ":3:11: 'name' cannot be set" );
+}
+
+static void a_result_that_is_no_scene_is_not_written( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edit = { NULL, 0, NULL, "substeps", "0" };
+    assert_not_edited( "wisp: 1\n", edit, "substeps" );
+    const wisp_scene_edit unknown = { NULL, 0, NULL, "substepz", "1" };
+    assert_not_edited( "wisp: 1\n", unknown, "did you mean 'substeps'?" );
+}
+
+static void without_a_place_to_write_nothing_is_written( void** state )
+{
+    (void)state;
+    write_text( FROM, "wisp: 1\n" );
+    assert_int_equal( wisp_scene_edit_file( FROM, &substeps_7, 1, NULL, NULL ), WISP_OK );
+    char is[100];
+    read_text( FROM, is, sizeof is );
+    assert_string_equal( is, "wisp: 1\n" );
+    assert_int_equal( wisp_scene_edit_file( FROM, &substeps_7, 1, FROM, NULL ), WISP_OK );
+    read_text( FROM, is, sizeof is );
+    assert_string_equal( is, "wisp: 1\nsubsteps: 7\n" );
+    remove( FROM );
+    assert_int_equal( wisp_scene_edit_file( "no_such.yaml", &substeps_7, 1, NULL, NULL ), WISP_IO_ERROR );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_value_is_replaced_and_comments_stay ),
+        cmocka_unit_test( columns_count_characters_and_not_bytes ),
+        cmocka_unit_test( a_byte_order_mark_and_returns_stay ),
+        cmocka_unit_test( a_key_joins_its_mapping_behind_a_line_of_it ),
+        cmocka_unit_test( a_key_joins_braces_and_lines_of_the_entry_that_is_meant ),
+        cmocka_unit_test( a_last_line_without_an_end_gets_one ),
+        cmocka_unit_test( json_stays_json ),
+        cmocka_unit_test( no_edits_copy_the_file ),
+        cmocka_unit_test( what_is_not_there_is_refused_and_nothing_is_written ),
+        cmocka_unit_test( a_value_in_several_pieces_is_refused_with_its_line ),
+        cmocka_unit_test( a_result_that_is_no_scene_is_not_written ),
+        cmocka_unit_test( without_a_place_to_write_nothing_is_written ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
