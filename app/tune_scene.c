@@ -16,6 +16,7 @@ typedef struct host
 {
     const tune_scene_def* def;
     tune_scene_facts* facts;
+    scene_world_options options;
     scene_world world;
     wisp_tune_points* points; // [points of the scene]
     progress bar;
@@ -64,9 +65,10 @@ static wisp_status build( void* user, const int* choice, int substep_factor, wis
     wisp_scene* scene = h->def->scene;
     tune_knobs_set( h->def->knobs, choice, scene );
     scene->substeps *= substep_factor;
-    wisp_status status = scene_world_create( scene, &h->def->world, &h->world, error );
+    wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
     if ( status == WISP_OK )
     {
+        h->options.is_quiet = true; // the truth has told what is to be told
         take_facts( h );
         *out = ( wisp_tune_world ){ .world = h->world.world, .points = h->points, .point_count = list_points( h ) };
     }
@@ -135,7 +137,7 @@ wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out,
 {
     *out = ( wisp_tune_result ){ 0 };
     *facts = ( tune_scene_facts ){ .steps = steps_of( def ) };
-    host h = { .def = def, .facts = facts };
+    host h = { .def = def, .facts = facts, .options = def->world };
     const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;
     h.points = malloc( room * sizeof *h.points + 1 );
     wisp_status status = h.points

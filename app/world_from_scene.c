@@ -46,11 +46,11 @@ wisp_status scene_fail_at_line( const scene_world* world, int line, int column, 
 static void keep_log( void* user, wisp_log_level level, const char* sentence )
 {
     scene_world* world = user;
-    if ( level == WISP_LOG_WARNING )
+    if ( level == WISP_LOG_WARNING && !world->is_quiet )
     {
         fprintf( stderr, "wisp: warning: %s\n", sentence );
     }
-    else if ( level == WISP_LOG_ERROR )
+    else if ( level == WISP_LOG_ERROR && !world->is_quiet )
     {
         snprintf( world->late_error, sizeof( world->late_error ), "%s", sentence );
     }
@@ -287,7 +287,7 @@ static wisp_status add_strands( scene_world* out, int strands, wisp_error* error
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error )
 {
-    *out = ( scene_world ){ .scene = scene };
+    *out = ( scene_world ){ .scene = scene, .is_quiet = options->is_quiet };
 
     // One more than there are: an empty scene is a scene, and asking for no bytes may answer with null.
     size_t count = (size_t)scene->strands_count + 1;

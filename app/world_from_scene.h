@@ -13,6 +13,7 @@ typedef struct scene_world_options
 {
     int workers;     ///< 0: as the scene says
     const char* isa; ///< null: the best there is
+    bool is_quiet;   ///< tell no warnings: who makes world after world of one scene has told them with the first
 } scene_world_options;
 
 /// A surface of the scene as the world has it.
@@ -48,6 +49,7 @@ typedef struct scene_world
     int next_step;
     int next_command;
     int next_event;
+    bool is_quiet;
     char late_error[500]; ///< logged as an error by a call that went on; printed once the call is over
 } scene_world;
 

@@ -67,8 +67,9 @@ static wisp_status show_round( const wisp_collider_def* def, wisp_mesh* out, wis
     return wisp_mesh_make( &recipe, out, error );
 }
 
-static wisp_status find_mesh( const wisp_scene* scene, int collider, wisp_mesh* out, wisp_error* error )
+static wisp_status find_mesh( const scene_world* world, int collider, wisp_mesh* out, wisp_error* error )
 {
+    const wisp_scene* scene = world->scene;
     const wisp_scene_collider* entry = &scene->colliders[collider];
     char called[240];
     snprintf( called, sizeof called, "%.120s:%d:%d: collider '%s'", scene->name, entry->line, entry->column,
@@ -80,7 +81,7 @@ static wisp_status find_mesh( const wisp_scene* scene, int collider, wisp_mesh* 
         case WISP_COLLIDER_BOX:
             return show_box( entry->def.half_extent, out, error );
         case WISP_COLLIDER_MESH:
-            return scene_mesh_load( &entry->mesh, called, out, NULL, error );
+            return scene_mesh_load( &entry->mesh, world->is_quiet ? NULL : called, out, NULL, error );
         default:
             return show_round( &entry->def, out, error );
     }
@@ -92,7 +93,7 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
 {
     scene_world_collider* c = &world->colliders[collider];
     wisp_error cause = { 0 };
-    wisp_status status = find_mesh( world->scene, collider, &c->mesh, &cause );
+    wisp_status status = find_mesh( world, collider, &c->mesh, &cause );
     if ( status != WISP_OK )
     {
         return fail_at_collider( world->scene, collider, status, cause.sentence, error );

@@ -26,6 +26,7 @@ wisp_status scene_heads_follow( scene_world* world, wisp_error* error );
 // ---- surfaces and colliders ----
 
 /// Read or make, repair, demand, scale; a repair is told on stderr.
+/// @param called what a warning about repairs begins with; null: none is told
 /// @param repairs receives what was done, to be released; may be null
 wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
                              wisp_mesh_repairs* repairs, wisp_error* error );

@@ -25,9 +25,9 @@ static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_s
 
 static void tell_repairs( const wisp_mesh_repairs* repairs, const char* called )
 {
-    if ( repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
-             repairs->loose_dropped >
-         0 )
+    const int done = repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
+                     repairs->loose_dropped;
+    if ( called && done > 0 )
     {
         char name[300];
         snprintf( name, sizeof name, "wisp: warning: %s", called );
@@ -83,15 +83,15 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 }
 
 // In the mesh's own frame.
-static wisp_status load_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_mesh_repairs* repairs,
-                              wisp_error* error )
+static wisp_status load_mesh( const wisp_scene* scene, int surface, bool is_quiet, wisp_mesh* out,
+                              wisp_mesh_repairs* repairs, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     char called[240];
     snprintf( called, sizeof called, "%.120s:%d:%d: surface '%s'", scene->name, entry->line, entry->column,
               entry->name );
     wisp_error cause = { 0 };
-    wisp_status status = scene_mesh_load( &entry->mesh, called, out, repairs, &cause );
+    wisp_status status = scene_mesh_load( &entry->mesh, is_quiet ? NULL : called, out, repairs, &cause );
     return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.sentence, error );
 }
 
@@ -107,7 +107,7 @@ wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh*
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
     int source = entry->instance_of >= 0 ? entry->instance_of : surface;
-    wisp_status status = load_mesh( scene, source, out, NULL, error );
+    wisp_status status = load_mesh( scene, source, false, out, NULL, error );
     if ( status == WISP_OK )
     {
         place( out->points, out->vertex_count, entry->pose );
@@ -171,7 +171,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char n
 {
     const wisp_scene* scene = world->scene;
     scene_world_surface* s = &world->surfaces[surface];
-    wisp_status status = load_mesh( scene, surface, &s->mesh, &s->repairs, error );
+    wisp_status status = load_mesh( scene, surface, world->is_quiet, &s->mesh, &s->repairs, error );
     wisp_vec3* rest = NULL;
     status = status == WISP_OK ? copy_points( s->mesh.points, s->mesh.vertex_count, &rest, error ) : status;
     if ( status == WISP_OK )

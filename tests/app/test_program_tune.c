@@ -123,6 +123,18 @@ static void a_limit_leaves_one_run_and_says_that_there_may_be_better( void** sta
     assert_non_null( strstr( result.out, "there may be better ones" ) );
 }
 
+static void a_repair_is_told_once_and_not_with_every_run( void** state )
+{
+    (void)state;
+    write_file( "doubled.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\nf 2 3 4\n" );
+    write_file( "doubled.yaml", "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    file: doubled.obj\n"
+                                "    repair: [duplicates]\n    pins: [0]\n    cloth: { bending: none }\n" );
+    run( "tune doubled.yaml --error 1e-9 --workers 1" );
+    assert_int_equal( result.status, 1 );
+    assert_int_equal( line_count( result.err ), 1 );
+    assert_non_null( strstr( result.err, "surface 'a'" ) );
+}
+
 // ---- what is refused ----
 
 static void wrong_command_lines_are_told( void** state )
@@ -169,6 +181,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( an_error_out_of_reach_ends_with_1_and_the_best ),
         cmocka_unit_test( a_report_in_json_has_a_row_for_every_setting ),
         cmocka_unit_test( a_limit_leaves_one_run_and_says_that_there_may_be_better ),
+        cmocka_unit_test( a_repair_is_told_once_and_not_with_every_run ),
         cmocka_unit_test( wrong_command_lines_are_told ),
         cmocka_unit_test( scenes_that_cannot_be_tuned_are_refused ),
         cmocka_unit_test( a_place_where_the_scene_would_not_find_its_files_is_refused ),
