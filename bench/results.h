@@ -68,7 +68,10 @@ typedef struct results_chart
     char title[160];
     char x_label[64], y_label[64]; ///< with their units
     bool x_log, y_log;             ///< points that are not above 0 are left out of a logarithmic axis
-    char caption[400];             ///< a sentence or two below it; empty: none
+    /// Horizontal bars instead: a line for each x = 0, 1, 2, .. of the first series, named by its points' labels, with a
+    /// bar of length y from 0 for every series that has a point there (from the axis' low end if y_log).
+    bool is_bars;
+    char caption[400]; ///< a sentence or two below it; empty: none
     results_series* series;
     int series_count, series_capacity;
 } results_chart;
