@@ -3,10 +3,15 @@
 #include "bench.h"
 #include "nearest.h"
 #include "progress.h"
+#include "report/report.h"
 #include "wisp/wisp.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #define CASES_MAX 64
 
@@ -15,6 +20,7 @@ typedef struct bench_arguments
     bench_options options;
     results_format format;
     const char* output;
+    const char* report;
     const bench_case* chosen[CASES_MAX];
     int chosen_count;
     bool only_list;
@@ -32,6 +38,7 @@ enum
     KEY_SECONDS = 256,
     KEY_PICTURES,
     KEY_COMPARE,
+    KEY_REPORT,
 };
 
 static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
@@ -46,6 +53,7 @@ static const struct argp_option option_list[] = {
     { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
+    { "report", KEY_REPORT, "FILE", 0, "Also write one HTML page to FILE: charts, pictures, tables and notes", 0 },
     { "pictures", KEY_PICTURES, "FOLDER", 0,
       "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER and link them", 0 },
     { "compare", KEY_COMPARE, NULL, 0,
@@ -112,6 +120,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_OUTPUT:
             arguments->output = argument;
             return 0;
+        case KEY_REPORT:
+            arguments->report = argument;
+            return 0;
         case KEY_PICTURES:
             arguments->options.pictures = argument;
             return 0;
@@ -130,6 +141,11 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             {
                 check_option( state, arguments, "--pictures", " figures boundary contact ",
                               "cases 'figures', 'boundary' and 'contact'" );
+            }
+            if ( arguments->report != NULL && arguments->output != NULL &&
+                 strcmp( arguments->report, arguments->output ) == 0 )
+            {
+                argp_error( state, "--report and --output both write to '%s'", arguments->report );
             }
             return 0;
         default:
@@ -177,6 +193,53 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     return status;
 }
 
+// ---- what is written ----
+
+// Learning that a file cannot be written is cheap before an hour of measuring. Leaves everything as it was.
+static wisp_status check_writable( const char* path, wisp_error* error )
+{
+    struct stat facts;
+    int number = 0;
+    if ( path == NULL )
+    {
+        return WISP_OK;
+    }
+    if ( stat( path, &facts ) == 0 )
+    {
+        number = S_ISDIR( facts.st_mode ) ? EISDIR : access( path, W_OK ) == 0 ? 0 : errno;
+    }
+    else
+    {
+        int file = open( path, O_CREAT | O_EXCL | O_WRONLY, 0600 );
+        number = file >= 0 ? 0 : errno;
+        if ( file >= 0 )
+        {
+            close( file );
+            unlink( path );
+        }
+    }
+    return number == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_IO_ERROR, "%s: nothing can be written there: %s", path, strerror( number ) );
+}
+
+// What was asked for, in words.
+static void describe_run( const bench_arguments* arguments, char* out, size_t size )
+{
+    const bench_options* options = &arguments->options;
+    size_t used = (size_t)snprintf( out, size, "%s", arguments->chosen_count == 0 ? "all cases" : "" );
+    for ( int i = 0; i < arguments->chosen_count && used < size; ++i )
+    {
+        used += (size_t)snprintf( out + used, size - used, "%s%s", i > 0 ? ", " : "", arguments->chosen[i]->name );
+    }
+    if ( used < size )
+    {
+        snprintf( out + used, size - used, "%s%s, about %g s a case, up to %d worker%s",
+                  options->compare ? ", compared" : "", options->quick ? ", quick" : "", bench_seconds( options ),
+                  options->workers, options->workers == 1 ? "" : "s" );
+    }
+}
+
 int verb_bench( int argc, char** argv )
 {
     bench_arguments arguments = { .options = bench_default_options() };
@@ -187,12 +250,20 @@ int verb_bench( int argc, char** argv )
         return list_cases();
     }
 
+    char what[1000];
+    describe_run( &arguments, what, sizeof( what ) );
     results out = { .machine = machine_describe( "none" ) };
     wisp_error error = { 0 };
-    wisp_status status = run_cases( &arguments, &out, &error );
+    wisp_status status = check_writable( arguments.output, &error );
+    status = status == WISP_OK ? check_writable( arguments.report, &error ) : status;
+    status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
     if ( status == WISP_OK )
     {
         status = results_write_file( &out, arguments.format, arguments.output, &error );
+    }
+    if ( status == WISP_OK && arguments.report != NULL )
+    {
+        status = report_write_file( &out, what, arguments.report, &error );
     }
     bool failed = out.failed;
     results_free( &out );

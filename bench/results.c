@@ -101,6 +101,25 @@ void results_add_cells( results* all, int number, const char* const* cells )
     }
 }
 
+const char* results_cell( const results_table* table, int row, int column )
+{
+    const char* text = table->cells[row * table->column_count + column];
+    return text ? text : "";
+}
+
+// "-" stands for a number that there is not.
+bool results_is_numeric_column( const results_table* table, int column )
+{
+    for ( int row = 1; row < table->row_count; ++row )
+    {
+        if ( !strchr( "0123456789+-.", results_cell( table, row, column )[0] ) )
+        {
+            return false;
+        }
+    }
+    return table->row_count > 1;
+}
+
 int results_add_chart( results* all, const char* title, const char* x_label, const char* y_label )
 {
     void* items = all->charts;

@@ -112,6 +112,10 @@ void results_put( results_values* values, const char* name, double value );
 int results_add_table( results* all, const char* title, int column_count, const char* const* header );
 /// @param cells [column_count], copied
 void results_add_cells( results* all, int table, const char* const* cells );
+/// @param row 0: the header @return never null
+const char* results_cell( const results_table* table, int row, int column );
+/// Whether all cells below the header begin like numbers, and there are some.
+bool results_is_numeric_column( const results_table* table, int column );
 
 /// @return number of the chart, -1 without memory
 int results_add_chart( results* all, const char* title, const char* x_label, const char* y_label );

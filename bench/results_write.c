@@ -10,34 +10,15 @@ const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdo
 
 // ---- tables for people ----
 
-static const char* cell_text( const results_table* table, int row, int column )
-{
-    const char* text = table->cells[row * table->column_count + column];
-    return text ? text : "";
-}
-
 static int column_width( const results_table* table, int column )
 {
     size_t width = 0;
     for ( int row = 0; row < table->row_count; ++row )
     {
-        size_t length = strlen( cell_text( table, row, column ) );
+        size_t length = strlen( results_cell( table, row, column ) );
         width = length > width ? length : width;
     }
     return (int)width;
-}
-
-// "-" stands for a number that there is not.
-static bool is_numeric_column( const results_table* table, int column )
-{
-    for ( int row = 1; row < table->row_count; ++row )
-    {
-        if ( !strchr( "0123456789+-.", cell_text( table, row, column )[0] ) )
-        {
-            return false;
-        }
-    }
-    return table->row_count > 1;
 }
 
 static void write_machine( const results* all, FILE* stream, const char* line_end )
@@ -53,10 +34,10 @@ static void write_text_row( const results_table* table, int row, FILE* stream )
 {
     for ( int column = 0; column < table->column_count; ++column )
     {
-        const char* text = cell_text( table, row, column );
+        const char* text = results_cell( table, row, column );
         int width = column_width( table, column );
         const char* gap = column > 0 ? "  " : "";
-        if ( is_numeric_column( table, column ) )
+        if ( results_is_numeric_column( table, column ) )
         {
             fprintf( stream, "%s%*s", gap, width, text );
         }
@@ -123,12 +104,12 @@ static void write_markdown( const results* all, FILE* stream )
         {
             for ( int column = 0; column < table->column_count; ++column )
             {
-                write_markdown_cell( cell_text( table, row, column ), stream );
+                write_markdown_cell( results_cell( table, row, column ), stream );
             }
             fputs( "|\n", stream );
             for ( int column = 0; row == 0 && column < table->column_count; ++column )
             {
-                fputs( is_numeric_column( table, column ) ? "|---:" : "|---", stream );
+                fputs( results_is_numeric_column( table, column ) ? "|---:" : "|---", stream );
             }
             fputs( row == 0 ? "|\n" : "", stream );
         }

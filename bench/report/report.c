@@ -1,0 +1,275 @@
+#include "report.h"
+
+#include "report_chart.h"
+#include "report_picture.h"
+#include "report_style.h"
+#include "report_table.h"
+#include "report_text.h"
+
+#include <errno.h>
+#include <string.h>
+
+static const char failure_mark[] = "FAILED: ";
+
+static bool is_failure( const char* note )
+{
+    return strncmp( note, failure_mark, strlen( failure_mark ) ) == 0;
+}
+
+// A note that only links a picture, in Markdown: the page shows the picture itself.
+static bool is_picture_link( const results* all, const char* note )
+{
+    for ( int i = 0; i < all->picture_count; ++i )
+    {
+        const char* link = strstr( note, "](" );
+        size_t length = strlen( all->pictures[i].path );
+        if ( link && strncmp( link + 2, all->pictures[i].path, length ) == 0 &&
+             strcmp( link + 2 + length, ")" ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_shown_note( const results* all, int note )
+{
+    return !is_failure( all->notes[note] ) && !is_picture_link( all, all->notes[note] );
+}
+
+// Failures that stand on top, or notes at the end.
+static int count_notes( const results* all, bool of_failures )
+{
+    int count = 0;
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        count += of_failures ? is_failure( all->notes[i] ) : is_shown_note( all, i );
+    }
+    return count;
+}
+
+// ---- the head ----
+
+static void put_fact( const char* name, const char* text, FILE* stream )
+{
+    fprintf( stream, "<dt>%s</dt><dd>", name );
+    report_put_text( text, stream );
+    fputs( "</dd>\n", stream );
+}
+
+// Nothing here changes between two runs of one build on one machine; the clock rate would.
+static void put_facts( const machine_facts* machine, FILE* stream )
+{
+    char text[512];
+    fputs( "<dl class=\"facts\">\n<dt>machine</dt><dd>", stream );
+    report_put_text( machine->cpu, stream );
+    fprintf( stream, ", %d core%s, ", machine->cores, machine->cores == 1 ? "" : "s" );
+    report_put_fixed( machine->memory_bytes / 1e9, 1, stream );
+    fputs( " GB</dd>\n", stream );
+    put_fact( "system", machine->os, stream );
+    put_fact( "kernels", machine->isa, stream );
+    snprintf( text, sizeof( text ), "wisp %s (%s), %s, %s", machine->version ? machine->version : "unknown",
+              machine->commit ? machine->commit : "unknown", machine->compiler ? machine->compiler : "unknown",
+              machine->build_type ? machine->build_type : "unknown" );
+    put_fact( "build", text, stream );
+    put_fact( "flags", machine->flags ? machine->flags : "unknown", stream );
+    fputs( "</dl>\n", stream );
+}
+
+static void put_verdict( const results* all, FILE* stream )
+{
+    int failures = count_notes( all, true );
+    if ( !all->failed && failures == 0 )
+    {
+        fprintf( stream,
+                 "<p class=\"verdict\" id=\"summary\"><strong>Nothing failed.</strong> %d measurement%s, %d table%s: "
+                 "every hash and every error that was checked is as it must be.</p>\n",
+                 all->row_count, all->row_count == 1 ? "" : "s", all->table_count, all->table_count == 1 ? "" : "s" );
+        return;
+    }
+    fprintf( stream, "<div class=\"verdict failed\" id=\"summary\"><p><strong>%d failure%s.</strong> ", failures,
+             failures == 1 ? "" : "s" );
+    fputs( "This run does not count as good.</p>\n<ul>\n", stream );
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        if ( is_failure( all->notes[i] ) )
+        {
+            fputs( "<li>", stream );
+            report_put_text( all->notes[i] + strlen( failure_mark ), stream );
+            fputs( "</li>\n", stream );
+        }
+    }
+    fputs( "</ul>\n</div>\n", stream );
+}
+
+static void put_head( const results* all, const char* what, FILE* stream )
+{
+    fputs( "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+           "<meta name=\"color-scheme\" content=\"light dark\"/>\n<title>Wisp: ",
+           stream );
+    report_put_text( what, stream );
+    fputs( "</title>\n", stream );
+    report_put_style( stream );
+    fputs( "</head>\n<body>\n", stream );
+    report_put_markers( stream );
+    fputs( "<header>\n<p class=\"over\">Wisp, measured</p>\n<h1>", stream );
+    report_put_text( what, stream );
+    fputs( "</h1>\n", stream );
+    put_facts( &all->machine, stream );
+    put_verdict( all, stream );
+    fputs( "</header>\n", stream );
+}
+
+// ---- contents ----
+
+#define CONTENTS_OPEN_MAX 16
+
+static void put_part( const char* anchor, const char* title, FILE* stream )
+{
+    fprintf( stream, "<li class=\"part\"><a href=\"#%s\">%s</a></li>\n", anchor, title );
+}
+
+static void put_entry( const char* kind, int number, const char* title, FILE* stream )
+{
+    fprintf( stream, "<li><a href=\"#%s-%d\">", kind, number );
+    report_put_text( title, stream );
+    fputs( "</a></li>\n", stream );
+}
+
+static void put_contents( const results* all, FILE* stream )
+{
+    int entries = all->chart_count + all->table_count;
+    // A long list would stand between a reader and the charts.
+    fprintf( stream, "<nav aria-label=\"Contents\">\n<details%s>\n<summary>Contents</summary>\n<ul>\n",
+             entries <= CONTENTS_OPEN_MAX ? " open=\"open\"" : "" );
+    if ( all->chart_count > 0 )
+    {
+        put_part( "charts", "Charts", stream );
+    }
+    for ( int i = 0; i < all->chart_count; ++i )
+    {
+        put_entry( "chart", i + 1, all->charts[i].title, stream );
+    }
+    if ( all->picture_count > 0 )
+    {
+        put_part( "pictures", "Pictures", stream );
+    }
+    if ( all->table_count > 0 )
+    {
+        put_part( "tables", "Tables", stream );
+    }
+    for ( int i = 0; i < all->table_count; ++i )
+    {
+        put_entry( "table", i + 1, all->tables[i].title, stream );
+    }
+    if ( count_notes( all, false ) > 0 )
+    {
+        put_part( "notes", "Notes", stream );
+    }
+    fputs( "</ul>\n</details>\n</nav>\n", stream );
+}
+
+// ---- the body ----
+
+static void put_charts( const results* all, FILE* stream )
+{
+    if ( all->chart_count > 0 )
+    {
+        fputs( "<section id=\"charts\">\n<h2>Charts</h2>\n<div class=\"grid\">\n", stream );
+        for ( int i = 0; i < all->chart_count; ++i )
+        {
+            report_put_chart( &all->charts[i], i + 1, stream );
+        }
+        fputs( "</div>\n</section>\n", stream );
+    }
+}
+
+static void put_pictures( const results* all, FILE* stream )
+{
+    if ( all->picture_count > 0 )
+    {
+        fputs( "<section id=\"pictures\">\n<h2>Pictures</h2>\n<div class=\"grid pictures\">\n", stream );
+        for ( int i = 0; i < all->picture_count; ++i )
+        {
+            report_put_picture( &all->pictures[i], i + 1, stream );
+        }
+        fputs( "</div>\n</section>\n", stream );
+    }
+}
+
+static void put_tables( const results* all, FILE* stream )
+{
+    if ( all->table_count > 0 )
+    {
+        fputs( "<section id=\"tables\">\n<h2>Tables</h2>\n", stream );
+        for ( int i = 0; i < all->table_count; ++i )
+        {
+            report_put_table( &all->tables[i], i + 1, stream );
+        }
+        fputs( "</section>\n", stream );
+    }
+}
+
+static void put_notes( const results* all, FILE* stream )
+{
+    if ( count_notes( all, false ) > 0 )
+    {
+        fputs( "<section id=\"notes\">\n<h2>Notes</h2>\n<ul class=\"notes\">\n", stream );
+        for ( int i = 0; i < all->note_count; ++i )
+        {
+            if ( is_shown_note( all, i ) )
+            {
+                fputs( "<li>", stream );
+                report_put_text( all->notes[i], stream );
+                fputs( "</li>\n", stream );
+            }
+        }
+        fputs( "</ul>\n</section>\n", stream );
+    }
+}
+
+wisp_status report_write( const results* all, const char* what, FILE* stream, wisp_error* error )
+{
+    if ( all->incomplete )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to gather the results" );
+    }
+    put_head( all, what, stream );
+    put_contents( all, stream );
+    fputs( "<main>\n", stream );
+    put_charts( all, stream );
+    put_pictures( all, stream );
+    put_tables( all, stream );
+    put_notes( all, stream );
+    fputs( "</main>\n</body>\n</html>\n", stream );
+    // Streams keep their first error, so looking once at the end is enough.
+    if ( fflush( stream ) != 0 || ferror( stream ) )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "the report could not be written: %s", strerror( errno ) );
+    }
+    return WISP_OK;
+}
+
+wisp_status report_write_file( const results* all, const char* what, const char* path, wisp_error* error )
+{
+    FILE* stream = fopen( path, "w" );
+    if ( !stream )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: the report cannot be written there: %s", path,
+                          strerror( errno ) );
+    }
+    wisp_error cause = { 0 };
+    wisp_status status = report_write( all, what, stream, &cause );
+    int number = errno;
+    if ( fclose( stream ) != 0 && status == WISP_OK )
+    {
+        number = errno;
+        status = WISP_IO_ERROR;
+    }
+    if ( status == WISP_IO_ERROR )
+    {
+        return wisp_fail( error, status, "%s: the report could not be written: %s", path, strerror( number ) );
+    }
+    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.sentence );
+}

@@ -1,0 +1,164 @@
+#include "report_axis.h"
+
+#include "report_text.h"
+
+#include <math.h>
+
+#define STEPS_WANTED 5
+// Values that differ by rounding only are one.
+#define ROUNDING 1e-9
+
+bool report_axis_takes( bool is_log, double value )
+{
+    return isfinite( value ) && fabs( value ) <= 1e100 && ( !is_log || value >= 1e-100 );
+}
+
+static void add_tick( report_axis* axis, double value, const char* label )
+{
+    if ( axis->tick_count < REPORT_TICKS_MAX )
+    {
+        report_tick* tick = &axis->ticks[axis->tick_count++];
+        tick->value = value;
+        snprintf( tick->label, sizeof( tick->label ), "%s", label );
+    }
+}
+
+// n * 10^exponent, nearest: powers above 1 are exact, those below are not.
+static double scaled( double n, int exponent )
+{
+    return exponent < 0 ? n / pow( 10.0, -exponent ) : n * pow( 10.0, exponent );
+}
+
+// ---- linear ----
+
+// Times begin at 0 where that does not push them together, so that lengths can be compared.
+static void widen( double* least, double* most )
+{
+    double large = fmax( fabs( *least ), fabs( *most ) );
+    if ( *most - *least <= ROUNDING * large )
+    {
+        *least = fmin( 2.0 * *least, 0.0 );
+        *most = large == 0.0 ? 1.0 : fmax( 2.0 * *most, 0.0 );
+    }
+    else if ( *least > 0.0 && *least < 0.5 * *most )
+    {
+        *least = 0.0;
+    }
+    else if ( *most < 0.0 && *most > 0.5 * *least )
+    {
+        *most = 0.0;
+    }
+}
+
+// The smallest of 1, 2 and 5 times a power of ten that needs no more steps than are wanted.
+static int find_step( double span, int* exponent )
+{
+    double wanted = span / STEPS_WANTED * ( 1.0 - ROUNDING );
+    *exponent = (int)floor( log10( wanted ) );
+    int digit = 1;
+    while ( scaled( digit, *exponent ) < wanted && digit < 10 )
+    {
+        digit = digit == 1 ? 2 : digit == 2 ? 5 : 10;
+    }
+    return digit;
+}
+
+static report_axis make_linear( double least, double most )
+{
+    report_axis axis = { .is_log = false };
+    int exponent;
+    widen( &least, &most );
+    int digit = find_step( most - least, &exponent );
+    double step = scaled( digit, exponent );
+    long long first = (long long)floor( least / step + ROUNDING );
+    long long last = (long long)ceil( most / step - ROUNDING );
+    axis.low = scaled( (double)( first * digit ), exponent );
+    axis.high = scaled( (double)( last * digit ), exponent );
+    for ( long long i = first; i <= last; ++i )
+    {
+        char label[64];
+        report_decimal( i * digit, exponent, false, label, sizeof( label ) );
+        add_tick( &axis, scaled( (double)( i * digit ), exponent ), label );
+    }
+    return axis;
+}
+
+// ---- logarithmic ----
+
+// Ends stand at 1, 2 or 5 times a power of ten: three ends a decade, numbered through.
+static int end_digit( int end )
+{
+    static const int digits[3] = { 1, 2, 5 };
+    return digits[( end % 3 + 3 ) % 3];
+}
+
+static int end_exponent( int end )
+{
+    return ( end - ( end % 3 + 3 ) % 3 ) / 3;
+}
+
+static double end_value( int end )
+{
+    return scaled( end_digit( end ), end_exponent( end ) );
+}
+
+// The ticks of one decade: which digits have a gridline and which a label goes with how many decades there are.
+static void add_decade( report_axis* axis, int exponent, int span, bool is_power )
+{
+    for ( int digit = 1; digit < 10; ++digit )
+    {
+        bool is_inside = scaled( digit, exponent ) >= axis->low * ( 1.0 - ROUNDING ) &&
+                         scaled( digit, exponent ) <= axis->high * ( 1.0 + ROUNDING );
+        bool has_line = digit == 1 || span <= 9;
+        bool has_label = digit == 1 || span <= 2 || ( span <= 6 && ( digit == 2 || digit == 5 ) );
+        if ( is_inside && has_line )
+        {
+            char label[64] = "";
+            if ( has_label )
+            {
+                report_decimal( digit, exponent, is_power, label, sizeof( label ) );
+            }
+            add_tick( axis, scaled( digit, exponent ), label );
+        }
+    }
+}
+
+static report_axis make_log( double least, double most )
+{
+    report_axis axis = { .is_log = true };
+    int first = 3 * (int)floor( log10( least ) ) - 1, last = first;
+    while ( end_value( first + 1 ) <= least * ( 1.0 + ROUNDING ) )
+    {
+        ++first;
+    }
+    while ( end_value( last ) < most * ( 1.0 - ROUNDING ) )
+    {
+        ++last;
+    }
+    if ( first == last )
+    {
+        --first;
+        ++last;
+    }
+    axis.low = end_value( first );
+    axis.high = end_value( last );
+    int from = end_exponent( first ), to = end_exponent( last );
+    int stride = 1 + ( to - from ) / 8;
+    for ( int exponent = from; exponent <= to; exponent += stride )
+    {
+        // One manner for all labels of an axis.
+        add_decade( &axis, exponent, last - first, from < -3 || to > 5 );
+    }
+    return axis;
+}
+
+report_axis report_axis_make( double least, double most, bool is_log )
+{
+    return is_log ? make_log( least, most ) : make_linear( least, most );
+}
+
+double report_axis_place( const report_axis* axis, double value )
+{
+    return axis->is_log ? log( value / axis->low ) / log( axis->high / axis->low )
+                        : ( value - axis->low ) / ( axis->high - axis->low );
+}

@@ -1,0 +1,27 @@
+/// One axis of a chart: where it begins and ends, its ticks, and the place of a value on it.
+#pragma once
+
+#include <stdbool.h>
+
+#define REPORT_TICKS_MAX 40
+
+typedef struct report_tick
+{
+    double value;
+    char label[64]; ///< empty: a gridline only
+} report_tick;
+
+typedef struct report_axis
+{
+    bool is_log;
+    double low, high; ///< values at its ends; they are ticks, though not always with a label
+    report_tick ticks[REPORT_TICKS_MAX];
+    int tick_count;
+} report_axis;
+
+/// Whether a value has a place: finite, within 1e100, and above 1e-100 if the axis is logarithmic.
+bool report_axis_takes( bool is_log, double value );
+/// An axis that holds two values which it takes, least <= most; they may be one.
+report_axis report_axis_make( double least, double most, bool is_log );
+/// Share of the axis at which a value stands: 0 at low, 1 at high.
+double report_axis_place( const report_axis* axis, double value );

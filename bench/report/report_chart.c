@@ -1,0 +1,349 @@
+#include "report_chart.h"
+
+#include "report_axis.h"
+#include "report_bars.h"
+#include "report_labels.h"
+#include "report_text.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- markers and series ----
+
+// Filled shapes of about one area around 0, told apart also where colours are not.
+static const char* const marker_paths[REPORT_COLOURS] = {
+    "M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z",
+    "M-4 -4h8v8h-8z",
+    "M0 -5.4L5.2 3.8H-5.2z",
+    "M0 -5.8L5.8 0L0 5.8L-5.8 0z",
+    "M0 5.4L5.2 -3.8H-5.2z",
+    "M-1.8 -5.2h3.6v3.4h3.4v3.6h-3.4v3.4h-3.6v-3.4h-3.4v-3.6h3.4z",
+    "M0 -5.2L5 -1.6L3.1 4.2H-3.1L-5 -1.6z",
+    "M0 -6.4L1.8 -1.8L6.4 0L1.8 1.8L0 6.4L-1.8 1.8L-6.4 0L-1.8 -1.8z",
+};
+
+// From the ninth series on colours come again, with other shapes.
+static int marker_of( int series )
+{
+    return ( series + series / REPORT_COLOURS ) % REPORT_COLOURS;
+}
+
+void report_put_markers( FILE* stream )
+{
+    fputs( "<svg class=\"shapes\" width=\"0\" height=\"0\" aria-hidden=\"true\"><defs>\n", stream );
+    for ( int i = 0; i < REPORT_COLOURS; ++i )
+    {
+        fprintf( stream, "<path id=\"m%d\" d=\"%s\"/>\n", i, marker_paths[i] );
+    }
+    fputs( "</defs></svg>\n", stream );
+}
+
+void report_put_series_class( int series, FILE* stream )
+{
+    fprintf( stream, "s%d%s", series % REPORT_COLOURS, series >= REPORT_COLOURS ? " dashed" : "" );
+}
+
+void report_put_key( const results_chart* chart, FILE* stream )
+{
+    fputs( "<ul class=\"key\">\n", stream );
+    for ( int i = 0; i < chart->series_count; ++i )
+    {
+        const results_series* series = &chart->series[i];
+        fputs( "<li><svg class=\"", stream );
+        report_put_series_class( i, stream );
+        fputs( "\" viewBox=\"0 0 30 16\" aria-hidden=\"true\">", stream );
+        if ( chart->is_bars )
+        {
+            fputs( "<rect class=\"bar\" x=\"8\" y=\"1\" width=\"14\" height=\"14\"/>", stream );
+        }
+        else
+        {
+            fputs( series->is_joined ? "<path class=\"line\" d=\"M0 8H30\"/>" : "", stream );
+            fprintf( stream, "<use href=\"#m%d\" x=\"15\" y=\"8\"/>", marker_of( i ) );
+        }
+        fputs( "</svg> ", stream );
+        report_put_text( series->name, stream );
+        fputs( "</li>\n", stream );
+    }
+    fputs( "</ul>\n", stream );
+}
+
+void report_put_tooltip( const results_chart* chart, int series, const results_point* point, FILE* stream )
+{
+    const char* const labels[2] = { chart->x_label, chart->y_label };
+    const double values[2] = { point->x, point->y };
+    fputs( "<title>", stream );
+    report_put_text( chart->series[series].name, stream );
+    if ( point->label[0] )
+    {
+        fputs( chart->series[series].name[0] ? ": " : "", stream );
+        report_put_text( point->label, stream );
+    }
+    // Bars are numbered by x, which tells nobody anything.
+    for ( int i = chart->is_bars ? 1 : 0; i < 2; ++i )
+    {
+        fputc( '\n', stream );
+        report_put_short( values[i], stream );
+        fputs( labels[i][0] ? " \xc2\xb7 " : "", stream );
+        report_put_text( labels[i], stream );
+    }
+    fputs( "</title>", stream );
+}
+
+// ---- axes ----
+
+typedef struct chart_frame
+{
+    const results_chart* chart;
+    report_axis x, y;
+    int drawn, left_out;
+} chart_frame;
+
+static bool is_drawn( const results_chart* chart, const results_point* point )
+{
+    return report_axis_takes( chart->x_log, point->x ) && report_axis_takes( chart->y_log, point->y );
+}
+
+static chart_frame find_frame( const results_chart* chart )
+{
+    chart_frame frame = { .chart = chart };
+    double x[2] = { INFINITY, -INFINITY }, y[2] = { INFINITY, -INFINITY };
+    for ( int s = 0; s < chart->series_count; ++s )
+    {
+        for ( int i = 0; i < chart->series[s].count; ++i )
+        {
+            const results_point* point = &chart->series[s].points[i];
+            if ( !is_drawn( chart, point ) )
+            {
+                ++frame.left_out;
+                continue;
+            }
+            ++frame.drawn;
+            x[0] = fmin( x[0], point->x );
+            x[1] = fmax( x[1], point->x );
+            y[0] = fmin( y[0], point->y );
+            y[1] = fmax( y[1], point->y );
+        }
+    }
+    if ( frame.drawn > 0 )
+    {
+        frame.x = report_axis_make( x[0], x[1], chart->x_log );
+        frame.y = report_axis_make( y[0], y[1], chart->y_log );
+    }
+    return frame;
+}
+
+static double place_x( const chart_frame* frame, double value )
+{
+    double width = REPORT_CHART_WIDTH - REPORT_CHART_LEFT - REPORT_CHART_RIGHT;
+    return REPORT_CHART_LEFT + width * report_axis_place( &frame->x, value );
+}
+
+static double place_y( const chart_frame* frame, double value )
+{
+    double height = REPORT_CHART_HEIGHT - REPORT_CHART_TOP - REPORT_CHART_BOTTOM;
+    return REPORT_CHART_HEIGHT - REPORT_CHART_BOTTOM - height * report_axis_place( &frame->y, value );
+}
+
+static void put_pair( const char* before, double x, const char* between, double y, const char* after, FILE* stream )
+{
+    fputs( before, stream );
+    report_put_fixed( x, 2, stream );
+    fputs( between, stream );
+    report_put_fixed( y, 2, stream );
+    fputs( after, stream );
+}
+
+static void put_tick_label( const char* class_name, double x, double y, const char* label, FILE* stream )
+{
+    if ( label[0] )
+    {
+        fprintf( stream, "<text class=\"%s\"", class_name );
+        put_pair( " x=\"", x, "\" y=\"", y, "\">", stream );
+        report_put_text( label, stream );
+        fputs( "</text>\n", stream );
+    }
+}
+
+static void put_x_axis( const chart_frame* frame, FILE* stream )
+{
+    const double bottom = REPORT_CHART_HEIGHT - REPORT_CHART_BOTTOM;
+    for ( int i = 0; i < frame->x.tick_count; ++i )
+    {
+        const report_tick* tick = &frame->x.ticks[i];
+        double x = place_x( frame, tick->value );
+        fputs( tick->label[0] ? "<path class=\"grid-line\"" : "<path class=\"grid-line minor\"", stream );
+        put_pair( " d=\"M", x, " ", REPORT_CHART_TOP, "V", stream );
+        report_put_fixed( bottom, 2, stream );
+        fputs( "\"/>\n", stream );
+        put_tick_label( "tick x", x, bottom + 18.0, tick->label, stream );
+    }
+}
+
+static void put_y_axis( const chart_frame* frame, FILE* stream )
+{
+    for ( int i = 0; i < frame->y.tick_count; ++i )
+    {
+        const report_tick* tick = &frame->y.ticks[i];
+        double y = place_y( frame, tick->value );
+        fputs( tick->label[0] ? "<path class=\"grid-line\"" : "<path class=\"grid-line minor\"", stream );
+        put_pair( " d=\"M", REPORT_CHART_LEFT, " ", y, "H", stream );
+        report_put_fixed( REPORT_CHART_WIDTH - REPORT_CHART_RIGHT, 2, stream );
+        fputs( "\"/>\n", stream );
+        put_tick_label( "tick y", REPORT_CHART_LEFT - 8.0, y + 4.0, tick->label, stream );
+    }
+}
+
+// ---- points ----
+
+// A point that is left out interrupts the line: what would bridge it was not measured.
+static void put_line( const chart_frame* frame, int number, FILE* stream )
+{
+    const results_series* series = &frame->chart->series[number];
+    bool is_running = false, has_begun = false;
+    for ( int i = 0; series->is_joined && i < series->count; ++i )
+    {
+        const results_point* point = &series->points[i];
+        if ( !is_drawn( frame->chart, point ) )
+        {
+            is_running = false;
+            continue;
+        }
+        if ( !has_begun )
+        {
+            fputs( "<path class=\"line ", stream );
+            report_put_series_class( number, stream );
+            fputs( "\" d=\"", stream );
+            has_begun = true;
+        }
+        put_pair( is_running ? "L" : "M", place_x( frame, point->x ), " ", place_y( frame, point->y ), "", stream );
+        is_running = true;
+    }
+    fputs( has_begun ? "\"/>\n" : "", stream );
+}
+
+static void put_point( const chart_frame* frame, int number, const results_point* point, FILE* stream )
+{
+    double x = place_x( frame, point->x ), y = place_y( frame, point->y );
+    fputs( "<g class=\"point ", stream );
+    report_put_series_class( number, stream );
+    fputs( "\">", stream );
+    if ( point->is_marked )
+    {
+        put_pair( "<circle class=\"ring\" cx=\"", x, "\" cy=\"", y, "\" r=\"9\"/>", stream );
+    }
+    fprintf( stream, "<use href=\"#m%d\"", marker_of( number ) );
+    put_pair( " x=\"", x, "\" y=\"", y, "\"/>", stream );
+    report_put_tooltip( frame->chart, number, point, stream );
+    fputs( "</g>\n", stream );
+}
+
+// Names of marked points only: those are the ones a reader looks for.
+static void put_names( const chart_frame* frame, FILE* stream )
+{
+    report_place* places = calloc( (size_t)frame->drawn, sizeof( report_place ) );
+    int count = 0;
+    for ( int s = 0; places && s < frame->chart->series_count; ++s )
+    {
+        for ( int i = 0; i < frame->chart->series[s].count; ++i )
+        {
+            const results_point* point = &frame->chart->series[s].points[i];
+            if ( is_drawn( frame->chart, point ) )
+            {
+                bool is_named = point->is_marked && point->label[0];
+                places[count++] = ( report_place ){ place_x( frame, point->x ), place_y( frame, point->y ),
+                                                    is_named ? point->label : NULL, s };
+            }
+        }
+    }
+    // Without memory the tooltips still have the names.
+    if ( places )
+    {
+        report_put_labels( places, count, stream );
+    }
+    free( places );
+}
+
+static void put_drawing( const chart_frame* frame, FILE* stream )
+{
+    const results_chart* chart = frame->chart;
+    fprintf( stream, "<svg class=\"plot\" viewBox=\"0 0 %d %d\" role=\"img\" aria-label=\"", REPORT_CHART_WIDTH,
+             REPORT_CHART_HEIGHT );
+    report_put_text( chart->title, stream );
+    fputs( "\">\n", stream );
+    put_x_axis( frame, stream );
+    put_y_axis( frame, stream );
+    for ( int s = 0; s < chart->series_count; ++s )
+    {
+        put_line( frame, s, stream );
+    }
+    for ( int s = 0; s < chart->series_count; ++s )
+    {
+        for ( int i = 0; i < chart->series[s].count; ++i )
+        {
+            if ( is_drawn( chart, &chart->series[s].points[i] ) )
+            {
+                put_point( frame, s, &chart->series[s].points[i], stream );
+            }
+        }
+    }
+    put_names( frame, stream );
+    fputs( "</svg>\n", stream );
+}
+
+// ---- the card ----
+
+static void put_axis_label( const char* class_name, const char* label, bool is_log, FILE* stream )
+{
+    if ( label[0] )
+    {
+        fprintf( stream, "<p class=\"%s\">", class_name );
+        report_put_text( label, stream );
+        fputs( is_log ? " <span>logarithmic</span></p>\n" : "</p>\n", stream );
+    }
+}
+
+static void put_plot( const results_chart* chart, FILE* stream )
+{
+    chart_frame frame = find_frame( chart );
+    if ( frame.drawn == 0 )
+    {
+        fputs( "<p class=\"empty\">There is nothing to draw.</p>\n", stream );
+    }
+    else
+    {
+        put_axis_label( "axis y", chart->y_label, chart->y_log, stream );
+        put_drawing( &frame, stream );
+        put_axis_label( "axis x", chart->x_label, chart->x_log, stream );
+        report_put_key( chart, stream );
+    }
+    if ( frame.left_out > 0 )
+    {
+        fprintf(
+            stream, "<p class=\"left-out\">%d point%s no place on these axes, for want of a finite value%s.</p>\n",
+            frame.left_out, frame.left_out == 1 ? " has" : "s have", chart->x_log || chart->y_log ? " above 0" : "" );
+    }
+}
+
+void report_put_chart( const results_chart* chart, int number, FILE* stream )
+{
+    fprintf( stream, "<figure class=\"card\" id=\"chart-%d\">\n<figcaption><h3>", number );
+    report_put_text( chart->title, stream );
+    fputs( "</h3></figcaption>\n", stream );
+    if ( chart->is_bars )
+    {
+        report_put_bars( chart, stream );
+    }
+    else
+    {
+        put_plot( chart, stream );
+    }
+    if ( chart->caption[0] )
+    {
+        fputs( "<p class=\"caption\">", stream );
+        report_put_text( chart->caption, stream );
+        fputs( "</p>\n", stream );
+    }
+    fputs( "</figure>\n", stream );
+}
