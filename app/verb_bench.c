@@ -211,7 +211,8 @@ static wisp_status check_writable( const char* path, wisp_error* error )
     else
     {
         int file = open( path, O_CREAT | O_EXCL | O_WRONLY, 0600 );
-        number = file >= 0 ? 0 : errno;
+        // A link to a file that is not there yet can be written through.
+        number = file >= 0 || errno == EEXIST ? 0 : errno;
         if ( file >= 0 )
         {
             close( file );
@@ -223,21 +224,26 @@ static wisp_status check_writable( const char* path, wisp_error* error )
                : wisp_fail( error, WISP_IO_ERROR, "%s: nothing can be written there: %s", path, strerror( number ) );
 }
 
-// What was asked for, in words.
-static void describe_run( const bench_arguments* arguments, char* out, size_t size )
+// The names of the cases, for people.
+static void name_cases( const bench_arguments* arguments, char* out, size_t size )
 {
-    const bench_options* options = &arguments->options;
     size_t used = (size_t)snprintf( out, size, "%s", arguments->chosen_count == 0 ? "all cases" : "" );
     for ( int i = 0; i < arguments->chosen_count && used < size; ++i )
     {
         used += (size_t)snprintf( out + used, size - used, "%s%s", i > 0 ? ", " : "", arguments->chosen[i]->name );
     }
-    if ( used < size )
-    {
-        snprintf( out + used, size - used, "%s%s, about %g s a case, up to %d worker%s",
-                  options->compare ? ", compared" : "", options->quick ? ", quick" : "", bench_seconds( options ),
-                  options->workers, options->workers == 1 ? "" : "s" );
-    }
+}
+
+static wisp_status write_report( const bench_arguments* arguments, const results* out, wisp_error* error )
+{
+    const bench_options* options = &arguments->options;
+    char what[1000], how[200];
+    name_cases( arguments, what, sizeof( what ) );
+    snprintf( how, sizeof( how ), "%s%sabout %g s a case, up to %d worker%s",
+              options->compare ? "solvers compared, " : "", options->quick ? "quick, " : "", bench_seconds( options ),
+              options->workers, options->workers == 1 ? "" : "s" );
+    const report_run run = { .what = what, .how = how };
+    return report_write_file( out, &run, arguments->report, error );
 }
 
 int verb_bench( int argc, char** argv )
@@ -250,8 +256,6 @@ int verb_bench( int argc, char** argv )
         return list_cases();
     }
 
-    char what[1000];
-    describe_run( &arguments, what, sizeof( what ) );
     results out = { .machine = machine_describe( "none" ) };
     wisp_error error = { 0 };
     wisp_status status = check_writable( arguments.output, &error );
@@ -263,7 +267,7 @@ int verb_bench( int argc, char** argv )
     }
     if ( status == WISP_OK && arguments.report != NULL )
     {
-        status = report_write_file( &out, what, arguments.report, &error );
+        status = write_report( &arguments, &out, &error );
     }
     bool failed = out.failed;
     results_free( &out );

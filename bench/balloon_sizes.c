@@ -1,5 +1,6 @@
 // Time against vertices: cost goes with the number of triangles, and volume costs little beside the skin.
 #include "balloon_bench.h"
+#include "rows_chart.h"
 
 #include <math.h>
 
@@ -223,6 +224,24 @@ static void add_line( const balloon_plan* plan, const size_line* line, int table
     cells_end_row( &row, table, out );
 }
 
+static double ns_of( const results_row* row )
+{
+    return 1e6 * row->ms_median / ( rows_vertices( row ) * BALLOON_SUBSTEPS );
+}
+
+static void add_chart( int first_row, results* out )
+{
+    rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                     .name = "balloon",
+                                     .title = "Balloon: what a vertex costs by size",
+                                     .x_label = "vertices",
+                                     .y_label = "ns a vertex and substep",
+                                     .x = rows_vertices,
+                                     .y = ns_of,
+                                     .y_linear = true },
+                    out );
+}
+
 // ---- claims ----
 
 static void add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
@@ -276,6 +295,7 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
     size_line lines[BALLOON_SIZES_MAX] = { { 0 } };
     double deadline = wisp_clock_seconds() + plan->seconds;
     wisp_status status = WISP_OK;
+    const int first_row = out->row_count;
     int table = begin_table( plan, out );
     for ( int i = 0; i < plan->level_count && status == WISP_OK; ++i )
     {
@@ -292,6 +312,7 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
     }
     if ( status == WISP_OK )
     {
+        add_chart( first_row, out );
         claim_volume( plan, lines, out );
         for ( int e = 0; e < plan->worker_count; ++e )
         {

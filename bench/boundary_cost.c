@@ -1,6 +1,7 @@
 // B5: how many points a spacing gives, what they cost, and how densely they stand for the surface.
 #include "boundary_cover.h"
 #include "boundary_bench.h"
+#include "rows_chart.h"
 
 #include <math.h>
 
@@ -249,8 +250,31 @@ static void add_accuracy( const layer_cost* cost, int table, results* out )
     }
 }
 
+static double points_in( const results_row* row )
+{
+    return rows_size( row, "points" );
+}
+
+static void add_chart( const cost_run* run, int first_row, results* out )
+{
+    const int w = run->plan->workers[run->plan->worker_count - 1];
+    char title[160];
+    snprintf( title, sizeof( title ), "Boundary points of a sphere with %d worker%s: time against points", w,
+              w == 1 ? "" : "s" );
+    rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                     .name = "boundary",
+                                     .workers = w,
+                                     .title = title,
+                                     .x_label = "points",
+                                     .y_label = "ms a step, the pass alone",
+                                     .x = points_in,
+                                     .y = rows_ms },
+                    out );
+}
+
 static void write_tables( const cost_run* run, results* out )
 {
+    const int first_row = out->row_count;
     static const char* const counts[] = {
         "d",    "spacing", "edge", "inner", "expected", "by", "exact", "off oracle, um", "inner d^2 / area",
         "hash", "same"
@@ -287,6 +311,7 @@ static void write_tables( const cost_run* run, results* out )
     {
         add_accuracy( run->costs + i, table, out );
     }
+    add_chart( run, first_row, out );
     results_add_note( out,
                       "B5: in place: no count changes (case A); anew: every element is sampled anew in every step "
                       "(case B). same: the hash of points, normals and recipes is that of every way and worker "

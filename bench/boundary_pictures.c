@@ -216,6 +216,7 @@ static wisp_status write_shots( const boundary_plan* plan, const shots* all, con
     if ( status == WISP_OK )
     {
         results_add_note( out, "%s: ![%s](%s)", caption, caption, path );
+        results_add_picture( out, path, caption );
     }
     return status;
 }

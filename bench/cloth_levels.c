@@ -83,7 +83,8 @@ static wisp_status levels_of( const cloth_plan* plan, int n, bool is_irregular, 
     cloth_scene scene = { 0 };
     path_record truth = { 0 };
     level_table table = { .truth_energy_lost = NAN };
-    char truth_name[40];
+    const int first_row = out->row_count;
+    char truth_name[40], name[64];
     snprintf( truth_name, sizeof( truth_name ), "%d in double",
               plan->truth_factor * settings[PLAIN_SETTING].substeps );
     wisp_status status = cloth_scene_make( n, is_irregular, &scene, error );
@@ -103,6 +104,9 @@ static wisp_status levels_of( const cloth_plan* plan, int n, bool is_irregular, 
         snprintf( title, sizeof( title ), "Levels and tethers, %s, n = %d: substeps of one pass, 60 + 100 steps",
                   is_irregular ? "irregular mesh" : "alternating diagonals", n );
         level_table_write( plan, &table, title, out );
+        snprintf( name, sizeof( name ), "cloth.levels.%s", mesh_name );
+        snprintf( title, sizeof( title ), "%s of %d x %d", is_irregular ? "irregular mesh" : "cloth", n, n );
+        level_table_charts( plan, &table, name, first_row, title, out );
     }
     path_record_destroy( &truth );
     cloth_scene_free( &scene );

@@ -122,6 +122,7 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
 {
     path_record truth = { 0 };
     level_table table = { .has_volume = true, .truth_energy_lost = NAN };
+    const int first_row = out->row_count;
     char truth_name[40], title[160];
     skin_setting converged = settings[0];
     converged.substeps *= plan->truth_factor;
@@ -148,6 +149,7 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
         snprintf( title, sizeof( title ), "Levels on a balloon: %s, %d vertices, filled to %.1f times its volume",
                   figure->name, figure->mesh.vertex_count, (double)FILL );
         level_table_write( plan, &table, title, out );
+        level_table_charts( plan, &table, "cloth.levels.balloon", first_row, figure->name, out );
         results_add_note(
             out,
             "Levels on a balloon: the converged run is the engine itself at %d substeps, its volume "

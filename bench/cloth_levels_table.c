@@ -1,5 +1,7 @@
 #include "cloth_levels_table.h"
 
+#include "rows_chart.h"
+
 #include <math.h>
 
 static int begin( const cloth_plan* plan, const level_table* table, const char* title, results* out )
@@ -124,5 +126,48 @@ void level_table_write( const cloth_plan* plan, const level_table* table, const 
     if ( table->truth_name )
     {
         write_truth( plan, table, number, out );
+    }
+}
+
+// ---- charts ----
+
+static double mean_stretch_of( const results_row* row )
+{
+    return 100.0 * rows_error( row, "stretch_mean" );
+}
+
+static double path_of( const results_row* row )
+{
+    return rows_error( row, "path_rms_m" );
+}
+
+void level_table_charts( const cloth_plan* plan, const level_table* table, const char* rows, int first_row,
+                         const char* where, results* out )
+{
+    char title[160];
+    rows_chart chart = {
+        .first_row = first_row,
+        .name = rows,
+        .workers = plan->workers[plan->worker_count - 1],
+        .title = title,
+        .x_label = "ms a step",
+        .x = rows_ms,
+        .is_front = true,
+        .caption = "Ringed: no other way is both faster and nearer.",
+    };
+    // An inflated skin is stretched because it is full.
+    if ( !table->has_volume )
+    {
+        snprintf( title, sizeof( title ), "What levels and tethers buy, %s: mean stretch", where );
+        chart.y_label = "mean stretch, %";
+        chart.y = mean_stretch_of;
+        rows_chart_add( &chart, out );
+    }
+    if ( table->truth_name )
+    {
+        snprintf( title, sizeof( title ), "What levels and tethers buy, %s: distance to the converged run", where );
+        chart.y_label = "path error, m";
+        chart.y = path_of;
+        rows_chart_add( &chart, out );
     }
 }

@@ -1,5 +1,6 @@
 // ns a constraint and pass, beside the plain C version that goes through the links in the order of the mesh.
 #include "cloth_bench.h"
+#include "rows_chart.h"
 
 #include <float.h>
 #include <math.h>
@@ -399,6 +400,24 @@ static void claim_ratio( const cloth_plan* plan, const race_line* line, int e, r
     cloth_add_claim( ratio >= least, claim, ratio, " times", out );
 }
 
+static double ns_of( const results_row* row )
+{
+    return 1e6 * row->ms_median / ( rows_size( row, "links" ) * setting.substeps );
+}
+
+static void add_chart( int first_row, results* out )
+{
+    rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                     .name = "cloth.race",
+                                     .title = "Cloth against plain C: a step's time for each constraint and pass",
+                                     .x_label = "vertices",
+                                     .y_label = "ns a constraint and pass",
+                                     .x = rows_vertices,
+                                     .y = ns_of,
+                                     .y_linear = true },
+                    out );
+}
+
 static void add_claims( const cloth_plan* plan, const race_line* lines, results* out )
 {
     for ( int e = 0; e < plan->worker_count; ++e )
@@ -428,6 +447,7 @@ wisp_status cloth_race( const cloth_plan* plan, results* out, wisp_error* error 
     race_line lines[CLOTH_SIZES_MAX] = { { 0 } };
     double deadline = wisp_clock_seconds() + plan->race_seconds;
     wisp_status status = WISP_OK;
+    const int first_row = out->row_count;
     int table = begin_table( plan, out );
     for ( int i = 0; i < plan->race_count && status == WISP_OK; ++i )
     {
@@ -445,6 +465,7 @@ wisp_status cloth_race( const cloth_plan* plan, results* out, wisp_error* error 
     }
     if ( status == WISP_OK )
     {
+        add_chart( first_row, out );
         add_claims( plan, lines, out );
     }
     return status;

@@ -344,6 +344,7 @@ static wisp_status write_album( const contact_plan* plan, const album* all, bool
     if ( status == WISP_OK )
     {
         results_add_note( out, "%s: ![%s](%s)", all->caption, all->caption, path );
+        results_add_picture( out, path, all->caption );
     }
     return status;
 }

@@ -129,6 +129,7 @@ wisp_status drape_write( figures_case* page, const figures_album* album, bool ha
     if ( status == WISP_OK )
     {
         results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
+        results_add_picture( page->out, path, caption );
     }
     return status;
 }

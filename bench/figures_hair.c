@@ -141,6 +141,7 @@ wisp_status figures_hair_write( figures_case* page, const figures_hair_album* al
     if ( status == WISP_OK )
     {
         results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
+        results_add_picture( page->out, path, caption );
     }
     return status;
 }

@@ -1,4 +1,5 @@
 #include "paper.h"
+#include "rows_chart.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -246,6 +247,18 @@ static void add_reading( const paper_table* table, results* out )
     }
 }
 
+static void add_chart( results* out )
+{
+    rows_chart_add( &( rows_chart ){ .name = "paper",
+                                     .title = "Frozen hair, all stages: time against size",
+                                     .x_label = "vertices",
+                                     .y_label = "ms a step",
+                                     .caption = "The source's machine is unknown: compare slopes, not heights.",
+                                     .x = rows_vertices,
+                                     .y = rows_ms },
+                    out );
+}
+
 void paper_report( const paper_table* table, results* out )
 {
     int number = add_header( table, out );
@@ -254,6 +267,7 @@ void paper_report( const paper_table* table, results* out )
         add_line( table, &table->lines[i], number, out );
     }
     add_fits( table, out );
+    add_chart( out );
     add_contract( table, out );
     add_reading( table, out );
 }

@@ -2,8 +2,10 @@
 #include "paper_triangle.h"
 
 #include "cloth_bench.h"
+#include "rows_chart.h"
 
 #include <math.h>
+#include <string.h>
 
 // What this table has to show.
 #define SOURCE_RATIO 1.28         // a particle: 1.058 ms of triangles over 0.826 ms of quads
@@ -307,6 +309,24 @@ static void add_reading( const triangle_plan* plan, const triangle_line* lines, 
     }
 }
 
+static double mean_ms_of( const results_row* row )
+{
+    // The source states one time, which is its mean.
+    return strcmp( row->variant, "source" ) == 0 ? row->ms_median : rows_size( row, "ms_mean" );
+}
+
+static void add_chart( results* out )
+{
+    rows_chart_add( &( rows_chart ){ .name = "paper.triangle_cloth",
+                                     .also = "stretch_stiffness",
+                                     .title = "Triangle cloth that falls onto a ball: time against size",
+                                     .x_label = "vertices",
+                                     .y_label = "ms a step, mean",
+                                     .x = rows_vertices,
+                                     .y = mean_ms_of },
+                    out );
+}
+
 void triangle_report( const triangle_plan* plan, const triangle_line* lines, const triangle_hang* hangs,
                       results* out )
 {
@@ -325,5 +345,6 @@ void triangle_report( const triangle_plan* plan, const triangle_line* lines, con
         claim_iterations( plan, &lines[i], out );
     }
     add_hangs( plan, hangs, out );
+    add_chart( out );
     add_reading( plan, lines, out );
 }

@@ -1,4 +1,5 @@
 // The tables of the race of strands: ours and plain C beside other engines, and the kernels alone.
+#include "rows_chart.h"
 #include "strands_race.h"
 
 #include <math.h>
@@ -320,8 +321,39 @@ static void add_notes( const strands_plan* plan, results* out )
         STRANDS_TRUTH_STRANDS );
 }
 
+// ---- charts ----
+
+static double strands_of( const results_row* row )
+{
+    return rows_size( row, "strands" );
+}
+
+static void add_charts( const strands_plan* plan, int first_row, results* out )
+{
+    for ( int w = 0; w < plan->worker_count; ++w )
+    {
+        char title[160];
+        snprintf( title, sizeof( title ), "Strands x 20 vertices with %d %s: time against size", plan->workers[w],
+                  strands_workers_word( plan->workers[w] ) );
+        rows_chart_add(
+            &( rows_chart ){ .first_row = first_row,
+                             .name = "strands.race",
+                             .workers = plan->workers[w],
+                             .also = "substeps",
+                             .title = title,
+                             .x_label = "strands",
+                             .y_label = "ms a step",
+                             .x = strands_of,
+                             .y = rows_ms,
+                             .caption = "A line that rises by a decade for a decade of strands costs the same for "
+                                        "every strand." },
+            out );
+    }
+}
+
 void strands_race_write( const strands_plan* plan, const strands_race_size* sizes, int count, results* out )
 {
+    const int first_row = out->row_count;
     int table = begin_table( plan, out );
     for ( int i = 0; i < count; ++i )
     {
@@ -345,5 +377,6 @@ void strands_race_write( const strands_plan* plan, const strands_race_size* size
             claim_kernels( plan, &sizes[i], out );
         }
     }
+    add_charts( plan, first_row, out );
     add_notes( plan, out );
 }

@@ -102,20 +102,22 @@ static void put_verdict( const results* all, FILE* stream )
     fputs( "</ul>\n</div>\n", stream );
 }
 
-static void put_head( const results* all, const char* what, FILE* stream )
+static void put_head( const results* all, const report_run* run, FILE* stream )
 {
     fputs( "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
            "<meta name=\"color-scheme\" content=\"light dark\"/>\n<title>Wisp: ",
            stream );
-    report_put_text( what, stream );
+    report_put_text( run->what, stream );
     fputs( "</title>\n", stream );
     report_put_style( stream );
     fputs( "</head>\n<body>\n", stream );
     report_put_markers( stream );
     fputs( "<header>\n<p class=\"over\">Wisp, measured</p>\n<h1>", stream );
-    report_put_text( what, stream );
-    fputs( "</h1>\n", stream );
+    report_put_text( run->what, stream );
+    fputs( "</h1>\n<p class=\"how\">", stream );
+    report_put_text( run->how, stream );
+    fputs( "</p>\n", stream );
     put_facts( &all->machine, stream );
     put_verdict( all, stream );
     fputs( "</header>\n", stream );
@@ -229,13 +231,13 @@ static void put_notes( const results* all, FILE* stream )
     }
 }
 
-wisp_status report_write( const results* all, const char* what, FILE* stream, wisp_error* error )
+wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error )
 {
     if ( all->incomplete )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory to gather the results" );
     }
-    put_head( all, what, stream );
+    put_head( all, run, stream );
     put_contents( all, stream );
     fputs( "<main>\n", stream );
     put_charts( all, stream );
@@ -251,7 +253,7 @@ wisp_status report_write( const results* all, const char* what, FILE* stream, wi
     return WISP_OK;
 }
 
-wisp_status report_write_file( const results* all, const char* what, const char* path, wisp_error* error )
+wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error )
 {
     FILE* stream = fopen( path, "w" );
     if ( !stream )
@@ -260,7 +262,7 @@ wisp_status report_write_file( const results* all, const char* what, const char*
                           strerror( errno ) );
     }
     wisp_error cause = { 0 };
-    wisp_status status = report_write( all, what, stream, &cause );
+    wisp_status status = report_write( all, run, stream, &cause );
     int number = errno;
     if ( fclose( stream ) != 0 && status == WISP_OK )
     {

@@ -3,8 +3,14 @@
 
 #include "results.h"
 
-/// @param what was run, in the words of the command line; the page's title
+/// What a page is about, in words that are the same for the same command.
+typedef struct report_run
+{
+    const char* what; ///< was run: the title
+    const char* how;  ///< the line below it; empty: none
+} report_run;
+
 /// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY while the results were gathered
-wisp_status report_write( const results* all, const char* what, FILE* stream, wisp_error* error );
+wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error );
 /// A picture that cannot be read is a sentence in its place and no error.
-wisp_status report_write_file( const results* all, const char* what, const char* path, wisp_error* error );
+wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error );

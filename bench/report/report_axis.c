@@ -7,10 +7,13 @@
 #define STEPS_WANTED 5
 // Values that differ by rounding only are one.
 #define ROUNDING 1e-9
+// Beyond these powers of ten leave the range of a double.
+#define TINY 1e-100
+#define ENORMOUS 1e100
 
 bool report_axis_takes( bool is_log, double value )
 {
-    return isfinite( value ) && fabs( value ) <= 1e100 && ( !is_log || value >= 1e-100 );
+    return isfinite( value ) && fabs( value ) <= ENORMOUS && ( !is_log || value >= TINY );
 }
 
 static void add_tick( report_axis* axis, double value, const char* label )
@@ -35,10 +38,15 @@ static double scaled( double n, int exponent )
 static void widen( double* least, double* most )
 {
     double large = fmax( fabs( *least ), fabs( *most ) );
-    if ( *most - *least <= ROUNDING * large )
+    if ( large < TINY )
+    {
+        *least = 0.0;
+        *most = 1.0;
+    }
+    else if ( *most - *least <= ROUNDING * large )
     {
         *least = fmin( 2.0 * *least, 0.0 );
-        *most = large == 0.0 ? 1.0 : fmax( 2.0 * *most, 0.0 );
+        *most = fmax( 2.0 * *most, 0.0 );
     }
     else if ( *least > 0.0 && *least < 0.5 * *most )
     {

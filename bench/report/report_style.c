@@ -28,6 +28,7 @@ static const char* const text[] = {
     "none}",
     "a:hover{text-decoration:underline}:focus-visible{outline:2px solid var(--link);outline-offset:2px}",
     ".over{color:var(--soft);font-size:.875rem;margin-bottom:.35rem}",
+    ".how{color:var(--soft);margin-top:.5rem}.how:empty{display:none}",
     ".facts{display:grid;grid-template-columns:max-content 1fr;gap:.3rem 1.25rem;margin:1.5rem 0 0;font-size:.9rem}",
     ".facts dt{color:var(--soft)}.facts dd{margin:0}",
     ".verdict{margin-top:1.75rem;padding:.9rem 1.15rem;border:1px solid var(--line);border-left:4px solid "
@@ -76,13 +77,14 @@ static const char* const cards[] = {
 
 static const char* const tables[] = {
     ".table{margin:0 0 2.5rem}.table h3{margin-bottom:.7rem;max-width:60rem}",
-    ".scroll{overflow:auto;max-height:85vh;background:var(--card);border:1px solid var(--line);border-radius:10px}",
-    ".data{border-collapse:separate;border-spacing:0;min-width:100%;font-size:.82rem;line-height:1.4}",
+    ".scroll{overflow:auto;width:fit-content;max-width:100%;max-height:85vh;background:var(--card);border:1px solid "
+    "var(--line);border-radius:10px}",
+    ".data{border-collapse:separate;border-spacing:0;font-size:.82rem;line-height:1.4}",
     ".data th,.data td{padding:.42rem .8rem;text-align:left;vertical-align:top;border-bottom:1px solid var(--faint)}",
     ".data td{white-space:nowrap}.data tr:last-child td{border-bottom:0}",
     ".data th{position:sticky;top:0;z-index:1;background:var(--head);border-bottom:1px solid "
     "var(--line);font-weight:600;",
-    "vertical-align:bottom;min-width:4.2rem}.data tbody tr:hover td{background:var(--head)}",
+    "vertical-align:bottom;min-width:5rem;text-wrap:balance}.data tbody tr:hover td{background:var(--head)}",
     ".data .n,.bars .n{text-align:right}.hash{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;",
     "font-size:.92em}",
     "@media (min-width:48rem){.data th:first-child,.data "

@@ -1,0 +1,514 @@
+// Charts of the report: points stand where the ticks of their axes say, and what has no place is left out and counted.
+#include "report_fixture.h"
+
+#include "report/report_axis.h"
+#include "report/report_chart.h"
+#include "rows_chart.h"
+
+// coordinates have two digits
+#define ROUNDED 0.0101
+
+// ---- results ----
+
+static int add_points( results* all, const drawn_point* points, int count )
+{
+    int chart = results_add_chart( all, "A chart", "strands", "ms" );
+    int series = results_add_series( all, chart, "ours", true );
+    for ( int i = 0; i < count; ++i )
+    {
+        results_add_point( all, chart, series, ( results_point ){ .x = points[i].x, .y = points[i].y } );
+    }
+    return chart;
+}
+
+static char* page_of_points( const drawn_point* points, int count, bool x_log, bool y_log )
+{
+    results all = empty_results();
+    results_chart* chart = results_chart_at( &all, add_points( &all, points, count ) );
+    chart->x_log = x_log;
+    chart->y_log = y_log;
+    char* page = page_of( &all, &quiet_run );
+    assert_well_formed( page );
+    results_free( &all );
+    return page;
+}
+
+// ---- places ----
+
+static void points_of_linear_axes_stand_between_their_ticks( void** state )
+{
+    (void)state;
+    const drawn_point points[] = { { -4.0, 0.01 }, { 2.5, 0.0375 }, { 10.0, 0.05 } };
+    char* page = page_of_points( points, 3, false, false );
+    double left = tick_at( page, 'x', "0" ), right = tick_at( page, 'x', "10" );
+    double bottom = tick_at( page, 'y', "0.01" ), top = tick_at( page, 'y', "0.05" );
+    assert_true( right > left + 100.0 && bottom > top + 100.0 );
+    for ( int i = 0; i < 3; ++i )
+    {
+        drawn_point p = point_at( page, i );
+        assert_near( p.x, left + ( right - left ) * points[i].x / 10.0, 2 * ROUNDED );
+        assert_near( p.y, bottom + ( top - bottom ) * ( points[i].y - 0.01 ) / 0.04, 2 * ROUNDED );
+    }
+    free( page );
+}
+
+static void points_of_logarithmic_axes_stand_between_their_ticks( void** state )
+{
+    (void)state;
+    const drawn_point points[] = { { 100.0, 0.02 }, { 3000.0, 1.0 }, { 50000.0, 314.0 } };
+    char* page = page_of_points( points, 3, true, true );
+    double left = tick_at( page, 'x', "100" ), right = tick_at( page, 'x',
+                                                                "10\xe2\x80\x89"
+                                                                "000" );
+    double bottom = tick_at( page, 'y', "0.1" ), top = tick_at( page, 'y', "100" );
+    for ( int i = 0; i < 3; ++i )
+    {
+        drawn_point p = point_at( page, i );
+        assert_near( p.x, left + ( right - left ) * log10( points[i].x / 100.0 ) / 2.0, 2 * ROUNDED );
+        assert_near( p.y, bottom + ( top - bottom ) * log10( points[i].y / 0.1 ) / 3.0, 2 * ROUNDED );
+    }
+    free( page );
+}
+
+static void a_line_goes_through_its_points( void** state )
+{
+    (void)state;
+    const drawn_point points[] = { { 1.0, 3.0 }, { 2.0, 5.0 }, { 3.0, 4.0 } };
+    char* page = page_of_points( points, 3, false, false );
+    const char* line = strstr( plot_of( page ), "<path class=\"line" );
+    assert_non_null( line );
+    const char* at = strstr( line, " d=\"" ) + 4;
+    for ( int i = 0; i < 3; ++i )
+    {
+        drawn_point p = point_at( page, i );
+        char* end = NULL;
+        assert_int_equal( *at, i == 0 ? 'M' : 'L' );
+        assert_near( strtod( at + 1, &end ), p.x, 1e-9 );
+        assert_near( strtod( end, &end ), p.y, 1e-9 );
+        at = end;
+    }
+    assert_int_equal( *at, '"' );
+    free( page );
+}
+
+static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state )
+{
+    (void)state;
+    const drawn_point points[] = { { 1.0, 1.0 }, { 2.0, NAN }, { 3.0, 2.0 },
+                                   { 4.0, 0.0 }, { 5.0, 3.0 }, { INFINITY, 1.0 } };
+    char* page = page_of_points( points, 6, false, true );
+    assert_int_equal( point_count( page ), 3 );
+    assert_non_null( strstr( page, "3 points have no place" ) );
+    const char* line = strstr( plot_of( page ), "<path class=\"line" );
+    const char* end = strstr( line, "/>" );
+    int begins = 0;
+    for ( const char* at = strstr( line, " d=\"" ); at < end; ++at )
+    {
+        begins += *at == 'M';
+    }
+    assert_int_equal( begins, 3 );
+    assert_null( strstr( plot_of( page ), "nan" ) );
+    assert_null( strstr( plot_of( page ), "inf" ) );
+    free( page );
+
+    // on a linear axis 0 has a place
+    page = page_of_points( points, 6, false, false );
+    assert_int_equal( point_count( page ), 4 );
+    free( page );
+}
+
+static void charts_of_nothing_say_so( void** state )
+{
+    (void)state;
+    const drawn_point none[] = { { NAN, 1.0 }, { 1.0, -INFINITY } };
+    for ( int count = 0; count <= 2; count += 2 )
+    {
+        char* page = page_of_points( none, count, false, false );
+        assert_non_null( strstr( page, "There is nothing to draw." ) );
+        assert_null( strstr( page, "class=\"plot\"" ) );
+        free( page );
+    }
+    results all = empty_results();
+    results_chart_at( &all, results_add_chart( &all, "bars", "", "" ) )->is_bars = true;
+    results_add_chart( &all, "no series", "", "" );
+    char* page = page_of( &all, &quiet_run );
+    assert_well_formed( page );
+    assert_int_equal( count_of( page, "There is nothing to draw." ), 2 );
+    free( page );
+    results_free( &all );
+}
+
+static void one_point_of_any_size_stands_inside( void** state )
+{
+    (void)state;
+    static const double values[] = { 0.0, 1.0, -1.0, 7.3, 1e-12, -3e-99, 1e99, 123456.789, 5e-324, 1e-100 };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        for ( int is_log = 0; is_log < 2; ++is_log )
+        {
+            const drawn_point point = { values[i], values[i] };
+            if ( !report_axis_takes( is_log, values[i] ) )
+            {
+                continue;
+            }
+            char* page = page_of_points( &point, 1, is_log, is_log );
+            drawn_point p = point_at( page, 0 );
+            assert_true( p.x >= REPORT_CHART_LEFT && p.x <= REPORT_CHART_WIDTH - REPORT_CHART_RIGHT );
+            assert_true( p.y >= REPORT_CHART_TOP && p.y <= REPORT_CHART_HEIGHT - REPORT_CHART_BOTTOM );
+            free( page );
+        }
+    }
+}
+
+// ---- axes ----
+
+// 1, 2 or 5 times a power of ten, up to rounding.
+static bool is_round( double value )
+{
+    double share = value / pow( 10.0, floor( log10( value ) + 1e-9 ) );
+    return fabs( share - 1.0 ) < 1e-6 || fabs( share - 2.0 ) < 1e-6 || fabs( share - 5.0 ) < 1e-6;
+}
+
+static int label_count( const report_axis* axis )
+{
+    int count = 0;
+    for ( int i = 0; i < axis->tick_count; ++i )
+    {
+        count += axis->ticks[i].label[0] != '\0';
+    }
+    return count;
+}
+
+static void linear_ticks_are_round_few_and_hold_all_values( void** state )
+{
+    (void)state;
+    static const double ends[][2] = { { 0.0, 1.0 },        { 0.3, 0.7 },      { -5.0, 17.0 },
+                                      { 1e-9, 7e-9 },      { 990.0, 1000.0 }, { -3e7, -1e7 },
+                                      { 0.1, 0.30000001 }, { -1e100, 1e100 }, { 1.0, 1.0000001 } };
+    for ( int i = 0; i < WISP_COUNT( ends ); ++i )
+    {
+        report_axis axis = report_axis_make( ends[i][0], ends[i][1], false );
+        double step = axis.ticks[1].value - axis.ticks[0].value;
+        double slack = 1e-6 * step;
+        assert_true( axis.low <= ends[i][0] + slack && axis.high >= ends[i][1] - slack );
+        assert_true( axis.tick_count >= 3 && axis.tick_count <= 8 );
+        assert_true( is_round( step ) );
+        for ( int t = 0; t < axis.tick_count; ++t )
+        {
+            assert_near( axis.ticks[t].value, axis.low + t * step, slack );
+            assert_true( axis.ticks[t].label[0] != '\0' );
+        }
+        assert_true( axis.ticks[axis.tick_count - 1].value == axis.high );
+    }
+}
+
+static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
+{
+    (void)state;
+    static const double ends[][2] = { { 1.0, 10.0 },      { 0.3, 0.7 },      { 2.1, 2.9 },
+                                      { 1e-9, 7e-3 },     { 990.0, 1000.0 }, { 1e-100, 1e100 },
+                                      { 100.0, 50000.0 }, { 1e-4, 1e6 },     { 0.001, 0.0010001 } };
+    for ( int i = 0; i < WISP_COUNT( ends ); ++i )
+    {
+        report_axis axis = report_axis_make( ends[i][0], ends[i][1], true );
+        assert_true( axis.low <= ends[i][0] * ( 1.0 + 1e-8 ) && axis.high >= ends[i][1] * ( 1.0 - 1e-8 ) );
+        assert_true( axis.low > 0.1 * ends[i][0] && axis.high < 10.0 * ends[i][1] );
+        assert_true( is_round( axis.low ) && is_round( axis.high ) );
+        assert_true( label_count( &axis ) >= 2 && label_count( &axis ) <= 10 );
+        for ( int t = 1; t < axis.tick_count; ++t )
+        {
+            assert_true( axis.ticks[t].value > axis.ticks[t - 1].value );
+        }
+    }
+}
+
+static void ticks_are_written_exactly( void** state )
+{
+    (void)state;
+    report_axis axis = report_axis_make( 0.0, 0.3, false );
+    assert_string_equal( axis.ticks[1].label, "0.1" );
+    assert_string_equal( axis.ticks[3].label, "0.3" );
+    axis = report_axis_make( -200000.0, 0.0, false );
+    assert_string_equal( axis.ticks[0].label, "\xe2\x88\x92"
+                                              "200\xe2\x80\x89"
+                                              "000" );
+    axis = report_axis_make( 1e-9, 1e-3, true );
+    assert_string_equal( axis.ticks[0].label, "10\xe2\x81\xbb\xe2\x81\xb9" );
+    axis = report_axis_make( 0.0, 3e12, false );
+    assert_string_equal( axis.ticks[1].label, "10\xc2\xb9\xc2\xb2" );
+    assert_string_equal( axis.ticks[2].label, "2\xc2\xb7"
+                                              "10\xc2\xb9\xc2\xb2" );
+}
+
+// ---- what stands out ----
+
+static void marked_points_have_a_ring_around_them( void** state )
+{
+    (void)state;
+    results all = empty_results();
+    int chart = add_points( &all, ( const drawn_point[] ){ { 1.0, 1.0 }, { 2.0, 3.0 } }, 2 );
+    all.charts[chart].series[0].points[1].is_marked = true;
+    char* page = page_of( &all, &quiet_run );
+    assert_int_equal( count_of( page, "<circle class=\"ring\"" ), 1 );
+    const char* ring = strstr( page, "<circle class=\"ring\"" );
+    drawn_point p = point_at( page, 1 );
+    assert_true( attribute_of( ring, "cx" ) == p.x && attribute_of( ring, "cy" ) == p.y );
+    free( page );
+    results_free( &all );
+}
+
+static void a_tooltip_has_name_label_and_both_values_with_their_units( void** state )
+{
+    (void)state;
+    results all = empty_results();
+    int chart = add_points( &all, ( const drawn_point[] ){ { 2000.0, 0.0123456 } }, 1 );
+    snprintf( all.charts[chart].series[0].points[0].label, 64, "10 + tethers" );
+    char* page = page_of( &all, &quiet_run );
+    assert_non_null(
+        strstr( page, "<title>ours: 10 + tethers\n2000 \xc2\xb7 strands\n0.01235 \xc2\xb7 ms</title>" ) );
+    free( page );
+    results_free( &all );
+}
+
+static void names_beside_points_cover_neither_points_nor_names( void** state )
+{
+    (void)state;
+    results all = empty_results();
+    drawn_point points[40];
+    for ( int i = 0; i < WISP_COUNT( points ); ++i )
+    {
+        points[i] = ( drawn_point ){ ( i * 37 ) % 41, ( i * i * 13 ) % 43 };
+    }
+    int chart = add_points( &all, points, WISP_COUNT( points ) );
+    for ( int i = 0; i < WISP_COUNT( points ); ++i )
+    {
+        all.charts[chart].series[0].points[i].is_marked = true;
+        snprintf( all.charts[chart].series[0].points[i].label, 64, "name %d", i );
+    }
+    char* page = page_of( &all, &quiet_run );
+    double left[40], bottom[40];
+    int count = 0;
+    for ( const char* at = strstr( page, "<text class=\"label" ); at; at = strstr( at + 1, "<text class=\"label" ) )
+    {
+        left[count] = attribute_of( at, "x" );
+        bottom[count++] = attribute_of( at, "y" );
+    }
+    assert_true( count >= 3 );
+    for ( int i = 0; i < count; ++i )
+    {
+        // six characters of about 6 units, ten high
+        for ( int k = 0; k < WISP_COUNT( points ); ++k )
+        {
+            drawn_point p = point_at( page, k );
+            assert_false( p.x > left[i] && p.x < left[i] + 36.0 && p.y < bottom[i] && p.y > bottom[i] - 10.0 );
+        }
+        for ( int k = 0; k < i; ++k )
+        {
+            assert_false( fabs( left[i] - left[k] ) < 36.0 && fabs( bottom[i] - bottom[k] ) < 10.0 );
+        }
+    }
+    free( page );
+    results_free( &all );
+}
+
+static void sixteen_series_differ_in_colour_or_shape( void** state )
+{
+    (void)state;
+    results all = empty_results();
+    int chart = results_add_chart( &all, "many", "x", "y" );
+    for ( int s = 0; s < 16; ++s )
+    {
+        char name[16];
+        snprintf( name, sizeof( name ), "series %d", s );
+        int series = results_add_series( &all, chart, name, false );
+        results_add_point( &all, chart, series, ( results_point ){ .x = s, .y = s } );
+    }
+    char* page = page_of( &all, &quiet_run );
+    char seen[16][40];
+    const char* at = plot_of( page );
+    for ( int s = 0; s < 16; ++s )
+    {
+        at = strstr( at + 1, "<g class=\"point " );
+        assert_non_null( at );
+        const char* marker = strstr( at, "#m" );
+        snprintf( seen[s], sizeof( seen[s] ), "%.2s %.3s", at + strlen( "<g class=\"point " ), marker );
+        for ( int k = 0; k < s; ++k )
+        {
+            assert_string_not_equal( seen[s], seen[k] );
+        }
+    }
+    assert_int_equal( count_of( strstr( page, "<ul class=\"key\">" ), "<li><svg class=\"s" ), 16 );
+    free( page );
+    results_free( &all );
+}
+
+// ---- bars ----
+
+static double bar_share( const char* page, int number )
+{
+    const char* at = strstr( page, "<rect class=\"bar\" height" );
+    for ( int i = 0; i < number && at; ++i )
+    {
+        at = strstr( at + 1, "<rect class=\"bar\" height" );
+    }
+    assert_non_null( at );
+    return attribute_of( at, "width" );
+}
+
+static char* page_of_bars( const double* values, int count, bool y_log )
+{
+    results all = empty_results();
+    int chart = results_add_chart( &all, "Effects", "effect", "ms" );
+    int series = results_add_series( &all, chart, "one", false ),
+        other = results_add_series( &all, chart, "two", false );
+    results_chart_at( &all, chart )->is_bars = true;
+    results_chart_at( &all, chart )->y_log = y_log;
+    for ( int i = 0; i < count; ++i )
+    {
+        results_point point = { .x = i, .y = values[i] };
+        snprintf( point.label, sizeof( point.label ), "effect %d", i );
+        results_add_point( &all, chart, series, point );
+        if ( i == 0 )
+        {
+            results_add_point( &all, chart, other, point );
+        }
+    }
+    char* page = page_of( &all, &quiet_run );
+    assert_well_formed( page );
+    results_free( &all );
+    return page;
+}
+
+static void bars_are_as_long_as_their_values( void** state )
+{
+    (void)state;
+    char* page = page_of_bars( ( const double[] ){ 2.0, 8.0, NAN, 0.5 }, 4, false );
+    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_share( page, 1 ), 25.0, ROUNDED ); // of the other series
+    assert_near( bar_share( page, 2 ), 100.0, ROUNDED );
+    assert_near( bar_share( page, 3 ), 6.25, ROUNDED );
+    // what is not known has a line and no bar
+    assert_non_null( strstr( page, ">effect 2</th><td class=\"bar\"></td><td class=\"n\">-</td>" ) );
+    assert_non_null( strstr( page, "rowspan=\"2\">effect 0</th>" ) );
+    free( page );
+
+    page = page_of_bars( ( const double[] ){ -1.0, 3.0 }, 2, false );
+    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_share( page, 2 ), 75.0, ROUNDED );
+    free( page );
+}
+
+static void logarithmic_bars_begin_a_decade_below_the_smallest( void** state )
+{
+    (void)state;
+    char* page = page_of_bars( ( const double[] ){ 1.0, 1000.0, 10.0 }, 3, true );
+    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_share( page, 2 ), 100.0, ROUNDED );
+    assert_near( bar_share( page, 3 ), 50.0, ROUNDED );
+    free( page );
+}
+
+// ---- charts of rows ----
+
+static void add_row( results* all, const char* name, const char* variant, int workers, double vertices, double ms )
+{
+    results_row* row = results_add_row( all, name, variant );
+    results_put( &row->size, "vertices", vertices );
+    row->workers = workers;
+    row->ms_median = ms;
+    row->steps = 5;
+}
+
+static void rows_become_a_series_for_each_variant_and_worker_count( void** state )
+{
+    (void)state;
+    results all = empty_results();
+    add_row( &all, "race", "old", 1, 1.0, 1.0 ); // before the first
+    for ( int i = 1; i <= 2; ++i )
+    {
+        add_row( &all, "race", "plain", 1, i, 4.0 * i );
+        add_row( &all, "race", "ours", 1, i, 2.0 * i );
+        add_row( &all, "race", "ours", 2, i, i );
+        add_row( &all, "other", "ours", 2, i, i );
+    }
+    rows_chart chart = { .first_row = 1, .name = "race", .title = "t", .x = rows_vertices, .y = rows_ms };
+    rows_chart_add( &chart, &all );
+    assert_int_equal( all.chart_count, 1 );
+    assert_true( all.charts[0].x_log && all.charts[0].y_log );
+    assert_int_equal( all.charts[0].series_count, 3 );
+    const results_series* series = all.charts[0].series;
+    assert_string_equal( series[0].name, "plain, 1 worker" );
+    assert_string_equal( series[2].name, "ours, 2 workers" );
+    assert_int_equal( series[2].count, 2 );
+    assert_true( series[1].points[1].x == 2.0 && series[1].points[1].y == 4.0 );
+
+    chart.workers = 1;
+    rows_chart_add( &chart, &all );
+    assert_int_equal( all.charts[1].series_count, 2 );
+    assert_string_equal( all.charts[1].series[1].name, "ours" );
+    results_free( &all );
+}
+
+static double error_of( const results_row* row )
+{
+    return rows_error( row, "miss" );
+}
+
+static void the_front_is_what_nothing_beats( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        double ms, miss;
+        bool is_front;
+    } ways[] = { { 1.0, 9.0, true }, { 2.0, 5.0, true },  { 3.0, 5.0, false }, { 2.0, 7.0, false },
+                 { 8.0, 1.0, true }, { NAN, 0.0, false }, { 9.0, 9.0, false } };
+    results all = empty_results();
+    for ( int i = 0; i < WISP_COUNT( ways ); ++i )
+    {
+        char name[16];
+        snprintf( name, sizeof( name ), "way %d", i );
+        add_row( &all, "race", name, 2, 1.0, ways[i].ms );
+        results_put( &all.rows[i].error, "miss", ways[i].miss );
+    }
+    add_row( &all, "race", "late", 2, 1.0, 0.5 );
+    results_put( &all.rows[all.row_count - 1].error, "miss", 0.1 );
+    all.rows[all.row_count - 1].steps = 4; // so it has no place among them
+    rows_chart_add(
+        &( rows_chart ){
+            .name = "race", .title = "t", .least_steps = 5, .x = rows_ms, .y = error_of, .is_front = true },
+        &all );
+    assert_int_equal( all.charts[0].series_count, 1 );
+    const results_series* series = &all.charts[0].series[0];
+    assert_string_equal( series->name, "2 workers" );
+    for ( int i = 0; i < WISP_COUNT( ways ); ++i )
+    {
+        assert_int_equal( series->points[i].is_marked, ways[i].is_front );
+        assert_string_equal( series->points[i].label, all.rows[i].variant );
+    }
+    results_free( &all );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( points_of_linear_axes_stand_between_their_ticks ),
+        cmocka_unit_test( points_of_logarithmic_axes_stand_between_their_ticks ),
+        cmocka_unit_test( a_line_goes_through_its_points ),
+        cmocka_unit_test( what_has_no_place_is_left_out_counted_and_not_bridged ),
+        cmocka_unit_test( charts_of_nothing_say_so ),
+        cmocka_unit_test( one_point_of_any_size_stands_inside ),
+        cmocka_unit_test( linear_ticks_are_round_few_and_hold_all_values ),
+        cmocka_unit_test( logarithmic_ticks_are_few_rise_and_hold_all_values ),
+        cmocka_unit_test( ticks_are_written_exactly ),
+        cmocka_unit_test( marked_points_have_a_ring_around_them ),
+        cmocka_unit_test( a_tooltip_has_name_label_and_both_values_with_their_units ),
+        cmocka_unit_test( names_beside_points_cover_neither_points_nor_names ),
+        cmocka_unit_test( sixteen_series_differ_in_colour_or_shape ),
+        cmocka_unit_test( bars_are_as_long_as_their_values ),
+        cmocka_unit_test( logarithmic_bars_begin_a_decade_below_the_smallest ),
+        cmocka_unit_test( rows_become_a_series_for_each_variant_and_worker_count ),
+        cmocka_unit_test( the_front_is_what_nothing_beats ),
+    };
+    return cmocka_run_group_tests_name( "report charts", tests, NULL, NULL );
+}
