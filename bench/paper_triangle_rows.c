@@ -319,6 +319,7 @@ static void add_chart( results* out )
 {
     rows_chart_add( &( rows_chart ){ .name = "paper.triangle_cloth",
                                      .also = "stretch_stiffness",
+                                     .also_unit = "N/m",
                                      .title = "Triangle cloth that falls onto a ball: time against size",
                                      .x_label = "vertices",
                                      .y_label = "ms a step, mean",

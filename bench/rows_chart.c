@@ -50,7 +50,7 @@ static void name_series( const rows_chart* what, const results_row* row, char* o
     int used = snprintf( out, size, "%s", what->is_front ? "" : row->variant );
     if ( what->also && !what->is_front && (size_t)used < size )
     {
-        used += snprintf( out + used, size - (size_t)used, ", %g %s", rows_size( row, what->also ), what->also );
+        used += snprintf( out + used, size - (size_t)used, ", %g %s", rows_size( row, what->also ), what->also_unit );
     }
     if ( row->workers > 0 && ( what->workers == 0 || what->is_front ) && (size_t)used < size )
     {

@@ -9,11 +9,12 @@ typedef double rows_number( const results_row* row );
 /// What a chart takes from which rows. A series is a variant with a worker count, in the order of their first rows.
 typedef struct rows_chart
 {
-    int first_row;    ///< rows before it belong to others
-    const char* name; ///< of the rows it takes
-    int workers;      ///< only rows with so many; 0: all, and the names of series say how many
-    int least_steps;  ///< rows with fewer samples are left out of the drawing
-    const char* also; ///< a size whose value tells series of one variant apart, such as "substeps"; may be null
+    int first_row;         ///< rows before it belong to others
+    const char* name;      ///< of the rows it takes
+    int workers;           ///< only rows with so many; 0: all, and the names of series say how many
+    int least_steps;       ///< rows with fewer samples are left out of the drawing
+    const char* also;      ///< a size whose value tells series of one variant apart, such as "substeps"; may be null
+    const char* also_unit; ///< what follows that value
 
     const char *title, *x_label, *y_label, *caption; ///< caption: may be null
     rows_number *x, *y;

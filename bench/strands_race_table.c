@@ -340,6 +340,7 @@ static void add_charts( const strands_plan* plan, int first_row, results* out )
                              .name = "strands.race",
                              .workers = plan->workers[w],
                              .also = "substeps",
+                             .also_unit = "substeps",
                              .title = title,
                              .x_label = "strands",
                              .y_label = "ms a step",

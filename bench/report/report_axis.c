@@ -16,12 +16,13 @@ bool report_axis_takes( bool is_log, double value )
     return isfinite( value ) && fabs( value ) <= ENORMOUS && ( !is_log || value >= TINY );
 }
 
-static void add_tick( report_axis* axis, double value, const char* label )
+static void add_tick( report_axis* axis, double value, bool is_major, const char* label )
 {
     if ( axis->tick_count < REPORT_TICKS_MAX )
     {
         report_tick* tick = &axis->ticks[axis->tick_count++];
         tick->value = value;
+        tick->is_major = is_major;
         snprintf( tick->label, sizeof( tick->label ), "%s", label );
     }
 }
@@ -86,7 +87,7 @@ static report_axis make_linear( double least, double most )
     {
         char label[64];
         report_decimal( i * digit, exponent, false, label, sizeof( label ) );
-        add_tick( &axis, scaled( (double)( i * digit ), exponent ), label );
+        add_tick( &axis, scaled( (double)( i * digit ), exponent ), true, label );
     }
     return axis;
 }
@@ -126,7 +127,7 @@ static void add_decade( report_axis* axis, int exponent, int span, bool is_power
             {
                 report_decimal( digit, exponent, is_power, label, sizeof( label ) );
             }
-            add_tick( axis, scaled( digit, exponent ), label );
+            add_tick( axis, scaled( digit, exponent ), digit == 1, label );
         }
     }
 }
@@ -155,7 +156,7 @@ static report_axis make_log( double least, double most )
     for ( int exponent = from; exponent <= to; exponent += stride )
     {
         // One manner for all labels of an axis.
-        add_decade( &axis, exponent, last - first, from < -3 || to > 5 );
+        add_decade( &axis, exponent, last - first, from < -3 || to > 6 );
     }
     return axis;
 }

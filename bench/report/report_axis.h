@@ -8,6 +8,7 @@
 typedef struct report_tick
 {
     double value;
+    bool is_major;  ///< a power of ten, or any tick of a linear axis
     char label[64]; ///< empty: a gridline only
 } report_tick;
 

@@ -166,9 +166,46 @@ static void put_tick_label( const char* class_name, double x, double y, const ch
     }
 }
 
+// Of the letters on a narrow screen, which are the largest.
+#define TICK_CHARACTER_WIDTH 9.5
+
+// Whether a label below the axis stays clear of the labels that there are.
+static bool has_room( const chart_frame* frame, int tick, const bool* is_shown )
+{
+    const report_axis* axis = &frame->x;
+    for ( int i = 0; i < axis->tick_count; ++i )
+    {
+        int characters = report_text_length( axis->ticks[i].label ) + report_text_length( axis->ticks[tick].label );
+        double gap = fabs( place_x( frame, axis->ticks[i].value ) - place_x( frame, axis->ticks[tick].value ) );
+        if ( is_shown[i] && gap < 0.5 * TICK_CHARACTER_WIDTH * ( characters + 1 ) )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Powers of ten are served first.
+static void choose_labels( const chart_frame* frame, bool* is_shown )
+{
+    for ( int minor = 0; minor < 2; ++minor )
+    {
+        for ( int i = 0; i < frame->x.tick_count; ++i )
+        {
+            const report_tick* tick = &frame->x.ticks[i];
+            if ( tick->label[0] && tick->is_major == ( minor == 0 ) )
+            {
+                is_shown[i] = has_room( frame, i, is_shown );
+            }
+        }
+    }
+}
+
 static void put_x_axis( const chart_frame* frame, FILE* stream )
 {
     const double bottom = REPORT_CHART_HEIGHT - REPORT_CHART_BOTTOM;
+    bool is_shown[REPORT_TICKS_MAX] = { false };
+    choose_labels( frame, is_shown );
     for ( int i = 0; i < frame->x.tick_count; ++i )
     {
         const report_tick* tick = &frame->x.ticks[i];
@@ -177,7 +214,7 @@ static void put_x_axis( const chart_frame* frame, FILE* stream )
         put_pair( " d=\"M", x, " ", REPORT_CHART_TOP, "V", stream );
         report_put_fixed( bottom, 2, stream );
         fputs( "\"/>\n", stream );
-        put_tick_label( "tick x", x, bottom + 18.0, tick->label, stream );
+        put_tick_label( "tick x", x, bottom + 18.0, is_shown[i] ? tick->label : "", stream );
     }
 }
 

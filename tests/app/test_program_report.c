@@ -1,0 +1,113 @@
+// The built program, whose path is the first argument, writes a report beside its results, and says before it measures
+// when it cannot.
+#include "program_fixture.h"
+
+#include <sys/stat.h>
+
+static char page[4 << 20];
+
+static void read_page( const char* path )
+{
+    FILE* file = fopen( path, "r" );
+    assert_non_null( file );
+    page[fread( page, 1, sizeof( page ) - 1, file )] = '\0';
+    fclose( file );
+}
+
+static bool exists( const char* path )
+{
+    return access( path, F_OK ) == 0;
+}
+
+static void a_report_is_written_beside_the_usual_output( void** state )
+{
+    (void)state;
+    run( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
+    assert_int_equal( result.status, 0 );
+    read_page( "page.html" );
+    assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
+    assert_non_null( strstr( page, "<h1>collision</h1>" ) );
+    assert_non_null( strstr( page, "quick, about 0.01 s a case, up to 1 worker<" ) );
+    assert_non_null( strstr( page, "</html>\n" ) );
+
+    // every title of the output is one of the page
+    int tables = 0;
+    for ( const char* rule = strstr( result.out, "\n---" ); rule; rule = strstr( rule + 1, "\n---" ) )
+    {
+        ++tables;
+    }
+    char last[40];
+    snprintf( last, sizeof( last ), " id=\"table-%d\"", tables );
+    assert_true( tables > 0 );
+    assert_non_null( strstr( page, last ) );
+}
+
+static void a_report_that_cannot_be_written_is_refused_before_anything_is_measured( void** state )
+{
+    (void)state;
+    assert_int_equal( mkdir( "folder", 0700 ), 0 );
+    assert_refused( "bench --report nowhere/page.html", "nowhere/page.html: nothing can be written there: No such" );
+    assert_string_equal( result.out, "" );
+    assert_refused( "bench --report folder", "folder: nothing can be written there: Is a directory" );
+    assert_refused( "bench --output nowhere/out.json --format json", "nowhere/out.json" );
+    assert_false( exists( "nowhere" ) );
+}
+
+static void a_report_over_the_output_is_wrong_usage( void** state )
+{
+    (void)state;
+    assert_usage( "bench paper --report a.html --output a.html", "--report and --output both write to 'a.html'" );
+    assert_false( exists( "a.html" ) );
+}
+
+static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
+{
+    (void)state;
+    write_file( "kept.html", "a page of last week" );
+    assert_refused( "bench --report kept.html --output nowhere/out.txt", "nowhere/out.txt" );
+    read_page( "kept.html" );
+    assert_string_equal( page, "a page of last week" );
+    assert_refused( "bench --output new.txt --report nowhere/page.html", "nowhere/page.html" );
+    assert_false( exists( "new.txt" ) );
+}
+
+static void a_disk_that_fills_up_is_a_failed_run( void** state )
+{
+    (void)state;
+    if ( access( "/dev/full", W_OK ) != 0 )
+    {
+        skip();
+    }
+    run( "bench collision --quick --seconds 0.01 --workers 1 --report /dev/full" );
+    assert_int_equal( result.status, 2 );
+    assert_int_equal( line_count( result.err ), 1 );
+    assert_non_null( strstr( result.err, "/dev/full: the report could not be written" ) );
+    // the results themselves are out already
+    assert_non_null( strstr( result.out, "\n---" ) );
+}
+
+static void help_tells_of_the_report( void** state )
+{
+    (void)state;
+    run( "bench --help" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "--report=FILE" ) );
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || !realpath( argv[1], program ) )
+    {
+        fputs( "usage: test_program_report PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_report_is_written_beside_the_usual_output ),
+        cmocka_unit_test( a_report_that_cannot_be_written_is_refused_before_anything_is_measured ),
+        cmocka_unit_test( a_report_over_the_output_is_wrong_usage ),
+        cmocka_unit_test( looking_whether_a_file_can_be_written_leaves_it_as_it_was ),
+        cmocka_unit_test( a_disk_that_fills_up_is_a_failed_run ),
+        cmocka_unit_test( help_tells_of_the_report ),
+    };
+    return cmocka_run_group_tests_name( "program report", tests, enter_new_folder, leave_folder );
+}
