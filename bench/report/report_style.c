@@ -86,8 +86,8 @@ static const char* const cards[] = {
     "use{fill:currentColor;stroke:var(--card);stroke-width:1}",
     ".ring{fill:none;stroke:currentColor;stroke-width:1.75}",
     ".bars{border-collapse:collapse;width:100%;margin-top:.75rem;font-size:.85rem}",
-    ".bars th{text-align:left;font-weight:400;padding:.2rem .75rem .2rem "
-    "0;width:36%;vertical-align:top;line-height:1.35}",
+    ".bars th{text-align:left;font-weight:400;padding:.2rem .75rem .2rem 0;width:36%}",
+    ".bars th{vertical-align:top;line-height:1.35}",
     ".bars tr:first-child th{color:var(--soft);font-size:.8rem;padding-bottom:.35rem}",
     ".bars td{padding:.2rem 0;vertical-align:middle}",
     ".bars .first td,.bars .first th{border-top:1px solid var(--faint);padding-top:.35rem}",

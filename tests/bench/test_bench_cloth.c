@@ -120,6 +120,8 @@ static void other_engines_stand_beside_only_where_they_were_measured( void** sta
     assert_string_equal( cell( table, 1, first_peer ), "-" );
     assert_string_equal( cell( table, 2, first_peer ), "0.165 / 0.109" );
     assert_true( has_note( &all, "on the reference machine" ) );
+    assert_int_equal( all.chart_count, 1 );
+    assert_int_equal( all.charts[0].series[0].count, 2 );
     results_free( &all );
 }
 
@@ -151,6 +153,19 @@ static void levels_are_compared_with_a_converged_run_on_both_meshes( void** stat
         path_40 = is_grid && strcmp( row->variant, "40" ) == 0 ? path : path_40;
     }
     assert_true( path_40 < path_10 );
+
+    // mean stretch and path of both meshes, and something is on each front
+    assert_int_equal( all.chart_count, 4 );
+    for ( int c = 0; c < all.chart_count; ++c )
+    {
+        int marked = 0;
+        assert_int_equal( all.charts[c].series_count, 1 );
+        for ( int i = 0; i < all.charts[c].series[0].count; ++i )
+        {
+            marked += all.charts[c].series[0].points[i].is_marked;
+        }
+        assert_true( marked > 0 && marked < all.charts[c].series[0].count );
+    }
     results_free( &all );
 }
 

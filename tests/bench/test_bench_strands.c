@@ -385,6 +385,14 @@ static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
         bool is_direct = strncmp( row->variant, "direct", 6 ) == 0 || strstr( row->variant, "tridiagonal" );
         assert_true( !is_direct || error_of( row, "stretch_mean" ) < 1e-4 );
     }
+
+    // a chart a worker count, with the times of the rows: at 20 and at 100 strands
+    assert_int_equal( all.chart_count, plan.worker_count );
+    const results_series* plain = &all.charts[0].series[0];
+    assert_string_equal( plain->name, "plain C, sweeps, 10 substeps" );
+    assert_int_equal( plain->count, 2 );
+    assert_true( plain->points[0].x == 20.0 && plain->points[1].x == 100.0 );
+    assert_true( plain->points[0].y == all.rows[0].ms_median );
     results_free( &all );
 }
 
@@ -502,6 +510,8 @@ static void pictures_of_ghosts_are_written( void** state )
     assert_int_equal( fgetc( file ), 0x89 );
     fclose( file );
     remove( "gui_2c_centre.png" );
+    assert_int_equal( all.picture_count, 1 );
+    assert_string_equal( all.pictures[0].path, "./gui_2c_centre.png" );
     results_free( &all );
 }
 

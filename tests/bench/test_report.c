@@ -336,6 +336,10 @@ static void a_file_that_cannot_be_written_is_an_error_that_names_it( void** stat
     {
         assert_int_equal( report_write_file( &all, &quiet_run, "/dev/full", &error ), WISP_IO_ERROR );
         assert_non_null( strstr( error.sentence, "/dev/full" ) );
+        FILE* full = fopen( "/dev/full", "w" );
+        assert_non_null( full );
+        assert_int_equal( report_write( &all, &quiet_run, full, &error ), WISP_IO_ERROR );
+        fclose( full );
     }
     all.incomplete = true;
     assert_int_equal( report_write_file( &all, &quiet_run, "/dev/null", &error ), WISP_NO_MEMORY );

@@ -318,7 +318,7 @@ static void sixteen_series_differ_in_colour_or_shape( void** state )
     int chart = results_add_chart( &all, "many", "x", "y" );
     for ( int s = 0; s < 16; ++s )
     {
-        char name[16];
+        char name[32];
         snprintf( name, sizeof( name ), "series %d", s );
         int series = results_add_series( &all, chart, name, false );
         results_add_point( &all, chart, series, ( results_point ){ .x = s, .y = s } );
@@ -466,7 +466,7 @@ static void the_front_is_what_nothing_beats( void** state )
     results all = empty_results();
     for ( int i = 0; i < WISP_COUNT( ways ); ++i )
     {
-        char name[16];
+        char name[32];
         snprintf( name, sizeof( name ), "way %d", i );
         add_row( &all, "race", name, 2, 1.0, ways[i].ms );
         results_put( &all.rows[i].error, "miss", ways[i].miss );
