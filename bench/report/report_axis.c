@@ -83,10 +83,13 @@ static report_axis make_linear( double least, double most )
     long long last = (long long)ceil( most / step - ROUNDING );
     axis.low = scaled( (double)( first * digit ), exponent );
     axis.high = scaled( (double)( last * digit ), exponent );
+    // One power of ten for all labels, where they would be long without.
+    int largest = (int)floor( log10( fmax( fabs( axis.low ), fabs( axis.high ) ) ) + ROUNDING );
+    int power = largest < -3 || largest > 6 ? largest : 0;
     for ( long long i = first; i <= last; ++i )
     {
         char label[64];
-        report_decimal( i * digit, exponent, false, label, sizeof( label ) );
+        report_decimal( i * digit, exponent, power, label, sizeof( label ) );
         add_tick( &axis, scaled( (double)( i * digit ), exponent ), true, label );
     }
     return axis;
@@ -125,7 +128,7 @@ static void add_decade( report_axis* axis, int exponent, int span, bool is_power
             char label[64] = "";
             if ( has_label )
             {
-                report_decimal( digit, exponent, is_power, label, sizeof( label ) );
+                report_decimal( digit, exponent, is_power ? exponent : 0, label, sizeof( label ) );
             }
             add_tick( axis, scaled( digit, exponent ), digit == 1, label );
         }

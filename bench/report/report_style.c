@@ -80,7 +80,7 @@ static const char* const cards[] = {
     ".tick{font-size:12px;fill:var(--soft)}",
     ".tick.x{text-anchor:middle}",
     ".tick.y{text-anchor:end}",
-    ".label{font-size:11.5px;fill:currentColor}",
+    ".label{font-size:11.5px;fill:currentColor;stroke:var(--card);stroke-width:3;paint-order:stroke}",
     ".line{fill:none;stroke:currentColor;stroke-width:2;stroke-linejoin:round;vector-effect:non-scaling-stroke}",
     ".dashed .line,.line.dashed{stroke-dasharray:6 4}",
     "use{fill:currentColor;stroke:var(--card);stroke-width:1}",
@@ -110,7 +110,7 @@ static const char* const tables[] = {
     ".data th{background:var(--head);border-bottom:1px solid var(--line);font-weight:600}",
     ".data tbody tr:hover td{background:var(--head)}",
     ".data .n,.bars .n{text-align:right}",
-    ".hash{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;font-size:.92em}",
+    ".data td.hash{font-family:ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;font-size:.92em}",
     "@media (min-width:48rem){",
     ".data th:first-child,.data td:first-child{position:sticky;left:0;background:var(--head)}",
     ".data th:first-child{z-index:2}",
@@ -118,11 +118,13 @@ static const char* const tables[] = {
 };
 
 static const char* const media[] = {
-    // A drawing shrinks with the screen, and its letters must not.
-    "@media (max-width:40rem){",
-    ".card{padding:1rem}",
+    // A drawing shrinks with its card, and its letters must not.
+    "@media print,(max-width:40rem){",
     ".tick{font-size:18px}",
     ".tick.x{transform:translateY(6px)}",
+    "}",
+    "@media (max-width:40rem){",
+    ".card{padding:1rem}",
     ".label{display:none}",
     ".facts{grid-template-columns:1fr;gap:0}",
     ".facts dd{margin-bottom:.6rem}",

@@ -10,10 +10,16 @@ static bool is_hash( const char* cell )
     return strlen( cell ) == 16 && strspn( cell, "0123456789abcdef" ) == 16;
 }
 
-static const char* cell_class( const results_table* table, int column, const char* cell )
+static const char* column_class( const results_table* table, int column )
 {
-    bool is_numeric = results_is_numeric_column( table, column );
-    return is_hash( cell ) ? " class=\"hash\"" : is_numeric ? " class=\"n\"" : "";
+    for ( int row = 1; row < table->row_count; ++row )
+    {
+        if ( is_hash( results_cell( table, row, column ) ) )
+        {
+            return " class=\"hash\"";
+        }
+    }
+    return results_is_numeric_column( table, column ) ? " class=\"n\"" : "";
 }
 
 static void put_row( const results_table* table, int row, FILE* stream )
@@ -21,11 +27,10 @@ static void put_row( const results_table* table, int row, FILE* stream )
     fputs( "<tr>", stream );
     for ( int column = 0; column < table->column_count; ++column )
     {
-        const char* cell = results_cell( table, row, column );
         fputs( row == 0 ? "<th scope=\"col\"" : "<td", stream );
-        fputs( cell_class( table, column, cell ), stream );
+        fputs( column_class( table, column ), stream );
         fputc( '>', stream );
-        report_put_text( cell, stream );
+        report_put_text( results_cell( table, row, column ), stream );
         fputs( row == 0 ? "</th>" : "</td>", stream );
     }
     fputs( "</tr>\n", stream );

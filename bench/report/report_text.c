@@ -189,23 +189,16 @@ static void write_plain( long long n, int exponent, char* out, size_t size )
     }
 }
 
-void report_decimal( long long n, int exponent, bool is_power, char* out, size_t size )
+void report_decimal( long long n, int exponent, int power, char* out, size_t size )
 {
-    while ( n != 0 && n % 10 == 0 )
-    {
-        n /= 10;
-        ++exponent;
-    }
-    if ( n == 0 || ( !is_power && exponent >= -6 && exponent <= 6 ) )
+    if ( power == 0 || n == 0 )
     {
         write_plain( n, n == 0 ? 0 : exponent, out, size );
         return;
     }
-    char factor[48] = "", power[32];
-    raise( exponent, power, sizeof( power ) );
-    if ( n != 1 )
-    {
-        write_plain( n, 0, factor, sizeof( factor ) );
-    }
-    snprintf( out, size, "%s%s%s", factor, n != 1 ? DOT : "", power );
+    char factor[64] = "", raised[48];
+    raise( power, raised, sizeof( raised ) );
+    write_plain( n, exponent - power, factor, sizeof( factor ) );
+    bool is_one = strcmp( factor, "1" ) == 0;
+    snprintf( out, size, "%s%s%s", is_one ? "" : factor, is_one ? "" : DOT, raised );
 }

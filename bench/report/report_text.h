@@ -13,7 +13,7 @@ void report_put_fixed( double value, int digits, FILE* stream );
 void report_put_short( double value, FILE* stream );
 
 /// Exact decimal text of n * 10^exponent as axes show it: in groups of three, or times a power of ten.
-/// @param is_power write a power of ten even where the digits would fit
-void report_decimal( long long n, int exponent, bool is_power, char* out, size_t size );
+/// @param power so many powers of ten are written as such; 0: none. What is left of the exponent is from -20 to 20
+void report_decimal( long long n, int exponent, int power, char* out, size_t size );
 /// Characters, not bytes, of what report_put_text() writes.
 int report_text_length( const char* text );

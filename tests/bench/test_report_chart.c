@@ -234,6 +234,10 @@ static void ticks_are_written_exactly( void** state )
                                               "000" );
     axis = report_axis_make( 1e-9, 1e-3, true );
     assert_string_equal( axis.ticks[0].label, "10\xe2\x81\xbb\xe2\x81\xb9" );
+    axis = report_axis_make( -1.5e-8, 1e-8, false );
+    assert_string_equal( axis.ticks[0].label, "\xe2\x88\x92"
+                                              "1.5\xc2\xb7"
+                                              "10\xe2\x81\xbb\xe2\x81\xb8" );
     axis = report_axis_make( 0.0, 3e12, false );
     assert_string_equal( axis.ticks[1].label, "10\xc2\xb9\xc2\xb2" );
     assert_string_equal( axis.ticks[2].label, "2\xc2\xb7"
@@ -446,6 +450,7 @@ static void rows_become_a_series_for_each_variant_and_worker_count( void** state
     rows_chart_add( &chart, &all );
     assert_int_equal( all.charts[1].series_count, 2 );
     assert_string_equal( all.charts[1].series[1].name, "ours" );
+    assert_int_equal( all.charts[1].series[1].count, 2 );
     results_free( &all );
 }
 
