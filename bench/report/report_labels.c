@@ -9,7 +9,7 @@
 #define CHARACTER_WIDTH 6.3
 #define LABEL_HEIGHT 12.0
 #define LABEL_GAP 11.0
-#define POINT_RADIUS 7.0
+#define POINT_RADIUS 10.0 // with its ring
 #define LABELS_MAX 24
 
 typedef struct box

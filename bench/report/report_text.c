@@ -8,6 +8,7 @@
 #define REPLACEMENT "\xef\xbf\xbd"
 #define THIN_SPACE "\xe2\x80\x89"
 #define DOT "\xc2\xb7"
+#define MINUS "\xe2\x88\x92"
 
 // ---- text ----
 
@@ -180,7 +181,7 @@ static void write_plain( long long n, int exponent, char* out, size_t size )
         --behind;
     }
     int before = length - behind;
-    size_t used = (size_t)snprintf( out, size, "%s", n < 0 ? "\xe2\x88\x92" : "" );
+    size_t used = (size_t)snprintf( out, size, "%s", n < 0 ? MINUS : "" );
     for ( int i = 0; i < length && used < size; ++i )
     {
         bool is_group = i > 0 && i < before && before > 4 && ( before - i ) % 3 == 0;
@@ -199,6 +200,7 @@ void report_decimal( long long n, int exponent, int power, char* out, size_t siz
     char factor[64] = "", raised[48];
     raise( power, raised, sizeof( raised ) );
     write_plain( n, exponent - power, factor, sizeof( factor ) );
-    bool is_one = strcmp( factor, "1" ) == 0;
-    snprintf( out, size, "%s%s%s", is_one ? "" : factor, is_one ? "" : DOT, raised );
+    bool is_one = strcmp( factor, "1" ) == 0 || strcmp( factor, MINUS "1" ) == 0;
+    factor[strlen( factor ) - ( is_one ? 1 : 0 )] = '\0';
+    snprintf( out, size, "%s%s%s", factor, is_one ? "" : DOT, raised );
 }

@@ -238,6 +238,8 @@ static void ticks_are_written_exactly( void** state )
     assert_string_equal( axis.ticks[0].label, "\xe2\x88\x92"
                                               "1.5\xc2\xb7"
                                               "10\xe2\x81\xbb\xe2\x81\xb8" );
+    assert_string_equal( axis.ticks[1].label, "\xe2\x88\x92"
+                                              "10\xe2\x81\xbb\xe2\x81\xb8" );
     axis = report_axis_make( 0.0, 3e12, false );
     assert_string_equal( axis.ticks[1].label, "10\xc2\xb9\xc2\xb2" );
     assert_string_equal( axis.ticks[2].label, "2\xc2\xb7"
