@@ -46,17 +46,21 @@ static void a_report_that_cannot_be_written_is_refused_before_anything_is_measur
 {
     (void)state;
     assert_int_equal( mkdir( "folder", 0700 ), 0 );
-    assert_refused( "bench --report nowhere/page.html", "nowhere/page.html: nothing can be written there: No such" );
+    assert_refused( "bench collision --quick --seconds 0.01 --report nowhere/page.html",
+                    "nowhere/page.html: nothing can be written there: No such" );
     assert_string_equal( result.out, "" );
-    assert_refused( "bench --report folder", "folder: nothing can be written there: Is a directory" );
-    assert_refused( "bench --output nowhere/out.json --format json", "nowhere/out.json" );
+    assert_refused( "bench collision --quick --seconds 0.01 --report folder",
+                    "folder: nothing can be written there: Is a directory" );
+    assert_refused( "bench collision --quick --seconds 0.01 --output nowhere/out.json --format json",
+                    "nowhere/out.json" );
     assert_false( exists( "nowhere" ) );
 }
 
 static void a_report_over_the_output_is_wrong_usage( void** state )
 {
     (void)state;
-    assert_usage( "bench paper --report a.html --output a.html", "--report and --output both write to 'a.html'" );
+    assert_usage( "bench collision --quick --seconds 0.01 --report a.html --output a.html",
+                  "--report and --output both write to 'a.html'" );
     assert_false( exists( "a.html" ) );
 }
 
@@ -64,10 +68,12 @@ static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** st
 {
     (void)state;
     write_file( "kept.html", "a page of last week" );
-    assert_refused( "bench --report kept.html --output nowhere/out.txt", "nowhere/out.txt" );
+    assert_refused( "bench collision --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
+                    "nowhere/out.txt" );
     read_page( "kept.html" );
     assert_string_equal( page, "a page of last week" );
-    assert_refused( "bench --output new.txt --report nowhere/page.html", "nowhere/page.html" );
+    assert_refused( "bench collision --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
+                    "nowhere/page.html" );
     assert_false( exists( "new.txt" ) );
 }
 
