@@ -50,14 +50,27 @@ static int begin_table( const cloth_plan* plan, results* out )
     return cells_begin_table( &row, "Hanging cloth n x n, 10 substeps of one pass, 60 + 100 steps of 1/60 s", out );
 }
 
-static void put_peers( int n, cells* row )
+static const peer_times* find_times( int n )
 {
-    const peer_times none = { n, NAN, NAN, { NAN, NAN }, { NAN, NAN }, { NAN, NAN }, { NAN, NAN } };
-    const peer_times* peer = &none;
+    static const peer_times none = { 0, NAN, NAN, { NAN, NAN }, { NAN, NAN }, { NAN, NAN }, { NAN, NAN } };
+    const peer_times* found = &none;
     for ( int i = 0; i < WISP_COUNT( peers ); ++i )
     {
-        peer = peers[i].n == n ? &peers[i] : peer;
+        found = peers[i].n == n ? &peers[i] : found;
     }
+    return found;
+}
+
+bool cloth_find_peer( int n, cloth_peer* out )
+{
+    const peer_times* peer = find_times( n );
+    *out = ( cloth_peer ){ peer->nvcloth, peer->nvcloth_stretch[0], peer->nvcloth_stretch[1] };
+    return isfinite( out->stretch_mean );
+}
+
+static void put_peers( int n, cells* row )
+{
+    const peer_times* peer = find_times( n );
     cells_put_pair( row, peer->nvcloth, 3, peer->nvcloth_wide, 3 );
     cells_put_pair( row, peer->nvcloth_stretch[0], 0, peer->nvcloth_stretch[1], 2 );
     cells_put_pair( row, peer->pbd[0], 2, peer->pbd[1], 2 );

@@ -3,7 +3,7 @@
 
 #include "cloth_bench.h"
 
-#define LEVEL_LINES_MAX 12
+#define LEVEL_LINES_MAX 24
 
 typedef struct level_line
 {
