@@ -1,5 +1,6 @@
 #include "verbs.h"
 
+#include "accuracy/accuracy.h"
 #include "bench.h"
 #include "nearest.h"
 #include "progress.h"
@@ -14,6 +15,7 @@
 #include <unistd.h>
 
 #define CASES_MAX 64
+#define SCENES_MAX 64 // a bit each in the options
 
 typedef struct bench_arguments
 {
@@ -39,6 +41,7 @@ enum
     KEY_PICTURES,
     KEY_COMPARE,
     KEY_REPORT,
+    KEY_SCENE,
 };
 
 static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
@@ -58,6 +61,8 @@ static const struct argp_option option_list[] = {
       "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER and link them", 0 },
     { "compare", KEY_COMPARE, NULL, 0,
       "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
+    { "scene", KEY_SCENE, "NAME", 0,
+      "A scene of the case `accuracy`; more than once or with commas for several. Without it all of them run", 0 },
     { 0 },
 };
 
@@ -76,6 +81,31 @@ static void choose_case( struct argp_state* state, bench_arguments* arguments, c
         argp_error( state, "no more than %d cases in one run", CASES_MAX );
     }
     arguments->chosen[arguments->chosen_count++] = &cases[place];
+}
+
+static void choose_scene( struct argp_state* state, bench_arguments* arguments, const char* word )
+{
+    int count;
+    const accuracy_entry* entries = accuracy_entries( &count );
+    const char* names[SCENES_MAX];
+    count = count < SCENES_MAX ? count : SCENES_MAX;
+    for ( int i = 0; i < count; ++i )
+    {
+        names[i] = entries[i].name;
+    }
+    arguments->options.scenes |= 1ull << option_word( state, "--scene", word, names, count );
+}
+
+static void choose_scenes( struct argp_state* state, bench_arguments* arguments, const char* words )
+{
+    for ( const char* word = words; word; )
+    {
+        char one[64];
+        const char* comma = strchr( word, ',' );
+        snprintf( one, sizeof( one ), "%.*s", comma ? (int)( comma - word ) : (int)strlen( word ), word );
+        choose_scene( state, arguments, one );
+        word = comma ? comma + 1 : NULL;
+    }
 }
 
 // An option of some cases is a mistake where none of them runs. Without a CASE all of them do.
@@ -129,6 +159,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_COMPARE:
             arguments->options.compare = true;
             return 0;
+        case KEY_SCENE:
+            choose_scenes( state, arguments, argument );
+            return 0;
         case ARGP_KEY_ARG:
             choose_case( state, arguments, argument );
             return 0;
@@ -136,6 +169,10 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             if ( arguments->options.compare )
             {
                 check_option( state, arguments, "--compare", " cloth ", "case 'cloth'" );
+            }
+            if ( arguments->options.scenes != 0 )
+            {
+                check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
             }
             if ( arguments->options.pictures != NULL )
             {
@@ -162,6 +199,12 @@ static int list_cases( void )
     for ( int i = 0; i < count; ++i )
     {
         printf( "%-12s %s\n", cases[i].name, cases[i].purpose );
+    }
+    const accuracy_entry* scenes = accuracy_entries( &count );
+    printf( "\nscenes of `accuracy`, for --scene:\n" );
+    for ( int i = 0; i < count; ++i )
+    {
+        printf( "%-16s %s\n", scenes[i].name, scenes[i].title );
     }
     return STATUS_GOOD;
 }

@@ -7,11 +7,11 @@
 
 typedef struct cells
 {
-    char text[CELLS_MAX][40];
+    char text[CELLS_MAX][64];
     int count;
 } cells;
 
-/// A cell of at most 39 bytes; what is longer is cut.
+/// A cell of at most 63 bytes; what is longer is cut.
 void cells_put( cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// A number with so many digits behind the point; "-" if it is not finite, which stands for a number that there is not.
 void cells_put_number( cells* row, double value, int digits );

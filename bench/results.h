@@ -31,7 +31,7 @@ typedef struct results_row
     double ms_median, ms_p10, ms_p90; ///< NaN: unknown
     int steps;                        ///< samples behind the times
     results_values stages;            ///< ms, median of each pass
-    char error_reference[64];         ///< what the error is measured against; empty: no error was measured
+    char error_reference[200];        ///< what the error is measured against; empty: no error was measured
     results_values error;
     uint64_t hash;
     bool has_hash;

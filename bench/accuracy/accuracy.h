@@ -10,8 +10,9 @@
 /// What can be turned, and what to call it. A scene has settings of any number of methods and knobs.
 typedef struct accuracy_setting
 {
-    char name[64];      ///< as the table has it: "xpbd, 10 substeps, tethers"; no two of a scene are the same
-    char series[48];    ///< settings that differ in `knob` alone; empty: of no series
+    char name[64];   ///< as the table has it: "xpbd, 10 substeps, tethers"; no two of a scene are the same
+    char series[48]; ///< settings that differ in `knob` alone; empty: of no series
+    char method[48]; ///< settings that are one candidate at equal error and at equal time; empty: its series, or name
     char knob_name[32]; ///< of a series: what goes to 0, with its unit: "substep, s", "spacing, m"
     double knob;        ///< its value, above 0; the observed order is the slope of log error over log knob
     double order;       ///< the order that theory promises; NaN: none is promised
@@ -24,7 +25,7 @@ typedef struct accuracy_run
     double measures[ACCURACY_MEASURES_MAX]; ///< what the scene looks at besides, in its order
     uint64_t hash; ///< of the state at the end: the same for every worker count, looked at or not
     int halted_at; ///< step; 0: never
-    double* ms;    ///< of each step: fill with accuracy_keep_ms()
+    double* ms;    ///< of each step: fill with accuracy_keep_ms(); the first of a run is not counted
     int ms_count, ms_capacity;
 } accuracy_run;
 
@@ -37,9 +38,10 @@ typedef struct accuracy_scene
     char truth[200];     ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
     char error_name[48]; ///< "distance to the truth"
     char error_unit[16]; ///< "mm", "%": of `error` as it is printed
+    char ms_name[32];    ///< what a time is of, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
     int measure_count;
-    accuracy_setting* settings; ///< [setting_count] malloc'ed, the scene's
+    accuracy_setting* settings; ///< [setting_count] malloc'ed; freed by the driver, after destroy()
     int setting_count;
     void* context; ///< what run() needs
     /// Run a setting from its start to its end, keeping the time of every step.
@@ -52,3 +54,19 @@ typedef struct accuracy_scene
 /// @param seconds about how long all runs of the scene may take, its truth included
 typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
                                        wisp_error* error );
+
+/// A scene as scenes.inc lists it.
+typedef struct accuracy_entry
+{
+    const char* name;
+    const char* title; ///< one line
+    accuracy_scene_fn* make;
+} accuracy_entry;
+
+/// The scenes of scenes.inc in their order.
+const accuracy_entry* accuracy_entries( int* count );
+
+/// All tables of some scenes.
+/// @param seconds about how long each of them may take
+wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double seconds,
+                                const bench_options* options, results* out, wisp_error* error );

@@ -1,0 +1,216 @@
+// The case `accuracy`: its scenes one after another, each with its share of the time.
+#include "accuracy_parts.h"
+
+#include "accuracy_compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Every scene's function, then the table of them, from the one list. The last item only keeps the table from being empty.
+#define ACCURACY_SCENE( name, title, function ) accuracy_scene_fn function;
+#include "scenes.inc"
+#undef ACCURACY_SCENE
+
+#define ACCURACY_SCENE( name, title, function ) { name, title, function },
+static const accuracy_entry all_entries[] = {
+#include "scenes.inc"
+    { NULL, NULL, NULL },
+};
+#undef ACCURACY_SCENE
+
+// What a scene has unless the command line says how long the case may take.
+#define SCENE_SECONDS 24.0
+#define SCENE_SECONDS_QUICK 7.0
+
+const accuracy_entry* accuracy_entries( int* count )
+{
+    *count = WISP_COUNT( all_entries ) - 1;
+    return all_entries;
+}
+
+// ---- names that several tables have ----
+
+const char* accuracy_ms_name( const accuracy_scene* scene )
+{
+    return scene->ms_name[0] ? scene->ms_name : "step";
+}
+
+void accuracy_error_label( const accuracy_scene* scene, char* text, int size )
+{
+    snprintf( text, (size_t)size, scene->error_unit[0] ? "%s, %s" : "%s", scene->error_name, scene->error_unit );
+}
+
+void accuracy_workers_label( int workers, char* text, int size )
+{
+    snprintf( text, (size_t)size, "%d %s", workers, workers == 1 ? "worker" : "workers" );
+}
+
+void accuracy_put_digits( cells* row, double value, int digits )
+{
+    const double size = fabs( value );
+    if ( !isfinite( value ) || size == 0.0 )
+    {
+        cells_put_number( row, value, 0 );
+    }
+    else if ( size < 1e-4 || size >= 1e7 )
+    {
+        cells_put( row, "%.*e", digits - 1, value );
+    }
+    else
+    {
+        const int behind = digits - 1 - (int)floor( log10( size ) );
+        cells_put_number( row, value, behind > 0 ? behind : 0 );
+    }
+}
+
+const char* accuracy_method_of( const accuracy_setting* setting )
+{
+    return setting->method[0] ? setting->method : setting->series[0] ? setting->series : setting->name;
+}
+
+bool accuracy_begins_series( const accuracy_scene* scene, int setting )
+{
+    const accuracy_setting* settings = scene->settings;
+    bool begins = settings[setting].series[0] != '\0';
+    for ( int i = 0; i < setting && begins; ++i )
+    {
+        begins = strcmp( settings[i].series, settings[setting].series ) != 0;
+    }
+    return begins;
+}
+
+int accuracy_last_worker( const accuracy_report* report )
+{
+    return report->worker_count - 1;
+}
+
+// ---- a scene ----
+
+static void free_report( accuracy_report* report )
+{
+    for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
+    {
+        free( report->ms[w] );
+        free( report->on_front[w] );
+    }
+    free( report->error );
+}
+
+// The columns that are compared, and the front of each worker count.
+static wisp_status fill_report( accuracy_report* report, wisp_error* error )
+{
+    const int count = report->scene->setting_count;
+    bool has_room = ( report->error = calloc( (size_t)count, sizeof( double ) ) ) != NULL;
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        report->ms[w] = calloc( (size_t)count, sizeof( double ) );
+        report->on_front[w] = calloc( (size_t)count, sizeof( bool ) );
+        has_room = has_room && report->ms[w] && report->on_front[w];
+    }
+    if ( !has_room )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare %d settings", count );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        report->error[i] = report->figures[i].seen.error;
+        for ( int w = 0; w < report->worker_count; ++w )
+        {
+            report->ms[w][i] = report->figures[i].ms[w].median;
+        }
+    }
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        accuracy_front( report->error, report->ms[w], count, report->on_front[w] );
+    }
+    return WISP_OK;
+}
+
+static void write_report( const accuracy_report* report, results* out )
+{
+    accuracy_add_table( report, out );
+    accuracy_add_rows( report, out );
+    accuracy_add_equal_error( report, out );
+    accuracy_add_equal_time( report, out );
+    accuracy_add_orders( report, out );
+    accuracy_add_charts( report, out );
+    accuracy_add_notes( report, out );
+}
+
+static wisp_status run_scene( accuracy_report* report, double seconds, const bench_options* options,
+                              const double share[2], results* out, wisp_error* error )
+{
+    const int count = report->scene->setting_count;
+    accuracy_figures* figures = calloc( (size_t)count, sizeof( accuracy_figures ) );
+    if ( !figures )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the figures of %d settings", count );
+    }
+    report->figures = figures;
+    wisp_status status = accuracy_run_settings( report, seconds, options, share, figures, out, error );
+    status = status == WISP_OK ? fill_report( report, error ) : status;
+    if ( status == WISP_OK )
+    {
+        write_report( report, out );
+    }
+    free_report( report );
+    free( figures );
+    return status;
+}
+
+static wisp_status make_and_run( const accuracy_entry* entry, double seconds, const bench_options* options,
+                                 const double share[2], results* out, wisp_error* error )
+{
+    accuracy_scene scene = { .setting_count = 0 };
+    accuracy_report report = { .entry = entry, .scene = &scene, .workers = { 1, options->workers } };
+    report.worker_count = options->workers > 1 ? 2 : 1;
+    char what[100];
+    snprintf( what, sizeof( what ), "%s: the truth", entry->name );
+    bench_progress( options, share[0], what );
+    const double begin = wisp_clock_seconds();
+    wisp_status status = entry->make( options, seconds, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    WISP_ASSERT( scene.setting_count > 0 && scene.measure_count <= ACCURACY_MEASURES_MAX );
+    const double left = seconds - ( wisp_clock_seconds() - begin );
+    status = run_scene( &report, left, options, share, out, error );
+    if ( scene.destroy )
+    {
+        scene.destroy( scene.context );
+    }
+    free( scene.settings );
+    return status;
+}
+
+wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double seconds,
+                                const bench_options* options, results* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        const double share[2] = { (double)i / count, 1.0 / count };
+        status = make_and_run( &entries[i], seconds, options, share, out, error );
+    }
+    return status;
+}
+
+wisp_status accuracy_bench( const bench_options* options, results* out, wisp_error* error )
+{
+    accuracy_entry chosen[WISP_COUNT( all_entries )];
+    int count, chosen_count = 0;
+    const accuracy_entry* entries = accuracy_entries( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( options->scenes == 0 || ( options->scenes >> i & 1 ) )
+        {
+            chosen[chosen_count++] = entries[i];
+        }
+    }
+    const double each = options->seconds > 0.0 ? options->seconds / ( chosen_count > 0 ? chosen_count : 1 )
+                        : options->quick       ? SCENE_SECONDS_QUICK
+                                               : SCENE_SECONDS;
+    return accuracy_bench_run( chosen, chosen_count, each, options, out, error );
+}

@@ -1,0 +1,143 @@
+// The tables as pictures: error against time, and how errors fall with what goes to 0.
+#include "accuracy_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+static void add_point( const accuracy_report* report, int setting, double x, int chart, int series, results* out )
+{
+    results_point point = { .x = x, .y = report->error[setting] };
+    point.is_marked = report->on_front[accuracy_last_worker( report )][setting];
+    snprintf( point.label, sizeof( point.label ), "%s", report->scene->settings[setting].name );
+    results_add_point( out, chart, series, point );
+}
+
+static void make_logarithmic( results* out, int chart, const char* caption )
+{
+    results_chart* made = results_chart_at( out, chart );
+    if ( made )
+    {
+        made->x_log = made->y_log = true;
+        snprintf( made->caption, sizeof( made->caption ), "%s", caption );
+    }
+}
+
+// ---- error against time ----
+
+// Settings of a name in their order; the empty name is that of settings of no series.
+static void add_times_of( const accuracy_report* report, const char* series_name, int chart, int series,
+                          results* out )
+{
+    const double* ms = report->ms[accuracy_last_worker( report )];
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        if ( strcmp( report->scene->settings[i].series, series_name ) == 0 )
+        {
+            add_point( report, i, ms[i], chart, series, out );
+        }
+    }
+}
+
+static bool has_loner( const accuracy_scene* scene )
+{
+    bool has = false;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        has = has || scene->settings[i].series[0] == '\0';
+    }
+    return has;
+}
+
+static void add_time_chart( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    char title[160], error[80], x_label[64], workers[24];
+    accuracy_error_label( scene, error, sizeof( error ) );
+    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
+    snprintf( title, sizeof( title ), "Accuracy `%s`: error against time", report->entry->name );
+    snprintf( x_label, sizeof( x_label ), "ms a %s, %s", accuracy_ms_name( scene ), workers );
+    const int chart = results_add_chart( out, title, x_label, error );
+    make_logarithmic( out, chart,
+                      "Nearer to the truth is lower, faster is further left. Marked: the Pareto front, no "
+                      "other setting is as near and as fast and better in one of the two." );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        if ( accuracy_begins_series( scene, i ) )
+        {
+            const char* name = scene->settings[i].series;
+            add_times_of( report, name, chart, results_add_series( out, chart, name, true ), out );
+        }
+    }
+    if ( has_loner( scene ) )
+    {
+        add_times_of( report, "", chart, results_add_series( out, chart, "other settings", false ), out );
+    }
+}
+
+// ---- error against what goes to 0 ----
+
+// The next point of a series below a knob: lines are drawn from coarse to fine. -1: there is none
+static int next_finer( const accuracy_scene* scene, const char* series, int before )
+{
+    int next = -1;
+    const double knob = before < 0 ? INFINITY : scene->settings[before].knob;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        const accuracy_setting* s = &scene->settings[i];
+        const bool follows = s->knob < knob || ( s->knob == knob && i > before );
+        if ( strcmp( s->series, series ) == 0 && follows && ( next < 0 || s->knob > scene->settings[next].knob ) )
+        {
+            next = i;
+        }
+    }
+    return next;
+}
+
+static bool begins_knob( const accuracy_scene* scene, int setting )
+{
+    bool begins = accuracy_begins_series( scene, setting );
+    for ( int i = 0; i < setting && begins; ++i )
+    {
+        begins = !scene->settings[i].series[0] ||
+                 strcmp( scene->settings[i].knob_name, scene->settings[setting].knob_name ) != 0;
+    }
+    return begins;
+}
+
+// Series of other knobs have an axis of their own.
+static void add_knob_chart( const accuracy_report* report, const char* knob_name, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    char title[160], error[80];
+    accuracy_error_label( scene, error, sizeof( error ) );
+    snprintf( title, sizeof( title ), "Accuracy `%s`: error against %s", report->entry->name, knob_name );
+    const int chart = results_add_chart( out, title, knob_name, error );
+    make_logarithmic( out, chart,
+                      "A line of slope 1 is of first order: half the knob is half the error. Where a line "
+                      "turns flat, something else than this knob is left. Marked: the Pareto front." );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        const accuracy_setting* first = &scene->settings[i];
+        if ( !accuracy_begins_series( scene, i ) || strcmp( first->knob_name, knob_name ) != 0 )
+        {
+            continue;
+        }
+        const int series = results_add_series( out, chart, first->series, true );
+        for ( int k = next_finer( scene, first->series, -1 ); k >= 0; k = next_finer( scene, first->series, k ) )
+        {
+            add_point( report, k, scene->settings[k].knob, chart, series, out );
+        }
+    }
+}
+
+void accuracy_add_charts( const accuracy_report* report, results* out )
+{
+    add_time_chart( report, out );
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        if ( begins_knob( report->scene, i ) )
+        {
+            add_knob_chart( report, report->scene->settings[i].knob_name, out );
+        }
+    }
+}

@@ -1,0 +1,61 @@
+/// The parts of the driver: runs, and the tables and charts that are made of them.
+#pragma once
+
+#include "accuracy.h"
+#include "cells.h"
+#include "stats.h"
+
+/// What a setting showed.
+typedef struct accuracy_figures
+{
+    accuracy_run seen;                      ///< the looked-at run, whose times are not used
+    stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that nobody looked at; NaN if it was halted
+} accuracy_figures;
+
+/// A scene with all that was seen of it.
+typedef struct accuracy_report
+{
+    const accuracy_entry* entry;
+    const accuracy_scene* scene;
+    const accuracy_figures* figures; ///< [setting_count]
+    int workers[ACCURACY_WORKERS_MAX], worker_count;
+    // by setting, of `figures`: the columns that are compared
+    double* error; ///< NaN: halted
+    double* ms[ACCURACY_WORKERS_MAX];
+    bool* on_front[ACCURACY_WORKERS_MAX];
+} accuracy_report;
+
+/// Times are compared with the most workers.
+int accuracy_last_worker( const accuracy_report* report );
+
+/// Each setting once looked at, then rounds in turns, each setting with every worker count, while there is time, and at least
+/// one. A hash that differs from that of the looked-at run is a failure in the results.
+/// @param share of the case's progress, where the scene begins and how much it is
+/// @param figures [setting_count] receives
+wisp_status accuracy_run_settings( const accuracy_report* report, double seconds, const bench_options* options,
+                                   const double share[2], accuracy_figures* figures, results* out,
+                                   wisp_error* error );
+
+/// Who is nearer to the truth than who, by time: the front, at equal error, at equal time, how fast errors fall.
+void accuracy_add_table( const accuracy_report* report, results* out );
+void accuracy_add_rows( const accuracy_report* report, results* out );
+void accuracy_add_equal_error( const accuracy_report* report, results* out );
+void accuracy_add_equal_time( const accuracy_report* report, results* out );
+void accuracy_add_orders( const accuracy_report* report, results* out );
+void accuracy_add_notes( const accuracy_report* report, results* out );
+void accuracy_add_charts( const accuracy_report* report, results* out );
+
+// ---- what they share ----
+
+/// What a time is of: "step", "frame of 1/60 s".
+const char* accuracy_ms_name( const accuracy_scene* scene );
+/// "distance to the truth, mm"
+void accuracy_error_label( const accuracy_scene* scene, char* text, int size );
+/// "2 workers"
+void accuracy_workers_label( int workers, char* text, int size );
+/// A number with so many significant digits, without an exponent as long as that is readable; "-" if it is not finite.
+void accuracy_put_digits( cells* row, double value, int digits );
+/// Settings that are one candidate: their method, or series, or name.
+const char* accuracy_method_of( const accuracy_setting* setting );
+/// The first setting of its series; false for one of no series.
+bool accuracy_begins_series( const accuracy_scene* scene, int setting );

@@ -1,0 +1,235 @@
+// Runs of all settings of a scene: once to look, then in turns for the times.
+#include "accuracy_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    ROUNDS_MAX = 64,
+    SAMPLES_ENOUGH = 4000, // of a setting and worker count: more say nothing new
+};
+
+/// The times of a setting with a worker count.
+typedef struct timed_entrant
+{
+    double* samples;
+    int count, capacity;
+    double spent, cost; // s: of all runs, of the last one
+} timed_entrant;
+
+typedef struct contest
+{
+    const accuracy_report* report;
+    const bench_options* options;
+    accuracy_figures* figures;
+    timed_entrant* entrants; // [setting_count][worker_count]
+    double begin, end;       // s on the clock
+    double share[2];
+    results* out;
+} contest;
+
+// ---- samples ----
+
+static wisp_status keep( double** samples, int* count, int* capacity, double ms )
+{
+    if ( *count == *capacity )
+    {
+        const int longer = *capacity > 0 ? 2 * *capacity : 256;
+        double* grown = realloc( *samples, (size_t)longer * sizeof( double ) );
+        if ( !grown )
+        {
+            return WISP_NO_MEMORY;
+        }
+        *samples = grown;
+        *capacity = longer;
+    }
+    ( *samples )[( *count )++] = ms;
+    return WISP_OK;
+}
+
+wisp_status accuracy_keep_ms( accuracy_run* run, double ms )
+{
+    return keep( &run->ms, &run->ms_count, &run->ms_capacity, ms );
+}
+
+// The first step of a run makes the plan and fills the caches. It counts only if there is no other.
+static wisp_status keep_run( const accuracy_run* run, timed_entrant* to, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = run->ms_count > 1 ? 1 : 0; i < run->ms_count && status == WISP_OK; ++i )
+    {
+        status = keep( &to->samples, &to->count, &to->capacity, run->ms[i] );
+    }
+    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "no memory for the times of a setting" );
+}
+
+// ---- a run ----
+
+static accuracy_run empty_run( void )
+{
+    accuracy_run run = { .error = NAN };
+    for ( int i = 0; i < ACCURACY_MEASURES_MAX; ++i )
+    {
+        run.measures[i] = NAN;
+    }
+    return run;
+}
+
+static void forget_times( accuracy_run* run )
+{
+    free( run->ms );
+    run->ms = NULL;
+    run->ms_count = run->ms_capacity = 0;
+}
+
+static void show_progress( const contest* c, int setting, bool is_looked_at )
+{
+    const accuracy_scene* scene = c->report->scene;
+    char what[160];
+    snprintf( what, sizeof( what ), "%s: %s", c->report->entry->name, scene->settings[setting].name );
+    const double looked = is_looked_at ? 0.0 : 1.0 / 3.0;
+    const double part = looked + ( is_looked_at ? 1.0 : 2.0 ) / 3.0 * setting / scene->setting_count;
+    const double time = ( wisp_clock_seconds() - c->begin ) / fmax( c->end - c->begin, 1e-9 );
+    const double done = fmin( fmax( part, time ), 1.0 );
+    bench_progress( c->options, c->share[0] + c->share[1] * done, what );
+}
+
+static wisp_status look( contest* c, int setting, wisp_error* error )
+{
+    const accuracy_scene* scene = c->report->scene;
+    accuracy_run* seen = &c->figures[setting].seen;
+    show_progress( c, setting, true );
+    *seen = empty_run();
+    wisp_status status = scene->run( scene->context, setting, 1, true, seen, error );
+    forget_times( seen );
+    // what left its bounds is nowhere near anything
+    seen->error = seen->halted_at > 0 ? NAN : seen->error;
+    return status;
+}
+
+static void check( const contest* c, int setting, int workers, const accuracy_run* run )
+{
+    const char *scene = c->report->entry->name, *name = c->report->scene->settings[setting].name;
+    const accuracy_run* seen = &c->figures[setting].seen;
+    const char* word = workers == 1 ? "worker" : "workers";
+    if ( run->halted_at != seen->halted_at )
+    {
+        results_add_failure( c->out,
+                             "accuracy.%s, %s: with %d %s it was halted at step %d, but at step %d with one that was "
+                             "looked at (0: never).",
+                             scene, name, workers, word, run->halted_at, seen->halted_at );
+    }
+    else if ( run->hash != seen->hash )
+    {
+        results_add_failure(
+            c->out,
+            "accuracy.%s, %s: hash %016llx with %d %s, expected %016llx, which one worker gave that was "
+            "looked at.",
+            scene, name, (unsigned long long)run->hash, workers, word, (unsigned long long)seen->hash );
+    }
+}
+
+static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* error )
+{
+    const accuracy_scene* scene = c->report->scene;
+    const int workers = c->report->workers[worker];
+    timed_entrant* entrant = &c->entrants[setting * c->report->worker_count + worker];
+    accuracy_run run = empty_run();
+    const double begin = wisp_clock_seconds();
+    wisp_status status = scene->run( scene->context, setting, workers, false, &run, error );
+    entrant->cost = wisp_clock_seconds() - begin;
+    entrant->spent += entrant->cost;
+    if ( status == WISP_OK )
+    {
+        check( c, setting, workers, &run );
+        status = keep_run( &run, entrant, error );
+    }
+    forget_times( &run );
+    return status;
+}
+
+// ---- rounds ----
+
+// Whoever has its share of the time behind it sits out, so that the cheap ones do not wait for the dear ones.
+static bool has_turn( const contest* c, int setting, int worker, int round, double share )
+{
+    const timed_entrant* entrant = &c->entrants[setting * c->report->worker_count + worker];
+    const bool is_halted = c->figures[setting].seen.halted_at > 0;
+    return round == 0 || ( !is_halted && entrant->count < SAMPLES_ENOUGH && entrant->spent + entrant->cost <= share );
+}
+
+static wisp_status run_round( contest* c, int round, double share, bool* has_run, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    *has_run = false;
+    for ( int i = 0; i < c->report->scene->setting_count; ++i )
+    {
+        for ( int w = 0; w < c->report->worker_count && status == WISP_OK; ++w )
+        {
+            if ( has_turn( c, i, w, round, share ) && ( round == 0 || wisp_clock_seconds() < c->end ) )
+            {
+                show_progress( c, i, false );
+                status = take_turn( c, i, w, error );
+                *has_run = true;
+            }
+        }
+    }
+    return status;
+}
+
+static wisp_status run_all( contest* c, wisp_error* error )
+{
+    const int settings = c->report->scene->setting_count;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < settings && status == WISP_OK; ++i )
+    {
+        status = look( c, i, error );
+    }
+    const double left = fmax( c->end - wisp_clock_seconds(), 0.0 );
+    const double share = left / ( settings * c->report->worker_count );
+    bool has_run = true;
+    for ( int round = 0; round < ROUNDS_MAX && has_run && status == WISP_OK; ++round )
+    {
+        status = run_round( c, round, share, &has_run, error );
+    }
+    return status;
+}
+
+static void conclude( contest* c )
+{
+    const int worker_count = c->report->worker_count;
+    for ( int i = 0; i < c->report->scene->setting_count; ++i )
+    {
+        for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
+        {
+            const bool counts = w < worker_count && c->figures[i].seen.halted_at == 0;
+            timed_entrant* entrant = counts ? &c->entrants[i * worker_count + w] : NULL;
+            c->figures[i].ms[w] = stats_summarise( counts ? entrant->samples : NULL, counts ? entrant->count : 0 );
+        }
+    }
+}
+
+wisp_status accuracy_run_settings( const accuracy_report* report, double seconds, const bench_options* options,
+                                   const double share[2], accuracy_figures* figures, results* out, wisp_error* error )
+{
+    const int count = report->scene->setting_count * report->worker_count;
+    contest c = { .report = report, .options = options, .figures = figures, .out = out };
+    c.begin = wisp_clock_seconds();
+    c.end = c.begin + seconds;
+    c.share[0] = share[0];
+    c.share[1] = share[1];
+    c.entrants = calloc( (size_t)count, sizeof( timed_entrant ) );
+    wisp_status status = c.entrants ? run_all( &c, error )
+                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d runs", count );
+    if ( status == WISP_OK )
+    {
+        conclude( &c );
+    }
+    for ( int i = 0; c.entrants && i < count; ++i )
+    {
+        free( c.entrants[i].samples );
+    }
+    free( c.entrants );
+    return status;
+}

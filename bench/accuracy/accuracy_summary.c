@@ -1,0 +1,228 @@
+// Who is cheapest at equal error, who is nearest at equal time, and how fast errors fall.
+#include "accuracy_compare.h"
+#include "accuracy_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- at equal error, at equal time ----
+
+/// One of the two tables: what is to be least, and what is limited.
+typedef struct summary
+{
+    const accuracy_report* report;
+    const double *cost, *limited; // [setting_count]
+    bool is_by_error;             // the error is limited, and the time is to be least
+    bool* takes_part;             // [setting_count] room
+    int* best;                    // [setting_count] room: the best setting of each method, the best method first
+} summary;
+
+static bool begins_method( const accuracy_scene* scene, int setting )
+{
+    const char* method = accuracy_method_of( &scene->settings[setting] );
+    for ( int i = 0; i < setting; ++i )
+    {
+        if ( strcmp( accuracy_method_of( &scene->settings[i] ), method ) == 0 )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int best_of_method( const summary* s, const char* method, double limit )
+{
+    const accuracy_scene* scene = s->report->scene;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        s->takes_part[i] = strcmp( accuracy_method_of( &scene->settings[i] ), method ) == 0;
+    }
+    return accuracy_best_within( s->cost, s->limited, limit, s->takes_part, scene->setting_count );
+}
+
+// The best setting of every method that stays within the limit, the best first. @return how many
+static int rank_methods( const summary* s, double limit )
+{
+    int count = 0;
+    for ( int i = 0; i < s->report->scene->setting_count; ++i )
+    {
+        const char* method = accuracy_method_of( &s->report->scene->settings[i] );
+        const int best = begins_method( s->report->scene, i ) ? best_of_method( s, method, limit ) : -1;
+        if ( best < 0 )
+        {
+            continue;
+        }
+        int place = count++;
+        for ( ; place > 0 && s->cost[s->best[place - 1]] > s->cost[best]; --place )
+        {
+            s->best[place] = s->best[place - 1];
+        }
+        s->best[place] = best;
+    }
+    return count;
+}
+
+static int begin_summary( const summary* s, results* out )
+{
+    const accuracy_report* report = s->report;
+    char error[80], workers[24], title[160];
+    accuracy_error_label( report->scene, error, sizeof( error ) );
+    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
+    cells row = { .count = 0 };
+    cells_put( &row, "%s, at most", s->is_by_error ? error : "ms" );
+    cells_put( &row, "method" );
+    cells_put( &row, "%s setting", s->is_by_error ? "cheapest" : "nearest" );
+    cells_put( &row, "%s", s->is_by_error ? "ms" : error );
+    cells_put( &row, "times the %s", s->is_by_error ? "cheapest" : "nearest" );
+    cells_put( &row, "%s", s->is_by_error ? error : "ms" );
+    snprintf( title, sizeof( title ),
+              "Accuracy `%s`, at equal %s: the %s setting of every method that gets there, %s", report->entry->name,
+              s->is_by_error ? "error" : "time", s->is_by_error ? "cheapest" : "nearest", workers );
+    return cells_begin_table( &row, title, out );
+}
+
+static void add_level( const summary* s, double level, int table, results* out )
+{
+    const int count = rank_methods( s, level );
+    for ( int i = 0; i < count; ++i )
+    {
+        const int setting = s->best[i];
+        cells row = { .count = 0 };
+        cells_put( &row, "%g", level );
+        cells_put( &row, "%s", accuracy_method_of( &s->report->scene->settings[setting] ) );
+        cells_put( &row, "%s", s->report->scene->settings[setting].name );
+        accuracy_put_digits( &row, s->cost[setting], 3 );
+        const double least = s->cost[s->best[0]];
+        cells_put_number( &row, least > 0.0 ? s->cost[setting] / least : NAN, 2 );
+        accuracy_put_digits( &row, s->limited[setting], 3 );
+        cells_end_row( &row, table, out );
+    }
+}
+
+// The loosest limit first.
+static void add_summary( const accuracy_report* report, bool is_by_error, results* out )
+{
+    const int count = report->scene->setting_count, last = accuracy_last_worker( report );
+    const double *error = report->error, *ms = report->ms[last];
+    summary s = { .report = report,
+                  .cost = is_by_error ? ms : error,
+                  .limited = is_by_error ? error : ms,
+                  .is_by_error = is_by_error,
+                  .takes_part = calloc( (size_t)count, sizeof( bool ) ),
+                  .best = calloc( (size_t)count, sizeof( int ) ) };
+    double levels[ACCURACY_LEVELS_MAX];
+    const int level_count = accuracy_levels( s.limited, count, levels );
+    if ( !s.takes_part || !s.best )
+    {
+        out->incomplete = true;
+    }
+    else if ( level_count > 0 )
+    {
+        const int table = begin_summary( &s, out );
+        for ( int k = level_count - 1; k >= 0; --k )
+        {
+            add_level( &s, levels[k], table, out );
+        }
+    }
+    free( s.takes_part );
+    free( s.best );
+}
+
+void accuracy_add_equal_error( const accuracy_report* report, results* out )
+{
+    add_summary( report, true, out );
+}
+
+void accuracy_add_equal_time( const accuracy_report* report, results* out )
+{
+    add_summary( report, false, out );
+}
+
+// ---- orders ----
+
+static accuracy_order order_of( const accuracy_report* report, const char* series, double* knob, double* error )
+{
+    int count = 0;
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        if ( strcmp( report->scene->settings[i].series, series ) == 0 )
+        {
+            knob[count] = report->scene->settings[i].knob;
+            error[count++] = report->error[i];
+        }
+    }
+    return accuracy_observed_order( knob, error, count );
+}
+
+static void add_order( const accuracy_setting* first, const accuracy_order* order, int table, results* out )
+{
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", first->series );
+    cells_put( &row, "%s", first->knob_name );
+    cells_put_number( &row, order->slope, 2 );
+    accuracy_put_digits( &row, first->order, 2 );
+    cells_put( &row, "%d of %d", order->used, order->count );
+    cells_end_row( &row, table, out );
+}
+
+static int begin_orders( const accuracy_report* report, results* out )
+{
+    cells row = { .count = 0 };
+    cells_put( &row, "series" );
+    cells_put( &row, "what goes to 0" );
+    cells_put( &row, "observed order" );
+    cells_put( &row, "promised" );
+    cells_put( &row, "points used" );
+    char title[160];
+    snprintf( title, sizeof( title ),
+              "Accuracy `%s`, observed order: error ~ knob^order, without points where the error no longer falls",
+              report->entry->name );
+    return cells_begin_table( &row, title, out );
+}
+
+void accuracy_add_orders( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    double* knob = calloc( (size_t)scene->setting_count, sizeof( double ) );
+    double* error = calloc( (size_t)scene->setting_count, sizeof( double ) );
+    int table = -1;
+    out->incomplete = out->incomplete || !knob || !error;
+    for ( int i = 0; knob && error && i < scene->setting_count; ++i )
+    {
+        if ( accuracy_begins_series( scene, i ) )
+        {
+            table = table < 0 ? begin_orders( report, out ) : table;
+            const accuracy_order order = order_of( report, scene->settings[i].series, knob, error );
+            add_order( &scene->settings[i], &order, table, out );
+        }
+    }
+    free( knob );
+    free( error );
+}
+
+// ---- notes ----
+
+static int front_count( const accuracy_report* report )
+{
+    int count = 0;
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        count += report->on_front[accuracy_last_worker( report )][i];
+    }
+    return count;
+}
+
+void accuracy_add_notes( const accuracy_report* report, results* out )
+{
+    char error[80], workers[24];
+    accuracy_error_label( report->scene, error, sizeof( error ) );
+    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
+    results_add_note(
+        out,
+        "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
+        "`timed` says. `front`: with %s no other setting is as near and as fast and better in one of the "
+        "two; that is %d of %d. What was halted left its bounds and has neither error nor times.",
+        report->entry->name, error, report->scene->truth, workers, front_count( report ),
+        report->scene->setting_count );
+}

@@ -1,0 +1,178 @@
+// The table of all settings of a scene, and the same as rows for machines.
+#include "accuracy_parts.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+
+static bool fronts_differ( const accuracy_report* report )
+{
+    const int last = accuracy_last_worker( report );
+    return memcmp( report->on_front[0], report->on_front[last], (size_t)report->scene->setting_count ) != 0;
+}
+
+// ---- for people ----
+
+static int begin_table( const accuracy_report* report, bool has_both_fronts, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    cells row = { .count = 0 };
+    char label[80], workers[24];
+    cells_put( &row, "setting" );
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        accuracy_workers_label( report->workers[w], workers, sizeof( workers ) );
+        cells_put( &row, "%s ms", workers );
+    }
+    accuracy_error_label( scene, label, sizeof( label ) );
+    cells_put( &row, "%s", label );
+    for ( int i = 0; i < scene->measure_count; ++i )
+    {
+        cells_put( &row, "%s", scene->measure_names[i] );
+    }
+    cells_put( &row, "timed" );
+    for ( int w = report->worker_count - 1; w >= ( has_both_fronts ? 0 : accuracy_last_worker( report ) ); --w )
+    {
+        accuracy_workers_label( report->workers[w], workers, sizeof( workers ) );
+        cells_put( &row, "front, %s", workers );
+    }
+    cells_put( &row, "hash" );
+    char title[160];
+    snprintf( title, sizeof( title ), "Accuracy `%s`: %s, ms a %s", report->entry->name, report->entry->title,
+              accuracy_ms_name( scene ) );
+    return cells_begin_table( &row, title, out );
+}
+
+static void put_times( const accuracy_report* report, const accuracy_figures* f, cells* row )
+{
+    for ( int w = 0; w < report->worker_count; ++w )
+    {
+        if ( f->seen.halted_at > 0 )
+        {
+            cells_put( row, "halted at step %d", f->seen.halted_at );
+        }
+        else
+        {
+            accuracy_put_digits( row, f->ms[w].median, 3 );
+        }
+    }
+}
+
+// The steps behind the times, of the worker count that has fewer.
+static int timed_steps( const accuracy_report* report, const accuracy_figures* f )
+{
+    const int first = f->ms[0].count, last = f->ms[accuracy_last_worker( report )].count;
+    return first < last ? first : last;
+}
+
+static void add_line( const accuracy_report* report, int setting, bool has_both_fronts, int table, results* out )
+{
+    const accuracy_figures* f = &report->figures[setting];
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", report->scene->settings[setting].name );
+    put_times( report, f, &row );
+    accuracy_put_digits( &row, f->seen.error, 4 );
+    for ( int i = 0; i < report->scene->measure_count; ++i )
+    {
+        accuracy_put_digits( &row, f->seen.measures[i], 4 );
+    }
+    cells_put( &row, "%d", timed_steps( report, f ) );
+    for ( int w = report->worker_count - 1; w >= ( has_both_fronts ? 0 : accuracy_last_worker( report ) ); --w )
+    {
+        cells_put( &row, "%s", report->on_front[w][setting] ? "front" : "" );
+    }
+    cells_put_hash( &row, f->seen.hash );
+    cells_end_row( &row, table, out );
+}
+
+void accuracy_add_table( const accuracy_report* report, results* out )
+{
+    const bool has_both_fronts = fronts_differ( report );
+    const int table = begin_table( report, has_both_fronts, out );
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        add_line( report, i, has_both_fronts, table, out );
+    }
+}
+
+// ---- for machines ----
+
+// "distance to the truth, mm" is the value "distance_to_the_truth_mm".
+static void value_name( const char* label, char* name, int size )
+{
+    int length = 0;
+    for ( const char* c = label; *c != '\0' && length < size - 8; ++c )
+    {
+        if ( isalnum( (unsigned char)*c ) )
+        {
+            name[length++] = *c;
+        }
+        else if ( *c == '%' )
+        {
+            length += snprintf( name + length, (size_t)( size - length ), "percent" );
+        }
+        else if ( length > 0 && name[length - 1] != '_' )
+        {
+            name[length++] = '_';
+        }
+    }
+    length -= length > 0 && name[length - 1] == '_';
+    name[length] = '\0';
+}
+
+static void put_finite( results_values* values, const char* label, double value )
+{
+    if ( isfinite( value ) )
+    {
+        char name[64];
+        value_name( label, name, sizeof( name ) );
+        results_put( values, name, value );
+    }
+}
+
+static void add_row( const accuracy_report* report, int setting, int worker, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    const accuracy_setting* what = &scene->settings[setting];
+    const accuracy_figures* f = &report->figures[setting];
+    char text[80];
+    snprintf( text, sizeof( text ), "accuracy.%s", report->entry->name );
+    results_row* row = results_add_row( out, text, what->name );
+    if ( !row )
+    {
+        return;
+    }
+    if ( what->series[0] )
+    {
+        put_finite( &row->size, what->knob_name, what->knob );
+    }
+    row->workers = report->workers[worker];
+    row->ms_median = f->ms[worker].median;
+    row->ms_p10 = f->ms[worker].p10;
+    row->ms_p90 = f->ms[worker].p90;
+    row->steps = f->ms[worker].count;
+    snprintf( row->error_reference, sizeof( row->error_reference ), "%s", scene->truth );
+    accuracy_error_label( scene, text, sizeof( text ) );
+    put_finite( &row->error, text, f->seen.error );
+    for ( int i = 0; i < scene->measure_count; ++i )
+    {
+        put_finite( &row->error, scene->measure_names[i], f->seen.measures[i] );
+    }
+    if ( f->seen.halted_at > 0 )
+    {
+        results_put( &row->error, "halted_at_step", f->seen.halted_at );
+    }
+    row->hash = f->seen.hash;
+    row->has_hash = true;
+}
+
+void accuracy_add_rows( const accuracy_report* report, results* out )
+{
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        for ( int w = 0; w < report->worker_count; ++w )
+        {
+            add_row( report, i, w, out );
+        }
+    }
+}

@@ -1,0 +1,444 @@
+// The case `accuracy`: what is compared, how runs take turns, and what its tables say.
+#include "bench_tables.h"
+
+#include "accuracy/accuracy.h"
+#include "accuracy/accuracy_compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// ---- the front ----
+
+static void the_front_is_what_nobody_beats( void** state )
+{
+    (void)state;
+    const double error[] = { 1.0, 2.0, 4.0, 2.0, 0.5, 4.0 };
+    const double ms[] = { 4.0, 2.0, 1.0, 3.0, 9.0, 1.5 };
+    const bool expected[] = { true, true, true, false, true, false };
+    bool front[6];
+    accuracy_front( error, ms, 6, front );
+    assert_memory_equal( front, expected, sizeof( front ) );
+}
+
+static void those_that_tie_are_on_the_front_together( void** state )
+{
+    (void)state;
+    // the third is as near as the first two and slower, the fourth as fast and farther
+    const double error[] = { 1.0, 1.0, 1.0, 2.0 }, ms[] = { 2.0, 2.0, 3.0, 2.0 };
+    const bool expected[] = { true, true, false, false };
+    bool front[4];
+    accuracy_front( error, ms, 4, front );
+    assert_memory_equal( front, expected, sizeof( front ) );
+}
+
+static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
+{
+    (void)state;
+    const double error[] = { NAN, 1.0, 0.0, 5.0 }, ms[] = { 1.0, 2.0, NAN, 1.5 };
+    const bool expected[] = { false, true, false, true };
+    bool front[4];
+    accuracy_front( error, ms, 4, front );
+    assert_memory_equal( front, expected, sizeof( front ) );
+}
+
+// ---- orders ----
+
+static void a_power_law_has_its_power_as_order( void** state )
+{
+    (void)state;
+    double knob[6], error[6];
+    for ( int i = 0; i < 6; ++i )
+    {
+        knob[i] = 0.1 / ( 1 << i );
+        error[i] = 3.0 * pow( knob[i], 1.5 );
+    }
+    const accuracy_order order = accuracy_observed_order( knob, error, 6 );
+    // logarithms and a straight line lose a few roundings of numbers about 10
+    assert_true( fabs( order.slope - 1.5 ) < 1e-12 );
+    assert_int_equal( order.used, 6 );
+    assert_int_equal( order.count, 6 );
+}
+
+static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
+{
+    (void)state;
+    // in no order; first order down to 0.05, then a floor that wobbles; the coarsest was halted, and one is exact
+    const double knob[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
+    const double error[] = { 0.1, NAN, 0.4, 0.2, 0.05, 0.051, 0.047, 0.0 };
+    const accuracy_order order = accuracy_observed_order( knob, error, 8 );
+    assert_true( fabs( order.slope - 1.0 ) < 1e-12 );
+    assert_int_equal( order.used, 4 );
+    assert_int_equal( order.count, 6 );
+}
+
+static void a_series_that_does_not_fall_has_no_order( void** state )
+{
+    (void)state;
+    const double knob[] = { 0.4, 0.2, 0.1 }, error[] = { 1.0, 1.1, 1.2 };
+    const accuracy_order order = accuracy_observed_order( knob, error, 3 );
+    assert_true( isnan( order.slope ) );
+    assert_int_equal( order.used, 1 );
+    assert_int_equal( accuracy_observed_order( knob, error, 0 ).count, 0 );
+}
+
+// ---- levels ----
+
+static void levels_are_round_numbers_within_the_values( void** state )
+{
+    (void)state;
+    const double values[] = { 0.7, NAN, 0.0, -3.0, 21.0, 5.0 }, expected[] = { 1.0, 2.0, 5.0, 10.0, 20.0 };
+    double levels[ACCURACY_LEVELS_MAX];
+    assert_int_equal( accuracy_levels( values, 6, levels ), 5 );
+    assert_memory_equal( levels, expected, sizeof( expected ) );
+}
+
+static void many_levels_are_picked_evenly_and_keep_both_ends( void** state )
+{
+    (void)state;
+    const double values[] = { 1e-3, 1e2 }, expected[] = { 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0 };
+    double levels[ACCURACY_LEVELS_MAX];
+    assert_int_equal( accuracy_levels( values, 2, levels ), ACCURACY_LEVELS_MAX );
+    assert_memory_equal( levels, expected, sizeof( expected ) );
+}
+
+static void values_between_two_round_numbers_have_the_one_above( void** state )
+{
+    (void)state;
+    const double values[] = { 0.021, 0.03 };
+    double levels[ACCURACY_LEVELS_MAX];
+    assert_int_equal( accuracy_levels( values, 2, levels ), 1 );
+    assert_true( levels[0] == 0.05 );
+    assert_int_equal( accuracy_levels( values, 0, levels ), 0 );
+}
+
+static void the_best_within_a_limit_is_the_cheapest_that_takes_part( void** state )
+{
+    (void)state;
+    const double ms[] = { 1.0, 3.0, 2.0, 2.0, NAN }, error[] = { 9.0, 0.5, 1.0, 1.0, 0.1 };
+    const bool takes_part[] = { true, true, false, false, true };
+    assert_int_equal( accuracy_best_within( ms, error, 1.0, NULL, 5 ), 2 );
+    assert_int_equal( accuracy_best_within( ms, error, 1.0, takes_part, 5 ), 1 );
+    assert_int_equal( accuracy_best_within( ms, error, 10.0, takes_part, 5 ), 0 );
+    assert_int_equal( accuracy_best_within( ms, error, 0.4, NULL, 5 ), -1 );
+}
+
+// ---- a scene that only pretends ----
+
+enum
+{
+    FAKE_SETTINGS = 5,
+    FAKE_STEPS = 4,
+    FAKE_HALTS = 4, // the setting that is halted
+};
+
+/// What the scene was asked for, and how it misbehaves.
+typedef struct fake_log
+{
+    int looked[FAKE_SETTINGS], timed[FAKE_SETTINGS][2]; // by 1 worker, by others
+    int looks_after_times;
+    int destroyed;
+    int differs;       // setting whose hash depends on workers; -1: none
+    int fails_at;      // setting that fails; -1: none
+    double cost_of[2]; // s a run of setting 0, of others
+} fake_log;
+
+static fake_log fake;
+
+static void spend( double seconds )
+{
+    const double end = wisp_clock_seconds() + seconds;
+    while ( wisp_clock_seconds() < end )
+    {
+        // a run that takes its time
+    }
+}
+
+// The time of a step is 1 ms, half with two workers, times the setting's place: 0 is dear and near.
+static wisp_status fake_run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                             wisp_error* error )
+{
+    assert_ptr_equal( context, &fake );
+    assert_true( isnan( out->error ) && isnan( out->measures[0] ) && out->halted_at == 0 );
+    if ( setting == fake.fails_at )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "setting %d has no world", setting );
+    }
+    if ( is_looked_at )
+    {
+        assert_int_equal( workers, 1 );
+        ++fake.looked[setting];
+        fake.looks_after_times += fake.timed[0][0];
+        out->error = 1.0 + setting;
+        out->measures[0] = 10.0 * setting;
+    }
+    else
+    {
+        ++fake.timed[setting][workers > 1];
+        spend( fake.cost_of[setting > 0] );
+    }
+    out->hash = 0x1000u + (uint64_t)setting + ( setting == fake.differs ? (uint64_t)workers - 1u : 0u );
+    out->halted_at = setting == FAKE_HALTS ? 3 : 0;
+    for ( int i = 0; i < FAKE_STEPS; ++i )
+    {
+        // the first step makes the plan, the run that is looked at is slow
+        const double ms = ( i == 0 || is_looked_at ? 100.0 : 8.0 / ( 1 << setting ) ) / workers;
+        assert_int_equal( accuracy_keep_ms( out, ms ), WISP_OK );
+    }
+    return WISP_OK;
+}
+
+static void fake_destroy( void* context )
+{
+    assert_ptr_equal( context, &fake );
+    ++fake.destroyed;
+}
+
+static wisp_status fake_make( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    (void)options;
+    (void)error;
+    assert_true( seconds > 0.0 );
+    *out = ( accuracy_scene ){ .truth = "closed form: the number of the setting",
+                               .error_name = "distance",
+                               .error_unit = "mm",
+                               .measure_names = { "sag, mm" },
+                               .measure_count = 1,
+                               .setting_count = FAKE_SETTINGS,
+                               .context = &fake,
+                               .run = fake_run,
+                               .destroy = fake_destroy };
+    out->settings = calloc( FAKE_SETTINGS, sizeof( accuracy_setting ) );
+    assert_non_null( out->settings );
+    for ( int i = 0; i < FAKE_SETTINGS; ++i )
+    {
+        accuracy_setting* s = &out->settings[i];
+        *s = ( accuracy_setting ){ .knob_name = "substep, s", .knob = 1.0 + i, .order = 1.0 };
+        snprintf( s->name, sizeof( s->name ), "setting %d", i );
+        snprintf( s->series, sizeof( s->series ), "%s", i < 3 ? "falling" : "" );
+    }
+    return WISP_OK;
+}
+
+static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake_make };
+
+static int forget_fake( void** state )
+{
+    (void)state;
+    fake = ( fake_log ){ .differs = -1, .fails_at = -1 };
+    return 0;
+}
+
+static results run_fake( double seconds, int workers )
+{
+    results all = { 0 };
+    wisp_error error = { 0 };
+    bench_options options = bench_default_options();
+    options.workers = workers;
+    assert_int_equal( accuracy_bench_run( &fake_entry, 1, seconds, &options, &all, &error ), WISP_OK );
+    assert_int_equal( fake.destroyed, 1 );
+    return all;
+}
+
+static void each_setting_is_looked_at_once_and_timed_at_least_once( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    assert_false( all.failed );
+    assert_int_equal( fake.looks_after_times, 0 );
+    for ( int i = 0; i < FAKE_SETTINGS; ++i )
+    {
+        assert_int_equal( fake.looked[i], 1 );
+        assert_int_equal( fake.timed[i][0], 1 );
+        assert_int_equal( fake.timed[i][1], 1 );
+    }
+    results_free( &all );
+}
+
+static void with_one_worker_nothing_runs_twice( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 1 );
+    assert_int_equal( fake.timed[0][0], 1 );
+    assert_int_equal( fake.timed[0][1], 0 );
+    assert_int_equal( all.row_count, FAKE_SETTINGS );
+    results_free( &all );
+}
+
+static void who_takes_more_than_its_share_sits_out( void** state )
+{
+    (void)state;
+    // the share is 0.1 s: one run of the first, some of the others, none of the halted one after its first
+    fake.cost_of[0] = 0.15;
+    fake.cost_of[1] = 0.002;
+    results all = run_fake( 1.0, 2 );
+    assert_int_equal( fake.timed[0][0], 1 );
+    assert_int_equal( fake.timed[0][1], 1 );
+    assert_true( fake.timed[1][0] > 1 && fake.timed[1][1] > 1 );
+    assert_int_equal( fake.timed[FAKE_HALTS][1], 1 );
+    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms a step" );
+    assert_string_equal( named_cell( table, 1, "timed" ), "3" );
+    assert_true( atoi( named_cell( table, 2, "timed" ) ) >= 6 );
+    results_free( &all );
+}
+
+static void the_table_has_times_errors_measures_and_the_front( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms a step" );
+    assert_int_equal( table->row_count, 1 + FAKE_SETTINGS );
+    assert_string_equal( named_cell( table, 2, "setting" ), "setting 1" );
+    assert_string_equal( named_cell( table, 2, "1 worker ms" ), "4.00" );
+    assert_string_equal( named_cell( table, 2, "2 workers ms" ), "2.00" );
+    assert_string_equal( named_cell( table, 2, "distance, mm" ), "2.000" );
+    assert_string_equal( named_cell( table, 2, "sag, mm" ), "10.00" );
+    assert_string_equal( named_cell( table, 2, "front, 2 workers" ), "front" );
+    assert_string_equal( named_cell( table, 2, "hash" ), "0000000000001001" );
+    // both fronts are the same, so one is shown
+    assert_int_equal( table->column_count, 8 );
+    const int halted = 1 + FAKE_HALTS;
+    assert_string_equal( named_cell( table, halted, "2 workers ms" ), "halted at step 3" );
+    assert_string_equal( named_cell( table, halted, "distance, mm" ), "-" );
+    assert_string_equal( named_cell( table, halted, "front, 2 workers" ), "" );
+    results_free( &all );
+}
+
+static void rows_for_machines_name_scene_setting_truth_and_knob( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    assert_int_equal( all.row_count, 2 * FAKE_SETTINGS );
+    const results_row* row = &all.rows[3];
+    assert_string_equal( row->name, "accuracy.fake" );
+    assert_string_equal( row->variant, "setting 1" );
+    assert_string_equal( row->error_reference, "closed form: the number of the setting" );
+    assert_int_equal( row->workers, 2 );
+    assert_true( row->ms_median == 2.0 && row->ms_p10 == 2.0 && row->ms_p90 == 2.0 );
+    assert_int_equal( row->steps, FAKE_STEPS - 1 );
+    assert_string_equal( row->size.items[0].name, "substep_s" );
+    assert_string_equal( row->error.items[0].name, "distance_mm" );
+    assert_true( row->error.items[0].value == 2.0 );
+    assert_string_equal( row->error.items[1].name, "sag_mm" );
+    const results_row* halted = &all.rows[2 * FAKE_HALTS];
+    assert_true( isnan( halted->ms_median ) );
+    assert_string_equal( halted->error.items[halted->error.count - 1].name, "halted_at_step" );
+    results_free( &all );
+}
+
+static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
+    // errors 1 to 4: within 2 mm only the series gets there, with its second setting
+    const int at_two = row_of( table, "2" );
+    assert_int_equal( at_two, 1 );
+    assert_string_equal( named_cell( table, at_two, "method" ), "falling" );
+    assert_string_equal( named_cell( table, at_two, "cheapest setting" ), "setting 1" );
+    assert_string_equal( named_cell( table, at_two, "ms" ), "2.00" );
+    assert_string_equal( named_cell( table, at_two, "times the cheapest" ), "1.00" );
+
+    // times 4, 2, 1 and 0.5 ms: within 1 ms the series has an error of 3 mm, and the loner one of 4
+    const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
+    const int at_one = row_of( time, "1" );
+    assert_string_equal( named_cell( time, at_one, "nearest setting" ), "setting 2" );
+    assert_string_equal( named_cell( time, at_one + 1, "nearest setting" ), "setting 3" );
+    assert_string_equal( named_cell( time, at_one + 1, "times the nearest" ), "1.33" );
+    results_free( &all );
+}
+
+static void observed_orders_stand_beside_the_promised( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    const results_table* table = find_table( &all, "Accuracy `fake`, observed order" );
+    assert_int_equal( table->row_count, 2 );
+    assert_string_equal( named_cell( table, 1, "series" ), "falling" );
+    assert_string_equal( named_cell( table, 1, "observed order" ), "1.00" );
+    assert_string_equal( named_cell( table, 1, "promised" ), "1.0" );
+    assert_string_equal( named_cell( table, 1, "points used" ), "3 of 3" );
+    results_free( &all );
+}
+
+static void charts_have_a_series_each_and_mark_the_front( void** state )
+{
+    (void)state;
+    results all = run_fake( 1e-9, 2 );
+    assert_int_equal( all.chart_count, 2 );
+    const results_chart* time = &all.charts[0];
+    assert_true( time->x_log && time->y_log );
+    assert_string_equal( time->x_label, "ms a step, 2 workers" );
+    assert_int_equal( time->series_count, 2 );
+    assert_string_equal( time->series[0].name, "falling" );
+    assert_string_equal( time->series[1].name, "other settings" );
+    const results_point* point = &time->series[0].points[1];
+    assert_true( point->x == 2.0 && point->y == 2.0 && point->is_marked );
+    assert_string_equal( point->label, "setting 1" );
+
+    // from coarse to fine
+    const results_chart* knob = &all.charts[1];
+    assert_string_equal( knob->x_label, "substep, s" );
+    assert_int_equal( knob->series_count, 1 );
+    assert_int_equal( knob->series[0].count, 3 );
+    assert_true( knob->series[0].points[0].x == 3.0 && knob->series[0].points[2].x == 1.0 );
+    results_free( &all );
+}
+
+static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** state )
+{
+    (void)state;
+    fake.differs = 2;
+    results all = run_fake( 1e-9, 2 );
+    assert_true( all.failed );
+    bool is_named = false;
+    for ( int i = 0; i < all.note_count; ++i )
+    {
+        is_named =
+            is_named || strncmp( all.notes[i],
+                                 "FAILED: accuracy.fake, setting 2: hash 0000000000001003 with 2 workers, expected "
+                                 "0000000000001002",
+                                 90 ) == 0;
+    }
+    assert_true( is_named );
+    results_free( &all );
+}
+
+static void a_setting_that_fails_ends_the_case_with_its_sentence( void** state )
+{
+    (void)state;
+    fake.fails_at = 1;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    const bench_options options = bench_default_options();
+    assert_int_equal( accuracy_bench_run( &fake_entry, 1, 1.0, &options, &all, &error ), WISP_CONFLICT );
+    assert_string_equal( error.sentence, "setting 1 has no world" );
+    assert_int_equal( fake.destroyed, 1 );
+    results_free( &all );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_front_is_what_nobody_beats ),
+        cmocka_unit_test( those_that_tie_are_on_the_front_together ),
+        cmocka_unit_test( what_has_no_error_or_no_time_is_not_on_the_front ),
+        cmocka_unit_test( a_power_law_has_its_power_as_order ),
+        cmocka_unit_test( points_at_the_floor_and_halted_ones_are_left_out ),
+        cmocka_unit_test( a_series_that_does_not_fall_has_no_order ),
+        cmocka_unit_test( levels_are_round_numbers_within_the_values ),
+        cmocka_unit_test( many_levels_are_picked_evenly_and_keep_both_ends ),
+        cmocka_unit_test( values_between_two_round_numbers_have_the_one_above ),
+        cmocka_unit_test( the_best_within_a_limit_is_the_cheapest_that_takes_part ),
+        cmocka_unit_test_setup( each_setting_is_looked_at_once_and_timed_at_least_once, forget_fake ),
+        cmocka_unit_test_setup( with_one_worker_nothing_runs_twice, forget_fake ),
+        cmocka_unit_test_setup( who_takes_more_than_its_share_sits_out, forget_fake ),
+        cmocka_unit_test_setup( the_table_has_times_errors_measures_and_the_front, forget_fake ),
+        cmocka_unit_test_setup( rows_for_machines_name_scene_setting_truth_and_knob, forget_fake ),
+        cmocka_unit_test_setup( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake ),
+        cmocka_unit_test_setup( observed_orders_stand_beside_the_promised, forget_fake ),
+        cmocka_unit_test_setup( charts_have_a_series_each_and_mark_the_front, forget_fake ),
+        cmocka_unit_test_setup( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake ),
+        cmocka_unit_test_setup( a_setting_that_fails_ends_the_case_with_its_sentence, forget_fake ),
+    };
+    return cmocka_run_group_tests_name( "bench accuracy", tests, NULL, NULL );
+}
