@@ -50,12 +50,16 @@ typedef struct cloth_truth
     double* inverse_mass;
     int ( *links )[2];
     double *rest, *stiffness;
+    double* compliance; ///< [link_count] m/N, of xpbd; 0 unless cloth_truth_soften() was called
     const wisp_fabric* fabric;
 } cloth_truth;
 
 wisp_status cloth_truth_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_truth* out,
                                 wisp_error* error );
 void cloth_truth_destroy( cloth_truth* truth );
+/// Make it xpbd in SI units: full stiffness with compliances, and masses by area.
+/// @param stretch, bend m/N of an edge and of a cross link @param density kg/m^2
+void cloth_truth_soften( cloth_truth* truth, double stretch, double bend, double density );
 void cloth_truth_step( cloth_truth* truth, int substeps );
 /// Largest distance of a vertex to the truth's, m; NaN if a coordinate is.
 double cloth_truth_distance( const cloth_truth* truth, const wisp_vec3* points );

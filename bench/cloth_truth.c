@@ -49,10 +49,11 @@ wisp_status cloth_truth_create( const cloth_scene* scene, const wisp_fabric* fab
         .links = calloc( links, sizeof( *out->links ) ),
         .rest = calloc( links, sizeof( double ) ),
         .stiffness = calloc( links, sizeof( double ) ),
+        .compliance = calloc( links, sizeof( double ) ),
         .fabric = fabric,
     };
     if ( !out->position || !out->previous || !out->velocity || !out->inverse_mass || !out->links || !out->rest ||
-         !out->stiffness )
+         !out->stiffness || !out->compliance )
     {
         cloth_truth_destroy( out );
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the cloth in double precision" );
@@ -71,7 +72,26 @@ void cloth_truth_destroy( cloth_truth* truth )
     free( truth->links );
     free( truth->rest );
     free( truth->stiffness );
+    free( truth->compliance );
     *truth = ( cloth_truth ){ 0 };
+}
+
+void cloth_truth_soften( cloth_truth* truth, double stretch, double bend, double density )
+{
+    const wisp_fabric* f = truth->fabric;
+    for ( int slot = 0, i = 0; slot < f->link_order.slot_count; ++slot )
+    {
+        const int link = f->link_order.constraint[slot];
+        if ( link >= 0 )
+        {
+            truth->compliance[i] = link < f->edge_count ? stretch : bend;
+            truth->stiffness[i++] = 1.0;
+        }
+    }
+    for ( int i = 0; i < f->vertex_count; ++i )
+    {
+        truth->inverse_mass[i] = truth->inverse_mass[i] > 0.0 ? 1.0 / ( density * (double)f->area[i] ) : 0.0;
+    }
 }
 
 static void predict( cloth_truth* truth, double h )
@@ -88,8 +108,8 @@ static void predict( cloth_truth* truth, double h )
     }
 }
 
-// Eq. 6 of the balloon source times stiffness.
-static void project( cloth_truth* truth )
+// Eq. 6 of the balloon source times stiffness; with a compliance, xpbd of one pass, whose multiplier begins at 0.
+static void project( cloth_truth* truth, double h )
 {
     for ( int i = 0; i < truth->link_count; ++i )
     {
@@ -97,7 +117,7 @@ static void project( cloth_truth* truth )
         double wa = truth->inverse_mass[truth->links[i][0]], wb = truth->inverse_mass[truth->links[i][1]];
         double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
         double length = sqrt( x * x + y * y + z * z );
-        double weight = length * ( wa + wb );
+        double weight = length * ( wa + wb + truth->compliance[i] / ( h * h ) );
         double s = weight > 0.0 ? truth->stiffness[i] * ( length - truth->rest[i] ) / weight : 0.0;
         a[0] -= wa * s * x;
         a[1] -= wa * s * y;
@@ -114,7 +134,7 @@ void cloth_truth_step( cloth_truth* truth, int substeps )
     for ( int s = 0; s < substeps; ++s )
     {
         predict( truth, h );
-        project( truth );
+        project( truth, h );
         for ( int i = 0; i < truth->slot_count; ++i )
         {
             for ( int k = 0; k < 3; ++k )
@@ -146,7 +166,9 @@ static double kinetic_energy( const cloth_truth* truth )
     for ( int i = 0; i < truth->slot_count; ++i )
     {
         const double* v = truth->velocity[i];
-        sum += truth->inverse_mass[i] > 0.0 ? 0.5 * ( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] ) : 0.0;
+        sum += truth->inverse_mass[i] > 0.0
+                   ? 0.5 / truth->inverse_mass[i] * ( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] )
+                   : 0.0;
     }
     return sum;
 }
@@ -157,7 +179,8 @@ static double released_energy( const cloth_truth* truth )
     double sum = 0.0;
     for ( int i = 0; i < truth->slot_count; ++i )
     {
-        sum -= truth->inverse_mass[i] > 0.0 ? (double)CLOTH_GRAVITY * truth->position[i][1] : 0.0;
+        sum -= truth->inverse_mass[i] > 0.0 ? (double)CLOTH_GRAVITY / truth->inverse_mass[i] * truth->position[i][1]
+                                            : 0.0;
     }
     return sum;
 }

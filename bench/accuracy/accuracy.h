@@ -36,6 +36,8 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 typedef struct accuracy_scene
 {
     char truth[200];     ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
+    double doubt;        ///< of the truth, in the unit of `error`: what is nearer has not been measured; 0: none
+    const char* note;    ///< what a reader of the tables should know, whole sentences; static; null: nothing
     char error_name[48]; ///< "distance to the truth"
     char error_unit[16]; ///< "mm", "%": of `error` as it is printed
     char ms_name[32];    ///< what a time is of, where steps have several lengths: "frame of 1/60 s"; empty: "step"

@@ -95,13 +95,16 @@ static void free_report( accuracy_report* report )
         free( report->on_front[w] );
     }
     free( report->error );
+    free( report->least_ms );
 }
 
 // The columns that are compared, and the front of each worker count.
 static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 {
     const int count = report->scene->setting_count;
-    bool has_room = ( report->error = calloc( (size_t)count, sizeof( double ) ) ) != NULL;
+    report->error = calloc( (size_t)count, sizeof( double ) );
+    report->least_ms = calloc( (size_t)count, sizeof( double ) );
+    bool has_room = report->error && report->least_ms;
     for ( int w = 0; w < report->worker_count; ++w )
     {
         report->ms[w] = calloc( (size_t)count, sizeof( double ) );
@@ -115,9 +118,11 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     for ( int i = 0; i < count; ++i )
     {
         report->error[i] = report->figures[i].seen.error;
+        report->least_ms[i] = NAN;
         for ( int w = 0; w < report->worker_count; ++w )
         {
             report->ms[w][i] = report->figures[i].ms[w].median;
+            report->least_ms[i] = fmin( report->least_ms[i], report->ms[w][i] );
         }
     }
     for ( int w = 0; w < report->worker_count; ++w )

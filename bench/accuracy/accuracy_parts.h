@@ -22,6 +22,7 @@ typedef struct accuracy_report
     // by setting, of `figures`: the columns that are compared
     double* error; ///< NaN: halted
     double* ms[ACCURACY_WORKERS_MAX];
+    double* least_ms; ///< of its worker counts the faster one: who has two cores may leave one idle
     bool* on_front[ACCURACY_WORKERS_MAX];
 } accuracy_report;
 

@@ -15,7 +15,9 @@ typedef struct summary
     const double *cost, *limited; // [setting_count]
     bool is_by_error;             // the error is limited, and the time is to be least
     bool* takes_part;             // [setting_count] room
-    int* best;                    // [setting_count] room: the best setting of each method, the best method first
+    // [setting_count] room: the best setting of each method within a limit and within the next tighter one, the best
+    // method first
+    int *best, *tighter;
 } summary;
 
 static bool begins_method( const accuracy_scene* scene, int setting )
@@ -42,7 +44,7 @@ static int best_of_method( const summary* s, const char* method, double limit )
 }
 
 // The best setting of every method that stays within the limit, the best first. @return how many
-static int rank_methods( const summary* s, double limit )
+static int rank_methods( const summary* s, double limit, int* best_of_each )
 {
     int count = 0;
     for ( int i = 0; i < s->report->scene->setting_count; ++i )
@@ -54,37 +56,52 @@ static int rank_methods( const summary* s, double limit )
             continue;
         }
         int place = count++;
-        for ( ; place > 0 && s->cost[s->best[place - 1]] > s->cost[best]; --place )
+        for ( ; place > 0 && s->cost[best_of_each[place - 1]] > s->cost[best]; --place )
         {
-            s->best[place] = s->best[place - 1];
+            best_of_each[place] = best_of_each[place - 1];
         }
-        s->best[place] = best;
+        best_of_each[place] = best;
     }
     return count;
 }
 
 static int begin_summary( const summary* s, results* out )
 {
-    const accuracy_report* report = s->report;
-    char error[80], workers[24], title[160];
-    accuracy_error_label( report->scene, error, sizeof( error ) );
-    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
+    char error[80], title[160];
+    accuracy_error_label( s->report->scene, error, sizeof( error ) );
+    const char* best = s->is_by_error ? "cheapest" : "nearest";
     cells row = { .count = 0 };
     cells_put( &row, "%s, at most", s->is_by_error ? error : "ms" );
     cells_put( &row, "method" );
-    cells_put( &row, "%s setting", s->is_by_error ? "cheapest" : "nearest" );
+    cells_put( &row, "%s setting", best );
     cells_put( &row, "%s", s->is_by_error ? "ms" : error );
-    cells_put( &row, "times the %s", s->is_by_error ? "cheapest" : "nearest" );
+    cells_put( &row, "times the %s", best );
     cells_put( &row, "%s", s->is_by_error ? error : "ms" );
-    snprintf( title, sizeof( title ),
-              "Accuracy `%s`, at equal %s: the %s setting of every method that gets there, %s", report->entry->name,
-              s->is_by_error ? "error" : "time", s->is_by_error ? "cheapest" : "nearest", workers );
+    cells_put( &row, "workers" );
+    snprintf( title, sizeof( title ), "Accuracy `%s`, at equal %s: the %s setting of every method that gets there",
+              s->report->entry->name, s->is_by_error ? "error" : "time", best );
     return cells_begin_table( &row, title, out );
 }
 
-static void add_level( const summary* s, double level, int table, results* out )
+// Whose time it is: that of the worker count that is faster.
+static int workers_of( const accuracy_report* report, int setting )
 {
-    const int count = rank_methods( s, level );
+    int fastest = 0;
+    for ( int w = 1; w < report->worker_count; ++w )
+    {
+        fastest = report->ms[w][setting] < report->ms[fastest][setting] ? w : fastest;
+    }
+    return report->workers[fastest];
+}
+
+// @param tighter the next level; one that would say the same as that is left out
+static void add_level( const summary* s, double level, double tighter, int table, results* out )
+{
+    const int count = rank_methods( s, level, s->best ), tighter_count = rank_methods( s, tighter, s->tighter );
+    if ( count == tighter_count && memcmp( s->best, s->tighter, (size_t)count * sizeof( int ) ) == 0 )
+    {
+        return;
+    }
     for ( int i = 0; i < count; ++i )
     {
         const int setting = s->best[i];
@@ -96,6 +113,7 @@ static void add_level( const summary* s, double level, int table, results* out )
         const double least = s->cost[s->best[0]];
         cells_put_number( &row, least > 0.0 ? s->cost[setting] / least : NAN, 2 );
         accuracy_put_digits( &row, s->limited[setting], 3 );
+        cells_put( &row, "%d", workers_of( s->report, setting ) );
         cells_end_row( &row, table, out );
     }
 }
@@ -103,17 +121,18 @@ static void add_level( const summary* s, double level, int table, results* out )
 // The loosest limit first.
 static void add_summary( const accuracy_report* report, bool is_by_error, results* out )
 {
-    const int count = report->scene->setting_count, last = accuracy_last_worker( report );
-    const double *error = report->error, *ms = report->ms[last];
+    const int count = report->scene->setting_count;
+    const double *error = report->error, *ms = report->least_ms;
     summary s = { .report = report,
                   .cost = is_by_error ? ms : error,
                   .limited = is_by_error ? error : ms,
                   .is_by_error = is_by_error,
                   .takes_part = calloc( (size_t)count, sizeof( bool ) ),
-                  .best = calloc( (size_t)count, sizeof( int ) ) };
+                  .best = calloc( (size_t)count, sizeof( int ) ),
+                  .tighter = calloc( (size_t)count, sizeof( int ) ) };
     double levels[ACCURACY_LEVELS_MAX];
     const int level_count = accuracy_levels( s.limited, count, levels );
-    if ( !s.takes_part || !s.best )
+    if ( !s.takes_part || !s.best || !s.tighter )
     {
         out->incomplete = true;
     }
@@ -122,11 +141,12 @@ static void add_summary( const accuracy_report* report, bool is_by_error, result
         const int table = begin_summary( &s, out );
         for ( int k = level_count - 1; k >= 0; --k )
         {
-            add_level( &s, levels[k], table, out );
+            add_level( &s, levels[k], k > 0 ? levels[k - 1] : 0.0, table, out );
         }
     }
     free( s.takes_part );
     free( s.best );
+    free( s.tighter );
 }
 
 void accuracy_add_equal_error( const accuracy_report* report, results* out )
@@ -149,7 +169,8 @@ static accuracy_order order_of( const accuracy_report* report, const char* serie
         if ( strcmp( report->scene->settings[i].series, series ) == 0 )
         {
             knob[count] = report->scene->settings[i].knob;
-            error[count++] = report->error[i];
+            // what is nearer than the truth's doubt is at a floor of its own
+            error[count++] = report->error[i] > report->scene->doubt ? report->error[i] : NAN;
         }
     }
     return accuracy_observed_order( knob, error, count );
@@ -215,14 +236,26 @@ static int front_count( const accuracy_report* report )
 
 void accuracy_add_notes( const accuracy_report* report, results* out )
 {
+    const accuracy_scene* scene = report->scene;
     char error[80], workers[24];
-    accuracy_error_label( report->scene, error, sizeof( error ) );
+    accuracy_error_label( scene, error, sizeof( error ) );
     accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
     results_add_note(
         out,
         "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
         "`timed` says. `front`: with %s no other setting is as near and as fast and better in one of the "
-        "two; that is %d of %d. What was halted left its bounds and has neither error nor times.",
-        report->entry->name, error, report->scene->truth, workers, front_count( report ),
-        report->scene->setting_count );
+        "two; that is %d of %d. At equal error and at equal time the faster worker count of a setting "
+        "counts. What was halted left its bounds and has neither error nor times.",
+        report->entry->name, error, scene->truth, workers, front_count( report ), scene->setting_count );
+    if ( scene->doubt > 0.0 )
+    {
+        results_add_note( out,
+                          "Accuracy `%s`: the truth has a doubt of %.3g %s; what is nearer than that has not been "
+                          "measured, and is left out of observed orders.",
+                          report->entry->name, scene->doubt, scene->error_unit );
+    }
+    if ( scene->note )
+    {
+        results_add_note( out, "Accuracy `%s`: %s", report->entry->name, scene->note );
+    }
 }
