@@ -117,13 +117,7 @@ int accuracy_levels( const double* values, int count, double* levels )
     {
         return 0;
     }
-    const int first = first_not_below( least );
-    int last = first;
-    while ( round_number( last + 1 ) <= most )
-    {
-        ++last;
-    }
-
+    const int first = first_not_below( least ), last = first_not_below( most );
     const int found = last - first + 1, kept = found < ACCURACY_LEVELS_MAX ? found : ACCURACY_LEVELS_MAX;
     for ( int i = 0; i < kept; ++i )
     {

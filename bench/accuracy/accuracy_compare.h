@@ -24,8 +24,8 @@ typedef struct accuracy_order
 /// @param knob, error [count], in any order; NaN and 0 are left out
 accuracy_order accuracy_observed_order( const double* knob, const double* error, int count );
 
-/// Round numbers (1, 2 or 5 times a power of ten) within the finite values above 0, rising, evenly picked if there are many.
-/// The first is not below the least value, so that one value is not above it.
+/// Round numbers (1, 2 or 5 times a power of ten) from the first that is not below the least of the finite values above 0 to the
+/// first that is not below the greatest, rising, evenly picked if there are many.
 /// @param levels [ACCURACY_LEVELS_MAX] receives @return how many
 int accuracy_levels( const double* values, int count, double* levels );
 

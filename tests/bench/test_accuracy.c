@@ -83,12 +83,12 @@ static void a_series_that_does_not_fall_has_no_order( void** state )
 
 // ---- levels ----
 
-static void levels_are_round_numbers_within_the_values( void** state )
+static void levels_are_round_numbers_around_the_values( void** state )
 {
     (void)state;
-    const double values[] = { 0.7, NAN, 0.0, -3.0, 21.0, 5.0 }, expected[] = { 1.0, 2.0, 5.0, 10.0, 20.0 };
+    const double values[] = { 0.7, NAN, 0.0, -3.0, 21.0, 5.0 }, expected[] = { 1.0, 2.0, 5.0, 10.0, 20.0, 50.0 };
     double levels[ACCURACY_LEVELS_MAX];
-    assert_int_equal( accuracy_levels( values, 6, levels ), 5 );
+    assert_int_equal( accuracy_levels( values, 6, levels ), 6 );
     assert_memory_equal( levels, expected, sizeof( expected ) );
 }
 
@@ -140,6 +140,7 @@ typedef struct fake_log
     int differs;       // setting whose hash depends on workers; -1: none
     int fails_at;      // setting that fails; -1: none
     double cost_of[2]; // s a run of setting 0, of others
+    double slower;     // times, the steps of setting 0
 } fake_log;
 
 static fake_log fake;
@@ -182,7 +183,7 @@ static wisp_status fake_run( void* context, int setting, int workers, bool is_lo
     {
         // the first step makes the plan, the run that is looked at is slow
         const double ms = ( i == 0 || is_looked_at ? 100.0 : 8.0 / ( 1 << setting ) ) / workers;
-        assert_int_equal( accuracy_keep_ms( out, ms ), WISP_OK );
+        assert_int_equal( accuracy_keep_ms( out, setting == 0 ? fake.slower * ms : ms ), WISP_OK );
     }
     return WISP_OK;
 }
@@ -224,7 +225,7 @@ static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake
 static int forget_fake( void** state )
 {
     (void)state;
-    fake = ( fake_log ){ .differs = -1, .fails_at = -1 };
+    fake = ( fake_log ){ .differs = -1, .fails_at = -1, .slower = 1.0 };
     return 0;
 }
 
@@ -325,6 +326,22 @@ static void rows_for_machines_name_scene_setting_truth_and_knob( void** state )
     results_free( &all );
 }
 
+static void levels_that_would_say_the_same_are_said_once( void** state )
+{
+    (void)state;
+    fake.slower = 64.0;
+    results all = run_fake( 1e-9, 2 );
+    // 256 ms, 2, 1 and the loner's 0.5: nobody is between 2 and 256 ms
+    const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
+    assert_int_equal( time->row_count, 1 + 2 + 2 + 1 );
+    assert_string_equal( named_cell( time, 1, "ms, at most" ), "500" );
+    assert_string_equal( named_cell( time, 1, "nearest setting" ), "setting 0" );
+    assert_string_equal( named_cell( time, 3, "ms, at most" ), "2" );
+    assert_string_equal( named_cell( time, 3, "nearest setting" ), "setting 1" );
+    assert_string_equal( named_cell( time, 5, "ms, at most" ), "0.5" );
+    results_free( &all );
+}
+
 static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** state )
 {
     (void)state;
@@ -332,7 +349,7 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
     // errors 1 to 4: within 2 mm only the series gets there, with its second setting
     const int at_two = row_of( table, "2" );
-    assert_int_equal( at_two, 1 );
+    assert_string_equal( table->cells[( at_two + 1 ) * table->column_count], "1" );
     assert_string_equal( named_cell( table, at_two, "method" ), "falling" );
     assert_string_equal( named_cell( table, at_two, "cheapest setting" ), "setting 1" );
     assert_string_equal( named_cell( table, at_two, "ms" ), "2.00" );
@@ -416,6 +433,100 @@ static void a_setting_that_fails_ends_the_case_with_its_sentence( void** state )
     results_free( &all );
 }
 
+// ---- a few settings of a real scene ----
+
+static const char* const few_names[] = { "xpbd 5", "xpbd 10", "implicit 1/100, Euler, 0.0001, 1",
+                                         "implicit 1/200, Euler, 0.0001, 1", "implicit 1/400, Euler, 0.0001, 1" };
+
+/// A scene of which only some settings take part.
+typedef struct few_settings
+{
+    accuracy_scene all;
+    int number[WISP_COUNT( few_names )];
+} few_settings;
+
+static wisp_status run_few( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                            wisp_error* error )
+{
+    const few_settings* few = context;
+    return few->all.run( few->all.context, few->number[setting], workers, is_looked_at, out, error );
+}
+
+static void destroy_few( void* context )
+{
+    few_settings* few = context;
+    few->all.destroy( few->all.context );
+    free( few->all.settings );
+    free( few );
+}
+
+static wisp_status make_few( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
+{
+    int count;
+    const accuracy_entry* entries = accuracy_entries( &count );
+    few_settings* few = calloc( 1, sizeof( few_settings ) );
+    assert_non_null( few );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( strcmp( entries[i].name, "cloth_on_ball" ) == 0 )
+        {
+            assert_int_equal( entries[i].make( options, seconds, &few->all, error ), WISP_OK );
+        }
+    }
+    *out = few->all;
+    out->settings = calloc( WISP_COUNT( few_names ), sizeof( accuracy_setting ) );
+    assert_non_null( out->settings );
+    out->setting_count = WISP_COUNT( few_names );
+    out->context = few;
+    out->run = run_few;
+    out->destroy = destroy_few;
+    for ( int k = 0; k < WISP_COUNT( few_names ); ++k )
+    {
+        for ( int i = 0; i < few->all.setting_count; ++i )
+        {
+            if ( strcmp( few->all.settings[i].name, few_names[k] ) == 0 )
+            {
+                out->settings[k] = few->all.settings[i];
+                few->number[k] = i;
+            }
+        }
+        assert_string_equal( out->settings[k].name, few_names[k] );
+    }
+    return WISP_OK;
+}
+
+static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
+{
+    (void)state;
+    const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few };
+    bench_options options = bench_default_options();
+    options.quick = true;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
+
+    // every hash, of one worker and of two, was that of the run that was looked at
+    assert_false( all.failed );
+    double errors[WISP_COUNT( few_names )];
+    int on_front = 0;
+    const results_table* table = find_table( &all, "Accuracy `cloth_on_ball`" );
+    for ( int k = 0; k < WISP_COUNT( few_names ); ++k )
+    {
+        assert_string_equal( named_cell( table, 1 + k, "setting" ), few_names[k] );
+        errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the truth, mm" ) );
+        on_front += strcmp( named_cell( table, 1 + k, "front, 2 workers" ), "front" ) == 0;
+        assert_true( all.rows[2 * k].hash == all.rows[2 * k + 1].hash && all.rows[2 * k].ms_median > 0.0 );
+    }
+    assert_true( on_front >= 1 );
+    assert_true( errors[1] < errors[0] );
+    // of first order half the step is half the error in the end; here three quarters and better
+    assert_true( errors[3] < 0.75 * errors[2] && errors[4] < 0.75 * errors[3] );
+    const results_table* orders = find_table( &all, "Accuracy `cloth_on_ball`, observed order" );
+    const int euler = row_of( orders, "implicit Euler, 0.0001, 1" );
+    assert_true( fabs( atof( named_cell( orders, euler, "observed order" ) ) - 1.0 ) < 0.25 );
+    results_free( &all );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -425,7 +536,7 @@ int main( void )
         cmocka_unit_test( a_power_law_has_its_power_as_order ),
         cmocka_unit_test( points_at_the_floor_and_halted_ones_are_left_out ),
         cmocka_unit_test( a_series_that_does_not_fall_has_no_order ),
-        cmocka_unit_test( levels_are_round_numbers_within_the_values ),
+        cmocka_unit_test( levels_are_round_numbers_around_the_values ),
         cmocka_unit_test( many_levels_are_picked_evenly_and_keep_both_ends ),
         cmocka_unit_test( values_between_two_round_numbers_have_the_one_above ),
         cmocka_unit_test( the_best_within_a_limit_is_the_cheapest_that_takes_part ),
@@ -435,10 +546,12 @@ int main( void )
         cmocka_unit_test_setup( the_table_has_times_errors_measures_and_the_front, forget_fake ),
         cmocka_unit_test_setup( rows_for_machines_name_scene_setting_truth_and_knob, forget_fake ),
         cmocka_unit_test_setup( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake ),
+        cmocka_unit_test_setup( levels_that_would_say_the_same_are_said_once, forget_fake ),
         cmocka_unit_test_setup( observed_orders_stand_beside_the_promised, forget_fake ),
         cmocka_unit_test_setup( charts_have_a_series_each_and_mark_the_front, forget_fake ),
         cmocka_unit_test_setup( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake ),
         cmocka_unit_test_setup( a_setting_that_fails_ends_the_case_with_its_sentence, forget_fake ),
+        cmocka_unit_test( a_real_scene_comes_nearer_with_shorter_steps ),
     };
     return cmocka_run_group_tests_name( "bench accuracy", tests, NULL, NULL );
 }
