@@ -216,7 +216,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
 
 // ---- settings ----
 
-// "xpbd, tethers, levels": what is one candidate whatever its mesh and substeps.
+// "xpbd, tethers, levels"
 static void name_kind( const hang_way* way, char* text, int size )
 {
     const cloth_setting* s = &way->setting;
@@ -236,10 +236,7 @@ static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
     const char* ending = count == 1 ? "" : has_passes ? "es" : "s";
     char kind[40];
     name_kind( &way, kind, sizeof( kind ) );
-    accuracy_setting* setting =
-        cloth_settings_add( scene, "%s, n %d, %d %s%s", kind, mesh_sizes[way.mesh], count, what, ending );
-    snprintf( setting->method, sizeof( setting->method ), "%s", kind );
-    return setting;
+    return cloth_settings_add( scene, "%s, n %d, %d %s%s", kind, mesh_sizes[way.mesh], count, what, ending );
 }
 
 // Substeps of one pass on a mesh.
