@@ -1,5 +1,5 @@
-// The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a cloth that stretches: one
-// that does not would need more substeps than there can be before its path converges.
+// The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer cloth, whose path
+// converges with fewer substeps.
 #include "cloth_settings.h"
 
 #include "cloth/cloth.h"
