@@ -8,6 +8,7 @@
 #include "jobs.h"
 #include "store.h"
 
+#include "wisp/explain.h"
 #include "wisp/module.h"
 
 #include <stdatomic.h>
@@ -40,6 +41,7 @@ struct wisp_registry
     store* store;
     int workers;
     wisp_pass passes[PLAN_MAX_PASSES];
+    const char* pass_modules[PLAN_MAX_PASSES]; // who declared it
     int pass_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
@@ -117,8 +119,11 @@ typedef struct plan
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 
+/// A compiled plan and what is absent of it, in one block of the world's memory. @return null without memory
+wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
+
 /// One line at a time: kept passes with their reasons, absent ones with what they lack.
-void plan_print( const plan* p, const wisp_registry* r, void ( *write )( void* user, const char* line ), void* user );
+void plan_print( const wisp_plan_report* report, void ( *write )( void* user, const char* line ), void* user );
 
 /// Where passes of a stage run.
 plan_section plan_section_of( wisp_stage stage );

@@ -57,6 +57,7 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
         registry->store->writers[pass->writes[i]] |= bit;
     }
     registry->store->passes = store_hash_bytes( registry->store->passes, pass->name, strlen( pass->name ) );
+    registry->pass_modules[registry->pass_count] = registry->module;
     registry->passes[registry->pass_count++] = *pass;
     return WISP_OK;
 }

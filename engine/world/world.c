@@ -292,13 +292,27 @@ const char* wisp_world_isa( const wisp_world* world )
     return world->frame.kernels->isa;
 }
 
-wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )
+wisp_status wisp_world_explain( wisp_world* world, wisp_plan_report** out )
 {
+    *out = NULL;
     wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
-        plan_print( &world->plan, &world->registry, write, user );
+        *out = plan_explain( &world->plan, &world->registry, world->frame.substeps, world->frame.iterations );
+        status = *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "no memory to explain the plan" );
     }
+    return status;
+}
+
+wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )
+{
+    wisp_plan_report* report;
+    wisp_status status = wisp_world_explain( world, &report );
+    if ( status == WISP_OK )
+    {
+        plan_print( report, write, user );
+    }
+    wisp_plan_report_release( report );
     return status;
 }
 

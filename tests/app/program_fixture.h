@@ -17,7 +17,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#define OUTPUT_MAX 65536
+#define OUTPUT_MAX 262144
 #define ARGUMENTS_MAX 24
 
 static char program[4096];

@@ -3,6 +3,7 @@
 #include "wisp/box_pairs.h"
 #include "wisp/components.h"
 #include "wisp/crossings.h"
+#include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/jobs.h"
 #include "wisp/kernels.h"

@@ -249,6 +249,7 @@ WISP_API int wisp_world_workers( const wisp_world* world );
 WISP_API const char* wisp_world_isa( const wisp_world* world );
 
 /// The plan as text: every pass with its reason, every absent one with what it lacks. Compiles it if needed.
+/// wisp_world_explain() in explain.h gives the same, and more, as data.
 /// @param write receives one line without a newline at a time
 WISP_API wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ),
                                       void* user );

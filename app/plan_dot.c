@@ -1,0 +1,187 @@
+// The plan as a graph for Graphviz: a cluster a loop, in it a cluster a stage, and an edge from who wrote a component last
+// to who reads it. What comes round from the last time of a loop, or from the last step, is dashed.
+#include "plan_sheet.h"
+
+#include <string.h>
+
+// A quoted string of the DOT language, in which only the quote and the backslash mean something.
+static void print_escaped( FILE* out, const char* text )
+{
+    for ( ; *text; ++text )
+    {
+        if ( *text == '"' || *text == '\\' )
+        {
+            fputc( '\\', out );
+        }
+        fputc( *text == '\n' ? ' ' : *text, out );
+    }
+}
+
+static void print_quoted( FILE* out, const char* text )
+{
+    fputc( '"', out );
+    print_escaped( out, text );
+    fputc( '"', out );
+}
+
+static void print_node( FILE* out, const plan_sheet* sheet, int pass )
+{
+    const wisp_plan_pass* p = sheet->report->passes + pass;
+    fputs( "      ", out );
+    print_quoted( out, p->name );
+    fputs( " [label=\"", out );
+    print_escaped( out, p->name );
+    fprintf( out, "\\nwave %d%s, %d x %s in %d blocks\\npredicted %.1f %%", p->wave, p->is_fused ? ", fused" : "",
+             p->items, p->domain, p->blocks, 100.0 * p->share );
+    if ( sheet->pass_seconds > 0.0 )
+    {
+        fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_share( sheet, pass ) );
+    }
+    fputs( "\", tooltip=", out );
+    print_quoted( out, p->because );
+    fputs( "];\n", out );
+}
+
+// The passes of one stage in one loop. @return how many there were
+static void print_stage( FILE* out, const plan_sheet* sheet, const char* loop, const char* stage, int* cluster )
+{
+    bool is_open = false;
+    for ( int i = 0; i < sheet->report->kept_count; ++i )
+    {
+        const wisp_plan_pass* p = sheet->report->passes + i;
+        if ( strcmp( p->loop, loop ) != 0 || strcmp( p->stage, stage ) != 0 )
+        {
+            continue;
+        }
+        if ( is_open == false )
+        {
+            fprintf( out, "    subgraph cluster_%d {\n      label=\"%s\";\n", ( *cluster )++, stage );
+            is_open = true;
+        }
+        print_node( out, sheet, i );
+    }
+    fputs( is_open ? "    }\n" : "", out );
+}
+
+// Passes stand in the order of the plan, so a loop's are neighbours.
+static void print_loops( FILE* out, const plan_sheet* sheet )
+{
+    const wisp_plan_report* report = sheet->report;
+    int cluster = 0;
+    for ( int i = 0; i < report->kept_count; ++i )
+    {
+        const char* loop = report->passes[i].loop;
+        if ( i > 0 && strcmp( report->passes[i - 1].loop, loop ) == 0 )
+        {
+            continue;
+        }
+        fprintf( out, "  subgraph cluster_%d {\n    label=\"%s\";\n", cluster++, loop );
+        for ( int k = i; k < report->kept_count && strcmp( report->passes[k].loop, loop ) == 0; ++k )
+        {
+            bool is_first = true;
+            for ( int before = i; before < k; ++before )
+            {
+                is_first = is_first && strcmp( report->passes[before].stage, report->passes[k].stage ) != 0;
+            }
+            if ( is_first )
+            {
+                print_stage( out, sheet, loop, report->passes[k].stage, &cluster );
+            }
+        }
+        fputs( "  }\n", out );
+    }
+}
+
+static bool lists( const char* const* names, const char* name )
+{
+    for ( int i = 0; names[i] != NULL; ++i )
+    {
+        if ( strcmp( names[i], name ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Who writes what a pass reads: the last one before it, else the last one of all. @return -1: the scene supplies it
+static int writer_of( const wisp_plan_report* report, int reader, const char* component )
+{
+    for ( int step = 1; step < report->kept_count; ++step )
+    {
+        const int at = ( reader - step + report->kept_count ) % report->kept_count;
+        const wisp_plan_pass* p = report->passes + at;
+        if ( lists( p->writes, component ) || lists( p->across, component ) )
+        {
+            return at;
+        }
+    }
+    return -1;
+}
+
+// One edge for all components that lead from one pass to another.
+static void print_edge( FILE* out, const wisp_plan_report* report, int writer, int reader )
+{
+    const wisp_plan_pass* to = report->passes + reader;
+    const char* separator = "";
+    for ( int i = 0; to->reads[i] != NULL; ++i )
+    {
+        if ( writer_of( report, reader, to->reads[i] ) != writer )
+        {
+            continue;
+        }
+        if ( *separator == '\0' )
+        {
+            fputs( "  ", out );
+            print_quoted( out, report->passes[writer].name );
+            fputs( " -> ", out );
+            print_quoted( out, to->name );
+            fputs( " [label=\"", out );
+        }
+        fputs( separator, out );
+        print_escaped( out, to->reads[i] );
+        separator = "\\n";
+    }
+    if ( *separator != '\0' )
+    {
+        fputs( writer > reader ? "\", style=dashed, constraint=false];\n" : "\"];\n", out );
+    }
+}
+
+static void print_absent( FILE* out, const wisp_plan_report* report )
+{
+    for ( int i = 0; i < report->module_count; ++i )
+    {
+        const wisp_plan_module* m = report->modules + i;
+        if ( m->kept_count == 0 )
+        {
+            fprintf( out, "  absent_%d [shape=note, style=dashed, label=\"", i );
+            print_escaped( out, m->name );
+            fputs( " is absent:\\n", out );
+            print_escaped( out, m->because );
+            fputs( "\"];\n", out );
+        }
+    }
+}
+
+void plan_sheet_dot( const plan_sheet* sheet, FILE* out )
+{
+    char title[256];
+    wisp_plan_report_text( sheet->report, title, sizeof( title ) );
+    fputs( "digraph wisp_plan {\n  graph [labelloc=t, fontname=\"sans-serif\", label=\"", out );
+    print_escaped( out, sheet->scene );
+    fputs( "\\n", out );
+    print_escaped( out, title );
+    fputs( "\"];\n  node [shape=box, fontname=\"sans-serif\"];\n  edge [fontname=\"sans-serif\", fontsize=10];\n",
+           out );
+    print_loops( out, sheet );
+    for ( int reader = 0; reader < sheet->report->kept_count; ++reader )
+    {
+        for ( int writer = 0; writer < sheet->report->kept_count; ++writer )
+        {
+            print_edge( out, sheet->report, writer, reader );
+        }
+    }
+    print_absent( out, sheet->report );
+    fputs( "}\n", out );
+}

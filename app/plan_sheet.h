@@ -1,0 +1,31 @@
+/// What `wisp plan` tells: the plan of a scene as the engine explains it, and the times of some steps beside it. Each form
+/// in which it is written down has a file of its own.
+#pragma once
+
+#include "wisp/explain.h"
+#include "world_from_scene.h"
+
+#include <stdio.h>
+
+typedef struct plan_sheet
+{
+    const char* scene;        ///< its file
+    wisp_plan_report* report; ///< of the start
+    int steps;                ///< that were made; 0: nothing is measured
+    int plan_changes;         ///< how often the plan became another one within these steps
+    double* seconds;          ///< [report->pass_count] of all steps together
+    double pass_seconds;      ///< of all passes, also those that came later
+    double step_seconds;      ///< of whole steps
+} plan_sheet;
+
+/// Explain the plan, then make steps. @param sheet to be released, also after a failure, before the world
+wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, wisp_error* error );
+void plan_sheet_release( plan_sheet* sheet );
+
+/// Share of a pass in the time that all passes took, in [0, 1]; NaN if nothing was measured.
+double plan_sheet_share( const plan_sheet* sheet, int pass );
+
+void plan_sheet_text( const plan_sheet* sheet, FILE* out );
+void plan_sheet_dot( const plan_sheet* sheet, FILE* out );
+/// @return false without memory
+bool plan_sheet_json( const plan_sheet* sheet, FILE* out );

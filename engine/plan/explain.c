@@ -1,0 +1,330 @@
+// The plan as data: every registered pass with its place or with what keeps it away, and what it is predicted to cost.
+#include "explain_parts.h"
+
+#include "alloc.h"
+
+#include <math.h>
+#include <stdio.h>
+
+_Static_assert( WISP_PLAN_USES == WISP_MAX_USES, "explain.h and module.h count the same lists" );
+
+// The report and all it points to are one block of memory.
+typedef struct report_block
+{
+    wisp_plan_report report;
+    const wisp_allocator* allocator;
+    size_t size;
+} report_block;
+
+typedef struct writer
+{
+    const plan* plan;
+    const wisp_registry* registry;
+    wisp_plan_pass* passes;
+    wisp_plan_module* modules;
+    wisp_plan_reason* reasons;
+    int reason_count;
+} writer;
+
+static bool is_live( const writer* w, int number )
+{
+    return ( w->plan->live >> number & 1 ) != 0;
+}
+
+static void fill_names( const writer* w, const wisp_component* uses, const char** names )
+{
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        names[i] = explain_name( w->registry, uses[i] );
+    }
+}
+
+// ---- what a pass is predicted to cost ----
+
+// Bytes of the rows that an entity has of these components.
+static uint64_t row_bytes( const store* s, const store_entity* e, const wisp_component* uses )
+{
+    uint64_t bytes = 0;
+    for ( int i = 0; i < WISP_MAX_USES && uses[i] != 0; ++i )
+    {
+        const wisp_component_def* def = &s->components[uses[i]].def;
+        for ( int k = 0; k < def->column_count && ( e->components & store_bit( uses[i] ) ) != 0; ++k )
+        {
+            bytes += (uint64_t)e->rows[def->table].count * def->columns[k].row_size;
+        }
+    }
+    return bytes;
+}
+
+// A pass that presses entities upon each other may touch any of them.
+static uint64_t across_bytes( const store* s, const wisp_pass* pass )
+{
+    uint64_t bytes = 0;
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        const store_entity* e = s->entities + slot;
+        bytes += e->alive ? 2 * row_bytes( s, e, pass->across ) : 0;
+    }
+    return bytes;
+}
+
+static int runs_of( wisp_stage stage, int substeps, int iterations )
+{
+    switch ( plan_section_of( stage ) )
+    {
+        case PLAN_SUBSTEP:
+        case PLAN_AFTER_ITERATION:
+            return substeps;
+        case PLAN_ITERATION:
+            return substeps * iterations;
+        default:
+            return 1;
+    }
+}
+
+static void count_work( const writer* w, const plan_node* node, int i, wisp_plan_pass* p )
+{
+    const store* s = w->registry->store;
+    const wisp_pass* pass = w->registry->passes + node->passes[i];
+    for ( int k = 0; k < node->target_count; ++k )
+    {
+        const plan_target* target = w->plan->targets + node->first_target + k;
+        if ( ( target->passes >> i & 1 ) != 0 )
+        {
+            const store_entity* e = s->entities + target->slot;
+            const int items = plan_item_count( e, node->domain );
+            p->entities += 1;
+            p->items += items;
+            p->blocks += ( items + node->grain - 1 ) / node->grain;
+            p->bytes += row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
+        }
+    }
+}
+
+static void predict_shares( wisp_plan_report* report, wisp_plan_pass* passes )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < report->kept_count; ++i )
+    {
+        sum += (double)passes[i].bytes * passes[i].runs;
+    }
+    for ( int i = 0; i < report->kept_count; ++i )
+    {
+        passes[i].share = sum > 0.0 ? (double)passes[i].bytes * passes[i].runs / sum : 1.0 / report->kept_count;
+    }
+}
+
+// ---- passes ----
+
+static wisp_plan_pass* begin_pass( writer* w, wisp_plan_report* report, int number )
+{
+    static const char* const STAGES[WISP_STAGE_COUNT] = { "input",    "force",  "predict", "contact", "project",
+                                                          "velocity", "derive", "shape",   "observe" };
+    static const char* const DOMAINS[] = { "entity", "strand group", "particle block" };
+    const wisp_pass* pass = w->registry->passes + number;
+    wisp_plan_pass* p = w->passes + report->pass_count++;
+    *p = ( wisp_plan_pass ){
+        .name = pass->name,
+        .module = w->registry->pass_modules[number],
+        .stage = STAGES[pass->stage],
+        .domain = DOMAINS[pass->domain],
+        .wave = -1,
+        .node = -1,
+        .share = (double)NAN,
+        .reasons = w->reasons + w->reason_count,
+    };
+    fill_names( w, pass->needs, p->needs );
+    fill_names( w, pass->lacks, p->lacks );
+    fill_names( w, pass->reads, p->reads );
+    fill_names( w, pass->writes, p->writes );
+    fill_names( w, pass->across, p->across );
+    return p;
+}
+
+static void add_kept( writer* w, wisp_plan_report* report, int n, int i )
+{
+    static const char* const LOOPS[PLAN_SECTION_COUNT] = { "before",      "substep",   "iteration",
+                                                           "substep end", "item loop", "after" };
+    const plan_node* node = w->plan->nodes + n;
+    const wisp_pass* pass = w->registry->passes + node->passes[i];
+    wisp_plan_pass* p = begin_pass( w, report, node->passes[i] );
+    p->state = WISP_PLAN_KEPT;
+    p->loop = LOOPS[node->section];
+    p->wave = node->wave;
+    p->node = n;
+    p->is_fused = i > 0;
+    p->runs = runs_of( pass->stage, report->substeps, report->iterations );
+    count_work( w, node, i, p );
+    p->reason_count = explain_find_reasons( w->plan, w->registry, pass, w->reasons + w->reason_count );
+    w->reason_count += p->reason_count;
+    explain_reasons( p );
+}
+
+static void add_kept_in_order( writer* w, wisp_plan_report* report )
+{
+    const plan* p = w->plan;
+    for ( int section = 0; section < PLAN_SECTION_COUNT; ++section )
+    {
+        for ( int wave = 0; wave < p->wave_count[section]; ++wave )
+        {
+            for ( int n = 0; n < p->node_count; ++n )
+            {
+                const bool is_here = (int)p->nodes[n].section == section && p->nodes[n].wave == wave;
+                for ( int i = 0; is_here && i < p->nodes[n].pass_count; ++i )
+                {
+                    add_kept( w, report, n, i );
+                }
+            }
+        }
+    }
+}
+
+static void add_absent( writer* w, wisp_plan_report* report, int number )
+{
+    const wisp_pass* pass = w->registry->passes + number;
+    wisp_plan_pass* p = begin_pass( w, report, number );
+    explain_absence( w->registry, pass, p );
+}
+
+// ---- modules ----
+
+// What most passes of a module need and no entity has.
+static wisp_component most_missed( const writer* w, const char* module )
+{
+    wisp_component most = 0;
+    for ( int c = 1, highest = 0; c < w->registry->store->component_count; ++c )
+    {
+        int count = 0;
+        for ( int i = 0; i < w->registry->pass_count; ++i )
+        {
+            const bool is_mine = w->registry->pass_modules[i] == module;
+            const store_mask missing = is_mine ? explain_missing( w->registry, w->registry->passes + i ) : 0;
+            count += ( missing & store_bit( c ) ) != 0 ? 1 : 0;
+        }
+        most = count > highest ? (wisp_component)c : most;
+        highest = count > highest ? count : highest;
+    }
+    return most;
+}
+
+// The pass that is nearest to being kept tells why none is.
+static void tell_module( const writer* w, const wisp_plan_report* report, wisp_plan_module* m )
+{
+    const wisp_plan_pass* nearest = NULL;
+    for ( int i = 0; i < report->pass_count; ++i )
+    {
+        const wisp_plan_pass* p = w->passes + i;
+        const bool is_nearer = nearest == NULL || p->state > nearest->state;
+        nearest = p->module == m->name && is_nearer ? p : nearest;
+    }
+    if ( nearest->state == WISP_PLAN_MISSING )
+    {
+        m->missing = explain_name( w->registry, most_missed( w, m->name ) );
+        snprintf( m->because, sizeof( m->because ), "no entity has %s", m->missing );
+    }
+    else
+    {
+        snprintf( m->because, sizeof( m->because ), "%s: %s", nearest->name, nearest->because );
+    }
+}
+
+// Passes of a module stand together in the registry.
+static void add_modules( writer* w, wisp_plan_report* report )
+{
+    for ( int i = 0; i < w->registry->pass_count; ++i )
+    {
+        const char* name = w->registry->pass_modules[i];
+        if ( report->module_count == 0 || w->modules[report->module_count - 1].name != name )
+        {
+            w->modules[report->module_count++] = ( wisp_plan_module ){ .name = name };
+        }
+        wisp_plan_module* m = w->modules + report->module_count - 1;
+        m->pass_count += 1;
+        m->kept_count += is_live( w, i ) ? 1 : 0;
+    }
+    for ( int i = 0; i < report->module_count; ++i )
+    {
+        if ( w->modules[i].kept_count == 0 )
+        {
+            tell_module( w, report, w->modules + i );
+        }
+    }
+}
+
+// ---- the report ----
+
+static int count_reasons( const writer* w )
+{
+    int count = 0;
+    for ( int i = 0; i < w->registry->pass_count; ++i )
+    {
+        count += is_live( w, i ) ? explain_find_reasons( w->plan, w->registry, w->registry->passes + i, NULL ) : 0;
+    }
+    return count;
+}
+
+static report_block* make_block( writer* w )
+{
+    const wisp_registry* r = w->registry;
+    const size_t passes = (size_t)r->pass_count * sizeof( wisp_plan_pass );
+    const size_t modules = (size_t)r->pass_count * sizeof( wisp_plan_module );
+    const size_t reasons = (size_t)count_reasons( w ) * sizeof( wisp_plan_reason );
+    const size_t size = sizeof( report_block ) + passes + modules + reasons;
+    report_block* block = base_allocate( r->store->allocator, size, 64 );
+    if ( block == NULL )
+    {
+        return NULL;
+    }
+    *block = ( report_block ){ .allocator = r->store->allocator, .size = size };
+    w->passes = (void*)( block + 1 );
+    w->modules = (void*)( (char*)w->passes + passes );
+    w->reasons = (void*)( (char*)w->modules + modules );
+    return block;
+}
+
+wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
+{
+    writer w = { .plan = p, .registry = r };
+    report_block* block = make_block( &w );
+    if ( block == NULL )
+    {
+        return NULL;
+    }
+    wisp_plan_report* report = &block->report;
+    *report = ( wisp_plan_report ){
+        .hash = p->hash,
+        .kept_count = p->pass_count,
+        .node_count = p->node_count,
+        .substeps = substeps,
+        .iterations = iterations,
+        .has_substep_loop = p->wave_count[PLAN_SUBSTEP] + p->wave_count[PLAN_ITERATION] +
+                                p->wave_count[PLAN_AFTER_ITERATION] + p->wave_count[PLAN_ITEM_LOOP] >
+                            0,
+        .passes = w.passes,
+        .modules = w.modules,
+    };
+    for ( int section = 0; section < PLAN_SECTION_COUNT; ++section )
+    {
+        report->wave_count += p->wave_count[section];
+    }
+    add_kept_in_order( &w, report );
+    for ( int i = 0; i < r->pass_count; ++i )
+    {
+        if ( is_live( &w, i ) == false )
+        {
+            add_absent( &w, report, i );
+        }
+    }
+    predict_shares( report, w.passes );
+    add_modules( &w, report );
+    return report;
+}
+
+void wisp_plan_report_release( wisp_plan_report* report )
+{
+    if ( report != NULL )
+    {
+        report_block* block = (report_block*)(void*)report;
+        base_release( block->allocator, block, block->size );
+    }
+}

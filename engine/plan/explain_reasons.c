@@ -1,0 +1,181 @@
+// Why a pass is there, or why it is not, as data and in words.
+#include "explain_parts.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char* explain_name( const wisp_registry* r, wisp_component c )
+{
+    return r->store->components[c].def.name;
+}
+
+void explain_append( char* text, size_t size, const char* more )
+{
+    const size_t length = strlen( text );
+    snprintf( text + length, size - length, "%s", more );
+}
+
+// ---- why a pass is there ----
+
+static bool is_wished( const wisp_registry* r, wisp_component c )
+{
+    bool wished = false;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        wished = wished || ( r->store->entities[slot].wants & store_bit( c ) ) != 0;
+    }
+    return wished;
+}
+
+static bool is_reader( const plan* p, const wisp_pass* reader, int number, const wisp_pass* of, wisp_component c )
+{
+    return ( p->live >> number & 1 ) != 0 && reader != of && plan_lists( reader->reads, c );
+}
+
+int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass* pass, wisp_plan_reason* out )
+{
+    int count = 0;
+    for ( int i = 0; i < WISP_MAX_USES && pass->writes[i] != 0; ++i )
+    {
+        const wisp_component c = pass->writes[i];
+        for ( int k = -1; k < r->pass_count; ++k )
+        {
+            if ( k < 0 ? is_wished( r, c ) : is_reader( p, r->passes + k, k, pass, c ) )
+            {
+                if ( out != NULL )
+                {
+                    out[count] = ( wisp_plan_reason ){ explain_name( r, c ), k < 0 ? NULL : r->passes[k].name };
+                }
+                ++count;
+            }
+        }
+    }
+    return count;
+}
+
+// Readers of the reason's component from this one on.
+static int readers_from( const wisp_plan_pass* p, int at )
+{
+    int count = 0;
+    for ( int i = at; i < p->reason_count && p->reasons[i].component == p->reasons[at].component; ++i )
+    {
+        count += p->reasons[i].reader != NULL ? 1 : 0;
+    }
+    return count;
+}
+
+// Of many readers the last ones are named: they are nearest to what the scene asked for.
+void explain_reasons( wisp_plan_pass* p )
+{
+    enum
+    {
+        NAMED = 3,
+    };
+    const size_t size = sizeof( p->because );
+    const char* separator = "wanted: ";
+    int unnamed = 0;
+    for ( int i = 0; i < p->reason_count; ++i )
+    {
+        const wisp_plan_reason* reason = p->reasons + i;
+        const int left = reason->reader != NULL ? readers_from( p, i ) : 0;
+        if ( left > NAMED )
+        {
+            ++unnamed;
+            continue;
+        }
+        explain_append( p->because, size, separator );
+        explain_append( p->because, size, reason->component );
+        explain_append( p->because, size, " by " );
+        explain_append( p->because, size, reason->reader != NULL ? reason->reader : "the scene" );
+        separator = ", ";
+        if ( left == 1 && unnamed > 0 )
+        {
+            char more[48];
+            snprintf( more, sizeof( more ), " and by %d more", unnamed );
+            explain_append( p->because, size, more );
+            unnamed = 0;
+        }
+    }
+}
+
+// ---- why a pass is absent ----
+
+// What passes may need of an entity: rows that wait for a pass to fill them do not count.
+static store_mask given( const store_entity* e )
+{
+    return e->alive ? e->components & ~e->derived : 0;
+}
+
+store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass )
+{
+    store_mask anybody_has = 0;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        anybody_has |= given( r->store->entities + slot );
+    }
+    return plan_mask( pass->needs ) & ~anybody_has;
+}
+
+static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
+{
+    const store_mask needs = plan_mask( pass->needs ), lacks = plan_mask( pass->lacks );
+    bool suits = false, is_free = false;
+    for ( int slot = 0; slot < r->store->entity_count; ++slot )
+    {
+        const store_entity* e = r->store->entities + slot;
+        const bool has_all = e->alive && ( needs & ~given( e ) ) == 0;
+        suits = suits || has_all;
+        is_free = is_free || ( has_all && ( lacks & given( e ) ) == 0 );
+    }
+    if ( explain_missing( r, pass ) != 0 )
+    {
+        return WISP_PLAN_MISSING;
+    }
+    // A pass without needs suits every entity; in a world that has none, nobody wants it.
+    if ( is_free || ( suits == false && needs == 0 ) )
+    {
+        return WISP_PLAN_UNWANTED;
+    }
+    return suits ? WISP_PLAN_KEPT_OUT : WISP_PLAN_APART;
+}
+
+static void append_list( wisp_plan_pass* p, const char* const* names )
+{
+    for ( int i = 0; names[i] != NULL; ++i )
+    {
+        explain_append( p->because, sizeof( p->because ), i == 0 ? "" : names[i + 1] == NULL ? " and " : ", " );
+        explain_append( p->because, sizeof( p->because ), names[i] );
+    }
+}
+
+void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_pass* out )
+{
+    const store_mask missing = explain_missing( r, pass );
+    for ( int i = 0, count = 0; i < WISP_MAX_USES && pass->needs[i] != 0; ++i )
+    {
+        if ( ( missing & store_bit( pass->needs[i] ) ) != 0 )
+        {
+            out->missing[count++] = explain_name( r, pass->needs[i] );
+        }
+    }
+    static const struct
+    {
+        const char *before, *after;
+    } WORDS[] = {
+        [WISP_PLAN_MISSING] = { "needs ", ", which no entity has" },
+        [WISP_PLAN_APART] = { "needs ", ", which no entity has together" },
+        [WISP_PLAN_KEPT_OUT] = { "only without ", "" },
+        [WISP_PLAN_UNWANTED] = { "nobody wants ", "" },
+    };
+    out->state = state_of( r, pass );
+    const char* const first_write[] = { out->writes[0], NULL };
+    const char* const* lists[] = {
+        [WISP_PLAN_MISSING] = out->missing,
+        [WISP_PLAN_APART] = out->needs,
+        [WISP_PLAN_KEPT_OUT] = out->lacks,
+        [WISP_PLAN_UNWANTED] = first_write,
+    };
+    explain_append( out->because, sizeof( out->because ), WORDS[out->state].before );
+    append_list( out, lists[out->state] );
+    explain_append( out->because, sizeof( out->because ), WORDS[out->state].after );
+}

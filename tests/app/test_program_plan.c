@@ -1,0 +1,310 @@
+// `wisp plan`: its three forms agree with each other, and each can be read by who it is for.
+#include "program_fixture.h"
+
+#include <jansson.h>
+#include <math.h>
+
+static const char scene[] = "wisp: 1\n"
+                            "steps: 3\n"
+                            "strands:\n"
+                            "  - name: hair\n"
+                            "    make: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
+                            "    frozen_hair:\n"
+                            "      freeze: {}\n"
+                            "      align: { cursor: [0, -0.3, 0] }\n"
+                            "    look: {}\n"
+                            "    want: [points, width]\n";
+
+static int enter_folder( void** state )
+{
+    if ( enter_new_folder( state ) != 0 )
+    {
+        return -1;
+    }
+    write_file( "hair.yaml", scene );
+    write_file( "quo\"te.yaml", scene );
+    return 0;
+}
+
+static json_t* read_json( const char* command )
+{
+    run( command );
+    assert_int_equal( result.status, 0 );
+    assert_string_equal( result.err, "" );
+    json_error_t error;
+    json_t* root = json_loads( result.out, JSON_REJECT_DUPLICATES, &error );
+    if ( root == NULL )
+    {
+        fail_msg( "line %d: %s", error.line, error.text );
+    }
+    return root;
+}
+
+static const char* word( const json_t* object, const char* key )
+{
+    return json_string_value( json_object_get( object, key ) );
+}
+
+static json_t* find( const json_t* array, const char* name )
+{
+    for ( size_t i = 0; i < json_array_size( array ); ++i )
+    {
+        json_t* item = json_array_get( array, i );
+        if ( strcmp( word( item, "name" ), name ) == 0 )
+        {
+            return item;
+        }
+    }
+    fail_msg( "nothing is called %s", name );
+    return NULL;
+}
+
+static double sum_of( const json_t* passes, const char* key, int* count )
+{
+    double sum = 0.0;
+    *count = 0;
+    for ( size_t i = 0; i < json_array_size( passes ); ++i )
+    {
+        const json_t* value = json_object_get( json_array_get( passes, i ), key );
+        assert_non_null( value );
+        assert_true( json_is_null( value ) || isfinite( json_number_value( value ) ) );
+        *count += json_is_null( value ) ? 0 : 1;
+        sum += json_number_value( value );
+    }
+    return sum;
+}
+
+static void shares_of_the_json_form_sum_to_one( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json --steps 4" );
+    const json_t* passes = json_object_get( root, "passes" );
+    const int kept = (int)json_integer_value( json_object_get( root, "kept" ) );
+    assert_int_equal( json_integer_value( json_object_get( root, "wisp_plan" ) ), 1 );
+    assert_int_equal( kept, 6 ); // command, start, freeze, align, vertices in the user's order, width
+    const char* const keys[] = { "predicted_share", "measured_share" };
+    for ( int i = 0; i < WISP_COUNT( keys ); ++i )
+    {
+        int count = 0;
+        // a handful of quotients, each rounded once, and their text has all digits
+        assert_true( fabs( sum_of( passes, keys[i], &count ) - 1.0 ) < 1e-12 );
+        assert_int_equal( count, kept );
+    }
+    const json_t* measured = json_object_get( root, "measured" );
+    assert_int_equal( json_integer_value( json_object_get( measured, "steps" ) ), 4 );
+    assert_int_equal( json_integer_value( json_object_get( measured, "plan_changes" ) ), 0 );
+    json_decref( root );
+}
+
+static void without_steps_nothing_is_measured_and_all_else_is_told( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json --steps 0" );
+    int count = 0;
+    sum_of( json_object_get( root, "passes" ), "measured_share", &count );
+    assert_int_equal( count, 0 );
+    assert_true( json_is_null( json_object_get( root, "measured" ) ) );
+    assert_true( fabs( sum_of( json_object_get( root, "passes" ), "predicted_share", &count ) - 1.0 ) < 1e-12 );
+    json_decref( root );
+    run( "plan hair.yaml --steps 0" );
+    assert_int_equal( result.status, 0 );
+    assert_null( strstr( result.out, "measured 0" ) );
+    assert_non_null( strstr( result.out, "nothing is measured: no step was made" ) );
+}
+
+static void a_kept_pass_of_the_json_form_says_who_keeps_it_and_where_it_runs( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json" );
+    const json_t* freeze = find( json_object_get( root, "passes" ), "frozen_hair.freeze" );
+    assert_string_equal( word( freeze, "state" ), "kept" );
+    assert_string_equal( word( freeze, "module" ), "frozen_hair" );
+    assert_string_equal( word( freeze, "stage" ), "shape" );
+    const json_t* place = json_object_get( freeze, "place" );
+    assert_string_equal( word( place, "loop" ), "after" );
+    assert_int_equal( json_integer_value( json_object_get( place, "items" ) ), 3 ); // 40 strands, 16 a group
+    assert_true( json_integer_value( json_object_get( place, "bytes" ) ) > 0 );
+    const json_t* kept_by = json_object_get( freeze, "kept_by" );
+    assert_true( json_array_size( kept_by ) > 0 );
+    assert_string_equal( word( json_array_get( kept_by, 0 ), "component" ), "strand.position" );
+    const json_t* width = find( json_object_get( root, "passes" ), "strand_look.width" );
+    const json_t* reason = json_array_get( json_object_get( width, "kept_by" ), 0 );
+    assert_string_equal( word( reason, "component" ), "point.width" );
+    assert_true( json_is_null( json_object_get( reason, "reader" ) ) ); // a wish of the scene
+    json_decref( root );
+}
+
+static void every_absent_module_and_pass_has_its_reason_in_every_form( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json" );
+    const json_t* modules = json_object_get( root, "modules" );
+    assert_string_equal( word( find( modules, "balloon" ), "missing" ), "balloon.gas" );
+    assert_true( json_is_true( json_object_get( find( modules, "frozen_hair" ), "present" ) ) );
+    static const char* const FORMS[] = { "plan hair.yaml --format text", "plan hair.yaml --format dot" };
+    for ( int form = 0; form < WISP_COUNT( FORMS ); ++form )
+    {
+        run( FORMS[form] );
+        assert_int_equal( result.status, 0 );
+        for ( size_t i = 0; i < json_array_size( modules ); ++i )
+        {
+            const json_t* m = json_array_get( modules, i );
+            const bool is_present = json_is_true( json_object_get( m, "present" ) );
+            assert_non_null( strstr( result.out, word( m, "name" ) ) );
+            assert_true( is_present || strstr( result.out, word( m, "because" ) ) != NULL );
+        }
+    }
+    const json_t* clump = find( json_object_get( root, "passes" ), "frozen_hair.clump" );
+    assert_string_equal( word( clump, "state" ), "missing" );
+    assert_string_equal( json_string_value( json_array_get( json_object_get( clump, "missing" ), 0 ) ),
+                         "frozen_hair.clump" );
+    assert_true( json_is_null( json_object_get( clump, "place" ) ) );
+    json_decref( root );
+}
+
+static void the_text_form_says_of_each_pass_what_the_json_form_says( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json" );
+    run( "plan hair.yaml" );
+    assert_int_equal( result.status, 0 );
+    const json_t* passes = json_object_get( root, "passes" );
+    for ( size_t i = 0; i < json_array_size( passes ); ++i )
+    {
+        char line[512];
+        snprintf( line, sizeof( line ), " %s ", word( json_array_get( passes, i ), "name" ) );
+        assert_non_null( strstr( result.out, line ) );
+    }
+    assert_non_null( strstr( result.out, word( root, "hash" ) ) );
+    assert_non_null( strstr( result.out, "measured on one worker: 10 steps" ) );
+    json_decref( root );
+}
+
+// ---- graphs ----
+
+// Reads one quoted string. @return behind its closing quote
+static const char* skip_string( const char* at )
+{
+    for ( ++at; *at != '"'; ++at )
+    {
+        assert_true( *at != '\0' && *at != '\n' );
+        at += *at == '\\' ? 1 : 0;
+    }
+    return at + 1;
+}
+
+static void assert_balanced( const char* dot )
+{
+    int braces = 0, brackets = 0;
+    for ( const char* at = dot; *at; )
+    {
+        braces += *at == '{' ? 1 : *at == '}' ? -1 : 0;
+        brackets += *at == '[' ? 1 : *at == ']' ? -1 : 0;
+        assert_true( braces >= 0 && brackets >= 0 && brackets <= 1 );
+        at = *at == '"' ? skip_string( at ) : at + 1;
+    }
+    assert_int_equal( braces, 0 );
+    assert_int_equal( brackets, 0 );
+}
+
+static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json" );
+    run( "plan hair.yaml --format dot" );
+    assert_int_equal( result.status, 0 );
+    assert_int_equal( strncmp( result.out, "digraph wisp_plan {", 19 ), 0 );
+    assert_balanced( result.out );
+    const json_t* passes = json_object_get( root, "passes" );
+    for ( size_t i = 0; i < json_array_size( passes ); ++i )
+    {
+        char node[128];
+        snprintf( node, sizeof( node ), "\"%s\" [label=", word( json_array_get( passes, i ), "name" ) );
+        const bool is_kept = strcmp( word( json_array_get( passes, i ), "state" ), "kept" ) == 0;
+        const char* first = strstr( result.out, node );
+        // an edge ends in the same words, but never begins a line of its own cluster
+        char line[144];
+        snprintf( line, sizeof( line ), "      %s", node );
+        assert_true( ( strstr( result.out, line ) != NULL ) == is_kept );
+        assert_true( is_kept || first == NULL );
+    }
+    assert_non_null( strstr( result.out, "\"frozen_hair.freeze\" -> \"frozen_hair.align\"" ) );
+    assert_non_null( strstr( result.out, "label=\"after\"" ) );
+    assert_non_null( strstr( result.out, "label=\"shape\"" ) );
+    json_decref( root );
+}
+
+static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
+{
+    (void)state;
+    run( "plan quo\"te.yaml --format dot --steps 0" );
+    assert_int_equal( result.status, 0 );
+    assert_balanced( result.out );
+    assert_non_null( strstr( result.out, "quo\\\"te.yaml" ) );
+    json_t* root = read_json( "plan quo\"te.yaml --format json --steps 0" );
+    assert_non_null( strstr( word( root, "scene" ), "quo\"te.yaml" ) );
+    json_decref( root );
+}
+
+// ---- scenes of the tree, and wrong words ----
+
+static void an_empty_scene_has_a_plan_in_every_form( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format json" );
+    assert_int_equal( json_integer_value( json_object_get( root, "kept" ) ), 0 );
+    int count = 0;
+    sum_of( json_object_get( root, "passes" ), "measured_share", &count );
+    assert_int_equal( count, 0 );
+    json_decref( root );
+    run( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format dot" );
+    assert_int_equal( result.status, 0 );
+    assert_balanced( result.out );
+}
+
+static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void** state )
+{
+    (void)state;
+    run( "plan " WISP_SOURCE_ROOT "/data/scenes/hanging_cloth.yaml --format dot --steps 1" );
+    assert_int_equal( result.status, 0 );
+    assert_balanced( result.out );
+    static const char* const LOOPS[] = { "substep", "iteration", "substep end", "after" };
+    for ( int i = 0; i < WISP_COUNT( LOOPS ); ++i )
+    {
+        char label[40];
+        snprintf( label, sizeof( label ), "label=\"%s\"", LOOPS[i] );
+        assert_non_null( strstr( result.out, label ) );
+    }
+    assert_non_null( strstr( result.out, "style=dashed, constraint=false" ) );
+}
+
+static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void** state )
+{
+    (void)state;
+    assert_usage( "plan hair.yaml --format svg", "--format: there is no 'svg'" );
+    assert_usage( "plan hair.yaml --steps -1", "--steps: '-1'" );
+    assert_usage( "plan hair.yaml --steps many", "--steps: 'many'" );
+    assert_refused( "plan nowhere.yaml --format json", "nowhere.yaml" );
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || realpath( argv[1], program ) == NULL )
+    {
+        fputs( "usage: test_program_plan PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( shares_of_the_json_form_sum_to_one ),
+        cmocka_unit_test( without_steps_nothing_is_measured_and_all_else_is_told ),
+        cmocka_unit_test( a_kept_pass_of_the_json_form_says_who_keeps_it_and_where_it_runs ),
+        cmocka_unit_test( every_absent_module_and_pass_has_its_reason_in_every_form ),
+        cmocka_unit_test( the_text_form_says_of_each_pass_what_the_json_form_says ),
+        cmocka_unit_test( a_graph_is_balanced_and_names_each_kept_pass_once ),
+        cmocka_unit_test( a_quote_in_a_name_does_not_end_a_string_of_the_graph ),
+        cmocka_unit_test( an_empty_scene_has_a_plan_in_every_form ),
+        cmocka_unit_test( a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed ),
+        cmocka_unit_test( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input ),
+    };
+    return cmocka_run_group_tests( tests, enter_folder, leave_folder );
+}
