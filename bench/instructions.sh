@@ -1,14 +1,17 @@
 #!/bin/sh
 # Counts the instructions of repeated steps with callgrind, once with every module registered and once with only those
-# that the scene uses, and fails if the two differ.
+# that the scene uses, and fails if the two differ. There is a scene for every effect, the same without the effect
+# (EFFECT-off, where its module is either registered and not asked for, or not there at all), and an empty one.
 #
-#     bench/instructions.sh PROGRAM        PROGRAM is the built wisp_instructions
+#     bench/instructions.sh PROGRAM [SCENE...]     PROGRAM is the built wisp_instructions; it lists its scenes
 #
 # Only wisp_world_step is counted. The first steps compile the plan and fill buffers, so two runs of different lengths
 # are subtracted from each other and what remains are repeated steps. Exit status: 0 equal, 1 different, 2 no count.
 set -eu
 
 program=${1:?which program? the built wisp_instructions}
+shift
+[ $# -gt 0 ] || set -- $("$program" list)
 short=3
 long=13
 
@@ -32,7 +35,8 @@ count()
 }
 
 equal=true
-for scene in hair empty; do
+for scene in "$@"; do
+    counted=
     for modules in every used; do
         first=$(count "$modules" "$scene" "$short") || exit 2
         second=$(count "$modules" "$scene" "$long") || exit 2
@@ -43,13 +47,12 @@ for scene in hair empty; do
         fi
         echo "$scene scene, $modules: $steps instructions in $((long - short)) steps" \
             "($(cat "$folder/$modules.$scene.$long.out"))"
-        eval "${scene}_${modules}=$steps"
+        if [ -n "$counted" ] && [ "$counted" -ne "$steps" ]; then
+            echo "$scene scene: modules that nobody asks for cost $((counted - steps)) instructions in" \
+                "$((long - short)) steps" >&2
+            equal=false
+        fi
+        counted=$steps
     done
-    eval "every=\$${scene}_every used=\$${scene}_used"
-    if [ "$every" -ne "$used" ]; then
-        echo "$scene scene: modules that nobody asks for cost $((every - used)) instructions in" \
-            "$((long - short)) steps" >&2
-        equal=false
-    fi
 done
 $equal

@@ -1,23 +1,10 @@
-// Steps a small scene on one worker, with every module registered or only those the scene uses. instructions.sh
-// counts what the steps execute: a module that no scene asks for must not cost a single instruction.
-#include "frozen_hair/frozen_hair.h"
-#include "groom.h"
+// Steps the small scene of an effect on one worker, with every module registered or only those the scene uses.
+// instructions.sh counts what the steps execute: a module that no scene asks for must not cost a single instruction.
+#include "effects/effect_world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define WISP_MODULE( name ) extern const wisp_module wisp_##name##_module;
-#include "modules.inc"
-#undef WISP_MODULE
-
-#define WISP_MODULE( name ) &wisp_##name##_module,
-static const wisp_module* const every_module[] = {
-#include "modules.inc"
-};
-#undef WISP_MODULE
-
-static const wisp_module* const hair_module[] = { &wisp_frozen_hair_module };
 
 // The C library's memcpy chooses its way by how source and target lie within a page. Where registered modules hold
 // memory too, blocks lie elsewhere; on pages of their own they lie at the same place of a page whatever came before.
@@ -36,85 +23,69 @@ static void release_pages( void* user, void* block, size_t size )
     free( block );
 }
 
-static const wisp_vec3 cursor = { 0.3f, -1.0f, 0.0f };
-
-static wisp_status add_hair( wisp_world* world, wisp_entity* hair, wisp_error* error )
+static int list_scenes( void )
 {
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_WAVY, 2 );
-    recipe.strand_count = 100;
-    recipe.vertices_per_strand = 20;
-    recipe.spacing = 0.0005f;
-    wisp_groom groom;
-    wisp_status status = wisp_groom_make( &recipe, &groom, error );
-    if ( status != WISP_OK )
+    int count;
+    const effect* all = effects_all( &count );
+    puts( "empty" );
+    for ( int i = 0; i < count; ++i )
     {
-        return status;
+        printf( "%s\n%s-off\n", all[i].name, all[i].name );
     }
-    wisp_strands_def strands = wisp_default_strands_def();
-    strands.points = groom.points;
-    strands.offsets = groom.offsets;
-    strands.strand_count = groom.strand_count;
-    strands.dimension = 2;
-    status = wisp_add_strands( world, &strands, hair );
-    wisp_groom_release( &groom );
-
-    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    def.cursor = cursor;
-    def.reach = 10.0f;
-    def.clump_radius = 0.0045f;
-    status = status == WISP_OK ? wisp_set_frozen_hair( world, *hair, &def ) : status;
-    return status == WISP_OK ? wisp_want( world, *hair, WISP_STRAND_POINTS ) : status;
+    return 0;
 }
 
-static wisp_status step_often( wisp_world* world, wisp_entity hair, bool has_hair, int steps )
+// "empty", the name of an effect, or that and "-off": what it acts on, without it.
+static bool read_scene( const char* text, effect_world_def* def, const effect** storage )
 {
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < steps && status == WISP_OK; ++i )
+    if ( strcmp( text, "empty" ) == 0 )
     {
-        status = has_hair ? wisp_command_frozen_hair( world, hair, cursor ) : WISP_OK;
-        status = status == WISP_OK ? wisp_world_step( world, 1.0f / 60.0f ) : status;
+        return true;
     }
-    return status;
+    char name[64];
+    const char* off = strstr( text, "-off" );
+    const int length = (int)( off != NULL ? off - text : (ptrdiff_t)strlen( text ) );
+    snprintf( name, sizeof( name ), "%.*s", length, text );
+    *storage = effects_find( name );
+    def->effects = storage;
+    def->count = 1;
+    def->is_on = off == NULL;
+    return *storage != NULL && ( off == NULL || strcmp( off, "-off" ) == 0 );
 }
 
 int main( int argc, char** argv )
 {
-    bool every = argc == 4 && strcmp( argv[1], "every" ) == 0;
-    bool has_hair = argc == 4 && strcmp( argv[2], "hair" ) == 0;
-    int steps = argc == 4 ? atoi( argv[3] ) : 0;
-    if ( steps < 1 || ( !every && strcmp( argv[1], "used" ) != 0 ) ||
-         ( !has_hair && strcmp( argv[2], "empty" ) != 0 ) )
+    if ( argc == 2 && strcmp( argv[1], "list" ) == 0 )
     {
-        fputs( "usage: wisp_instructions every|used hair|empty STEPS\n", stderr );
+        return list_scenes();
+    }
+    const effect* storage = NULL;
+    effect_world_def def = { .size = { .side = 10, .level = 1, .strands = 100 },
+                             .allocator = { .allocate = allocate_pages, .release = release_pages } };
+    const bool every = argc == 4 && strcmp( argv[1], "every" ) == 0;
+    const int steps = argc == 4 ? atoi( argv[3] ) : 0;
+    if ( steps < 1 || ( !every && strcmp( argv[1], "used" ) != 0 ) || !read_scene( argv[2], &def, &storage ) )
+    {
+        fputs( "usage: wisp_instructions list | every|used SCENE STEPS\n", stderr );
         return 64;
     }
+    def.registry = every ? EFFECT_EVERY : EFFECT_USED;
 
-    // An empty scene uses no module at all.
-    wisp_world_def def = wisp_default_world_def();
-    def.modules = every ? every_module : hair_module;
-    def.module_count = every ? WISP_COUNT( every_module ) : has_hair ? 1 : 0;
-    def.workers = 1;
-    def.allocator = ( wisp_allocator ){ .allocate = allocate_pages, .release = release_pages };
     wisp_error error = { 0 };
-    wisp_world* world = NULL;
-    wisp_entity hair = { 0 };
-    wisp_status status = wisp_world_create( &def, &world, &error );
-    if ( status == WISP_OK && has_hair )
+    effect_world world;
+    wisp_status status = effect_world_open( &def, &world, &error );
+    for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
-        status = add_hair( world, &hair, &error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = step_often( world, hair, has_hair, steps );
+        status = effect_world_step( &world, &error );
     }
     if ( status != WISP_OK )
     {
-        fprintf( stderr, "wisp_instructions: %s\n", world ? wisp_world_message( world ) : error.sentence );
+        fprintf( stderr, "wisp_instructions: %s\n", error.sentence );
     }
     else
     {
-        printf( "%d modules, %d passes\n", def.module_count, wisp_world_plan_passes( world ) );
+        printf( "%d modules, %d passes\n", world.module_count, wisp_world_plan_passes( world.world ) );
     }
-    wisp_world_destroy( world );
+    effect_world_close( &world );
     return status == WISP_OK ? 0 : 2;
 }

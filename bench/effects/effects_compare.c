@@ -1,0 +1,280 @@
+// Each effect against itself: on and off, with every module registered and with only those in use.
+#include "effects/effects_bench.h"
+
+#include "cells.h"
+#include "stats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    ON,             // every module is registered
+    ON_USED,        // only those that the scene uses
+    OFF,            // every module, and nobody asks for the effect
+    NOT_REGISTERED, // the same without its module, and without all others that are not used
+    WAYS,
+};
+
+static const char* const way_names[WAYS] = { "on", "on, used modules only", "off", "not registered" };
+
+// One effect all ways.
+typedef struct contest
+{
+    const effect* effect;
+    effect_world worlds[WAYS];
+    bench_variant variants[WAYS];
+    stats_summary ms[WAYS];
+    uint64_t hash[WAYS];
+    char plan[WAYS][EFFECT_PLAN_MAX];
+    int passes[WAYS];
+    size_t bytes[WAYS]; // beyond the registry
+    int vertices;
+} contest;
+
+static wisp_status open_way( const effects_plan* plan, contest* c, int way, wisp_error* error )
+{
+    const effect_world_def def = {
+        .effects = &c->effect,
+        .count = 1,
+        .is_on = way == ON || way == ON_USED,
+        .registry = way == ON || way == OFF ? EFFECT_EVERY : EFFECT_USED,
+        .size = plan->size,
+    };
+    effect_world* world = c->worlds + way;
+    wisp_status status = effect_world_open( &def, world, error );
+    for ( int i = 0; i < plan->steps && status == WISP_OK; ++i )
+    {
+        status = effect_world_step( world, error );
+    }
+    status = status == WISP_OK ? effect_world_hash( world, 0, c->hash + way, error ) : status;
+    status = status == WISP_OK ? effect_world_plan( world, c->plan[way], c->passes + way, error ) : status;
+    if ( status == WISP_OK )
+    {
+        c->bytes[way] = effect_world_bytes( world );
+        c->vertices = effect_scene_vertices( world->scenes, world->world );
+        c->variants[way] = ( bench_variant ){ .name = way_names[way], .step = effect_world_step, .context = world };
+    }
+    return status;
+}
+
+// ---- what must be equal ----
+
+static void check_pair( const contest* c, int one, int other, results* out )
+{
+    const char* name = c->effect->name;
+    if ( strcmp( c->plan[one], c->plan[other] ) != 0 )
+    {
+        results_add_failure( out, "%s: the plans '%s' and '%s' differ: %s; %s", name, way_names[one],
+                             way_names[other], c->plan[one], c->plan[other] );
+    }
+    if ( c->hash[one] != c->hash[other] )
+    {
+        results_add_failure( out, "%s: points differ between '%s' and '%s'", name, way_names[one], way_names[other] );
+    }
+    if ( c->bytes[one] != c->bytes[other] )
+    {
+        results_add_failure( out, "%s: %zu bytes beyond the registry '%s', %zu '%s'", name, c->bytes[one],
+                             way_names[one], c->bytes[other], way_names[other] );
+    }
+}
+
+static void check( const contest* c, results* out )
+{
+    check_pair( c, ON, ON_USED, out );
+    check_pair( c, OFF, NOT_REGISTERED, out );
+    if ( strcmp( c->plan[ON], c->plan[OFF] ) == 0 )
+    {
+        results_add_failure( out, "%s: it is on, and its plan is the one without it", c->effect->name );
+    }
+}
+
+static bool agree( const contest* c, int one, int other )
+{
+    return strcmp( c->plan[one], c->plan[other] ) == 0 && c->hash[one] == c->hash[other] &&
+           c->bytes[one] == c->bytes[other];
+}
+
+// ---- tables ----
+
+static int begin_table( results* out )
+{
+    cells header = { 0 };
+    static const char* const NAMES[] = { "effect",
+                                         "vertices",
+                                         "passes on / off",
+                                         "ms on",
+                                         "ms on, used",
+                                         "ms off",
+                                         "ms not registered",
+                                         "off / not registered",
+                                         "KiB on",
+                                         "KiB off",
+                                         "KiB not registered",
+                                         "registry KiB every / used",
+                                         "same plan, bits, bytes" };
+    for ( int i = 0; i < WISP_COUNT( NAMES ); ++i )
+    {
+        cells_put( &header, "%s", NAMES[i] );
+    }
+    return cells_begin_table( &header, "Effects: what nobody asks for costs nothing, one worker", out );
+}
+
+static void add_row( const contest* c, int table, results* out )
+{
+    cells row = { 0 };
+    cells_put( &row, "%s", c->effect->name );
+    cells_put( &row, "%d", c->vertices );
+    cells_put( &row, "%d / %d", c->passes[ON], c->passes[OFF] );
+    for ( int way = 0; way < WAYS; ++way )
+    {
+        cells_put_number( &row, c->ms[way].median, 4 );
+    }
+    cells_put_number( &row, c->ms[OFF].median / c->ms[NOT_REGISTERED].median, 3 );
+    cells_put_number( &row, (double)c->bytes[ON] / 1024.0, 1 );
+    cells_put_number( &row, (double)c->bytes[OFF] / 1024.0, 1 );
+    cells_put_number( &row, (double)c->bytes[NOT_REGISTERED] / 1024.0, 1 );
+    cells_put_pair( &row, (double)c->worlds[OFF].registry_bytes / 1024.0, 1,
+                    (double)c->worlds[NOT_REGISTERED].registry_bytes / 1024.0, 1 );
+    cells_put( &row, "%s", agree( c, ON, ON_USED ) && agree( c, OFF, NOT_REGISTERED ) ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+}
+
+static void add_rows_for_machines( const contest* c, results* out )
+{
+    for ( int way = 0; way < WAYS; ++way )
+    {
+        char variant[64];
+        snprintf( variant, sizeof( variant ), "%s: %s", c->effect->name, way_names[way] );
+        results_row* row = results_add_row( out, "effects", variant );
+        if ( row == NULL )
+        {
+            return;
+        }
+        results_put( &row->size, "vertices", c->vertices );
+        results_put( &row->size, "passes", c->passes[way] );
+        results_put( &row->size, "bytes", (double)c->bytes[way] );
+        results_put( &row->size, "registry_bytes", (double)c->worlds[way].registry_bytes );
+        row->workers = 1;
+        row->ms_median = c->ms[way].median;
+        row->ms_p10 = c->ms[way].p10;
+        row->ms_p90 = c->ms[way].p90;
+        row->steps = c->ms[way].count;
+        row->hash = c->hash[way];
+        row->has_hash = true;
+    }
+}
+
+// Points that lie on the diagonal cost nothing.
+typedef struct diagonal
+{
+    int chart, on, off, line;
+} diagonal;
+
+static diagonal begin_chart( results* out )
+{
+    diagonal d = { .chart = results_add_chart( out, "Effects with only the modules in use, and with all of them",
+                                               "only modules in use, ms a step", "every module, ms a step" ) };
+    results_chart* chart = results_chart_at( out, d.chart );
+    if ( chart != NULL )
+    {
+        chart->x_log = chart->y_log = true;
+        snprintf(
+            chart->caption, sizeof( chart->caption ),
+            "What lies on the line costs the same whether modules that nobody asks for are registered or not." );
+    }
+    d.line = results_add_series( out, d.chart, "the same", true );
+    d.on = results_add_series( out, d.chart, "the effect is on", false );
+    d.off = results_add_series( out, d.chart, "it is off, or not registered", false );
+    return d;
+}
+
+static void add_points( const contest* c, const diagonal* d, results* out )
+{
+    results_point on = { .x = c->ms[ON_USED].median, .y = c->ms[ON].median };
+    results_point off = { .x = c->ms[NOT_REGISTERED].median, .y = c->ms[OFF].median };
+    snprintf( on.label, sizeof( on.label ), "%s", c->effect->name );
+    snprintf( off.label, sizeof( off.label ), "without %s", c->effect->name );
+    results_add_point( out, d->chart, d->on, on );
+    results_add_point( out, d->chart, d->off, off );
+}
+
+static void end_chart( const diagonal* d, double least, double most, results* out )
+{
+    results_add_point( out, d->chart, d->line, ( results_point ){ .x = least, .y = least } );
+    results_add_point( out, d->chart, d->line, ( results_point ){ .x = most, .y = most } );
+}
+
+// ---- one effect after the other ----
+
+static wisp_status run_contest( const effects_plan* plan, double seconds, contest* c, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int way = 0; way < WAYS && status == WISP_OK; ++way )
+    {
+        status = open_way( plan, c, way, error );
+    }
+    const bench_effort effort = { .seconds = seconds, .rounds_min = 3, .samples_max = plan->samples_max };
+    status = status == WISP_OK ? bench_interleave( c->variants, WAYS, &effort, error ) : status;
+    for ( int way = 0; way < WAYS && status == WISP_OK; ++way )
+    {
+        c->ms[way] = stats_summarise( c->variants[way].samples, c->variants[way].sample_count );
+    }
+    return status;
+}
+
+static void end_contest( contest* c )
+{
+    bench_free_samples( c->variants, WAYS );
+    for ( int way = 0; way < WAYS; ++way )
+    {
+        effect_world_close( c->worlds + way );
+    }
+}
+
+static void add_notes( results* out )
+{
+    results_add_note( out,
+                      "Effects: bytes are those beyond the registry, which holds every registered module's state; "
+                      "'used' is what remains of the registry without modules that do not act. Climate, frozen hair "
+                      "and strand look hear a new command before every step, which is in their times." );
+    results_add_note( out, "Effects: times of a machine that others use differ by chance. What a step executes is "
+                           "counted, not timed, by ./dev bench instructions: for every effect, on and off, the same "
+                           "number with every module as with only those in use." );
+}
+
+wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error* error )
+{
+    int count;
+    const effect* all = effects_all( &count );
+    contest* c = malloc( sizeof( contest ) );
+    if ( c == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare effects" );
+    }
+    const int table = begin_table( out );
+    const diagonal d = begin_chart( out );
+    double least = INFINITY, most = 0.0;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        bench_progress( plan->options, 0.7 * i / count, all[i].name );
+        *c = ( contest ){ .effect = all + i };
+        status = run_contest( plan, plan->seconds / count, c, error );
+        if ( status == WISP_OK )
+        {
+            check( c, out );
+            add_row( c, table, out );
+            add_rows_for_machines( c, out );
+            add_points( c, &d, out );
+            least = fmin( least, fmin( c->ms[NOT_REGISTERED].median, c->ms[OFF].median ) );
+            most = fmax( most, fmax( c->ms[ON].median, c->ms[ON_USED].median ) );
+        }
+        end_contest( c );
+    }
+    free( c );
+    end_chart( &d, least, most, out );
+    add_notes( out );
+    return status;
+}

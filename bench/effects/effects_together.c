@@ -1,0 +1,155 @@
+// Effects in worlds of their own, and together in one: what they cost adds up, and none moves otherwise beside others.
+#include "effects/effects_bench.h"
+
+#include "cells.h"
+#include "stats.h"
+
+#include <math.h>
+
+#define PARTS 4
+#define TOLERANCE 0.10 ///< of the sum, within which it is the sum
+
+static const char* const part_names[PARTS] = { "cloth", "balloon", "strands", "frozen_hair" };
+
+// Entrants 0 to PARTS - 1 are alone, the last one is all of them.
+typedef struct gathering
+{
+    const effect* effects[PARTS];
+    effect_world worlds[PARTS + 1];
+    bench_variant variants[PARTS + 1];
+    stats_summary ms[PARTS + 1];
+    uint64_t alone[PARTS], beside[PARTS]; // hashes of the same entity
+    int passes[PARTS + 1];
+} gathering;
+
+static wisp_status open_world( const effects_plan* plan, gathering* g, int entrant, wisp_error* error )
+{
+    const bool is_all = entrant == PARTS;
+    const effect_world_def def = {
+        .effects = g->effects + ( is_all ? 0 : entrant ),
+        .count = is_all ? PARTS : 1,
+        .is_on = true,
+        .registry = EFFECT_EVERY,
+        .size = plan->together,
+    };
+    effect_world* world = g->worlds + entrant;
+    wisp_status status = effect_world_open( &def, world, error );
+    for ( int i = 0; i < plan->steps && status == WISP_OK; ++i )
+    {
+        status = effect_world_step( world, error );
+    }
+    for ( int i = 0; i < def.count && status == WISP_OK; ++i )
+    {
+        status = effect_world_hash( world, i, is_all ? g->beside + i : g->alone + entrant, error );
+    }
+    char names[EFFECT_PLAN_MAX];
+    status = status == WISP_OK ? effect_world_plan( world, names, g->passes + entrant, error ) : status;
+    g->variants[entrant] = ( bench_variant ){
+        .name = is_all ? "together" : part_names[entrant],
+        .step = effect_world_step,
+        .context = world,
+    };
+    return status;
+}
+
+static void add_line( const gathering* g, int entrant, double sum, int table, results* out )
+{
+    effect_world* world = (effect_world*)(uintptr_t)( g->worlds + entrant );
+    int vertices = 0;
+    for ( int i = 0; i < world->scene_count; ++i )
+    {
+        vertices += effect_scene_vertices( world->scenes + i, world->world );
+    }
+    cells row = { 0 };
+    cells_put( &row, "%s", g->variants[entrant].name );
+    cells_put( &row, "%d", vertices );
+    cells_put( &row, "%d", g->passes[entrant] );
+    cells_put_number( &row, g->ms[entrant].median, 4 );
+    cells_put_number( &row, 100.0 * g->ms[entrant].median / sum, 1 );
+    cells_put( &row, "%s", entrant == PARTS ? "-" : g->alone[entrant] == g->beside[entrant] ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+
+    char variant[64];
+    snprintf( variant, sizeof( variant ), "together: %s", entrant == PARTS ? "all" : part_names[entrant] );
+    results_row* record = results_add_row( out, "effects", variant );
+    if ( record != NULL )
+    {
+        results_put( &record->size, "vertices", vertices );
+        results_put( &record->size, "passes", g->passes[entrant] );
+        record->workers = 1;
+        record->ms_median = g->ms[entrant].median;
+        record->ms_p10 = g->ms[entrant].p10;
+        record->ms_p90 = g->ms[entrant].p90;
+        record->steps = g->ms[entrant].count;
+        record->hash = entrant == PARTS ? 0 : g->alone[entrant];
+        record->has_hash = entrant < PARTS;
+    }
+}
+
+static void conclude( const gathering* g, results* out )
+{
+    static const char* const HEADER[] = { "world", "vertices",     "passes",
+                                          "ms",    "% of the sum", "same bits beside others" };
+    const int table = results_add_table( out, "Effects: a world of four, and each alone, one worker",
+                                         WISP_COUNT( HEADER ), HEADER );
+    double sum = 0.0, p10 = 0.0;
+    for ( int i = 0; i < PARTS; ++i )
+    {
+        sum += g->ms[i].median;
+        p10 += g->ms[i].p10;
+    }
+    for ( int i = 0; i <= PARTS; ++i )
+    {
+        add_line( g, i, sum, table, out );
+    }
+    for ( int i = 0; i < PARTS; ++i )
+    {
+        if ( g->alone[i] != g->beside[i] )
+        {
+            results_add_failure( out, "Effects: %s moves otherwise beside others than alone", part_names[i] );
+        }
+    }
+    const double ratio = g->ms[PARTS].median / sum;
+    results_add_note(
+        out,
+        "Effects: four alone take %.4f ms together, in one world %.4f ms: %.3f of the sum by medians, "
+        "%.3f by the fastest tenth%s",
+        sum, g->ms[PARTS].median, ratio, g->ms[PARTS].p10 / p10,
+        fabs( ratio - 1.0 ) <= TOLERANCE
+            ? "."
+            : "; the first is more than a tenth away from 1. On a machine that others use, or whose caches "
+              "hold one of them and not all four, this is no defect." );
+}
+
+wisp_status effects_together( const effects_plan* plan, results* out, wisp_error* error )
+{
+    bench_progress( plan->options, 0.7, "effects together" );
+    gathering g = { 0 };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < PARTS; ++i )
+    {
+        g.effects[i] = effects_find( part_names[i] );
+        WISP_ASSERT( g.effects[i] != NULL );
+    }
+    for ( int i = 0; i <= PARTS && status == WISP_OK; ++i )
+    {
+        status = open_world( plan, &g, i, error );
+    }
+    const bench_effort effort = { .seconds = 0.5 * plan->seconds, .rounds_min = 3, .samples_max = plan->samples_max };
+    status = status == WISP_OK ? bench_interleave( g.variants, PARTS + 1, &effort, error ) : status;
+    for ( int i = 0; i <= PARTS && status == WISP_OK; ++i )
+    {
+        g.ms[i] = stats_summarise( g.variants[i].samples, g.variants[i].sample_count );
+    }
+    if ( status == WISP_OK )
+    {
+        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( g.worlds[PARTS].world ) );
+        conclude( &g, out );
+    }
+    bench_free_samples( g.variants, PARTS + 1 );
+    for ( int i = 0; i <= PARTS; ++i )
+    {
+        effect_world_close( g.worlds + i );
+    }
+    return status;
+}

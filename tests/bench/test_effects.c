@@ -1,0 +1,397 @@
+// What nobody asks for costs nothing: the plan of every effect alone, of every pair and of all together has the passes of
+// its parts and no other, and modules that are only registered change neither plan nor state nor memory.
+#include "bench_tables.h"
+
+#include "effects/effect_world.h"
+#include "effects/effects_bench.h"
+#include "world.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define PLANS_FILE WISP_SOURCE_ROOT "/data/golden/effects.plan"
+
+static const effect_size small = { .side = 6, .level = 1, .strands = 16 };
+
+static effect_world open_world( const effect* const* effects, int count, bool is_on, effect_registry registry,
+                                int steps )
+{
+    const effect_world_def def = {
+        .effects = effects, .count = count, .is_on = is_on, .registry = registry, .size = small
+    };
+    effect_world world;
+    wisp_error error = { WISP_OK, "" };
+    wisp_status status = effect_world_open( &def, &world, &error );
+    for ( int i = 0; i < steps && status == WISP_OK; ++i )
+    {
+        status = effect_world_step( &world, &error );
+    }
+    if ( status != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+    return world;
+}
+
+// The passes of a world, in plan order.
+typedef struct pass_list
+{
+    const wisp_pass* passes[PLAN_MAX_PASSES];
+    int count;
+} pass_list;
+
+static const wisp_pass* registered( const wisp_world* world, const char* name )
+{
+    for ( int i = 0; i < world->registry.pass_count; ++i )
+    {
+        if ( strcmp( world->registry.passes[i].name, name ) == 0 )
+        {
+            return world->registry.passes + i;
+        }
+    }
+    return NULL;
+}
+
+static void read_plan( effect_world* world, char* text )
+{
+    wisp_error error = { WISP_OK, "" };
+    if ( effect_world_plan( world, text, NULL, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+}
+
+// @param world in which the passes are registered @param text the names, a blank between two; is cut into them
+static pass_list parse_plan( const wisp_world* world, char* text )
+{
+    pass_list list = { .count = 0 };
+    for ( const char* name = strtok( text, " " ); name != NULL; name = strtok( NULL, " " ) )
+    {
+        const wisp_pass* pass = registered( world, name );
+        assert_non_null( pass );
+        list.passes[list.count++] = pass;
+    }
+    return list;
+}
+
+static int place_of( const pass_list* list, const wisp_pass* pass )
+{
+    for ( int i = 0; i < list->count; ++i )
+    {
+        if ( list->passes[i] == pass )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static bool conflict( const wisp_pass* a, const wisp_pass* b )
+{
+    const store_mask writes_a = plan_mask( a->writes ) | plan_mask( a->across ),
+                     writes_b = plan_mask( b->writes ) | plan_mask( b->across );
+    return ( writes_a & ( writes_b | plan_mask( b->reads ) ) ) != 0 || ( writes_b & plan_mask( a->reads ) ) != 0;
+}
+
+// Does the plan have all passes of a part, those that have to do with each other in the order of the part?
+static bool holds( const pass_list* all, const pass_list* part )
+{
+    bool good = true;
+    for ( int i = 0; i < part->count; ++i )
+    {
+        const int place = place_of( all, part->passes[i] );
+        good = good && place >= 0;
+        for ( int before = 0; before < i; ++before )
+        {
+            good = good && ( !conflict( part->passes[before], part->passes[i] ) ||
+                             place_of( all, part->passes[before] ) < place );
+        }
+    }
+    return good;
+}
+
+// The plan of some effects has the passes of each alone, and no other.
+static void assert_sum_of_parts( const effect* const* effects, int count )
+{
+    effect_world world = open_world( effects, count, true, EFFECT_EVERY, 0 );
+    char text[EFFECT_PLAN_MAX], shown[EFFECT_PLAN_MAX];
+    read_plan( &world, text );
+    memcpy( shown, text, sizeof( text ) );
+    const pass_list all = parse_plan( world.world, text );
+    bool owned[PLAN_MAX_PASSES] = { false };
+    for ( int i = 0; i < count; ++i )
+    {
+        effect_world alone = open_world( effects + i, 1, true, EFFECT_EVERY, 0 );
+        read_plan( &alone, text );
+        const pass_list part = parse_plan( world.world, text );
+        if ( !holds( &all, &part ) )
+        {
+            fail_msg( "%s alone has other passes than in '%s'", effects[i]->name, shown );
+        }
+        for ( int k = 0; k < all.count; ++k )
+        {
+            owned[k] = owned[k] || place_of( &part, all.passes[k] ) >= 0;
+        }
+        effect_world_close( &alone );
+    }
+    for ( int k = 0; k < all.count; ++k )
+    {
+        if ( !owned[k] )
+        {
+            fail_msg( "nobody asked for %s in '%s'", all.passes[k]->name, shown );
+        }
+    }
+    effect_world_close( &world );
+}
+
+// ---- plans ----
+
+static void an_empty_scene_has_no_pass( void** state )
+{
+    (void)state;
+    char text[EFFECT_PLAN_MAX];
+    effect_world world = open_world( NULL, 0, true, EFFECT_EVERY, 0 );
+    read_plan( &world, text );
+    assert_string_equal( text, "" );
+    effect_world_close( &world );
+}
+
+// As a line of the file has it.
+static void plan_line( const effect* which, char* line, size_t size )
+{
+    char text[EFFECT_PLAN_MAX];
+    effect_world world = open_world( &which, 1, true, EFFECT_EVERY, 0 );
+    read_plan( &world, text );
+    snprintf( line, size, "%s: %s\n", which->name, text );
+    effect_world_close( &world );
+}
+
+static void write_plans( void )
+{
+    int count;
+    const effect* all = effects_all( &count );
+    FILE* file = fopen( PLANS_FILE, "w" );
+    assert_non_null( file );
+    for ( int i = 0; i < count; ++i )
+    {
+        char line[EFFECT_PLAN_MAX + 80];
+        plan_line( all + i, line, sizeof( line ) );
+        fputs( line, file );
+    }
+    assert_int_equal( fclose( file ), 0 );
+}
+
+// WISP_GOLDEN=write in the environment writes the file anew first.
+static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other( void** state )
+{
+    (void)state;
+    const char* mode = getenv( "WISP_GOLDEN" );
+    if ( mode != NULL && strcmp( mode, "write" ) == 0 )
+    {
+        write_plans();
+    }
+    int count, lines = 0;
+    const effect* all = effects_all( &count );
+    FILE* file = fopen( PLANS_FILE, "r" );
+    assert_non_null( file );
+    static char line[EFFECT_PLAN_MAX + 80], expected[EFFECT_PLAN_MAX + 80];
+    for ( ; fgets( line, sizeof( line ), file ) != NULL; ++lines )
+    {
+        assert_true( lines < count );
+        plan_line( all + lines, expected, sizeof( expected ) );
+        assert_string_equal( expected, line );
+    }
+    fclose( file );
+    assert_int_equal( lines, count );
+}
+
+static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
+{
+    (void)state;
+    int count;
+    const effect* all = effects_all( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        for ( int k = i + 1; k < count; ++k )
+        {
+            assert_sum_of_parts( ( const effect* const[] ){ all + i, all + k }, 2 );
+        }
+    }
+}
+
+static void the_plan_of_all_effects_is_that_of_all_parts( void** state )
+{
+    (void)state;
+    int count;
+    const effect* all = effects_all( &count );
+    const effect* effects[EFFECT_MODULES_MAX];
+    for ( int i = 0; i < count; ++i )
+    {
+        effects[i] = all + i;
+    }
+    assert_sum_of_parts( effects, count );
+}
+
+// ---- modules that are only registered ----
+
+typedef struct every_bit
+{
+    uint64_t hash;
+    int columns;
+} every_bit;
+
+// All columns of all entities, a name before each: numbers of components depend on who is registered.
+static every_bit bits_of( const wisp_world* world )
+{
+    every_bit bits = { 0 };
+    const store* s = &world->store;
+    for ( int slot = 0; slot < s->entity_count; ++slot )
+    {
+        const store_entity* e = s->entities + slot;
+        for ( int c = 1; c < s->component_count; ++c )
+        {
+            const wisp_component_def* def = &s->components[c].def;
+            const int columns = ( e->components & store_bit( c ) ) != 0 ? def->column_count : 0;
+            for ( int k = 0; k < columns; ++k )
+            {
+                const size_t bytes = (size_t)e->rows[def->table].count * def->columns[k].row_size;
+                bits.hash = store_hash_bytes( bits.hash, def->name, strlen( def->name ) );
+                bits.hash = store_hash_bytes( bits.hash, store_column( s, e, (wisp_component)c, k ), bytes );
+                bits.columns += 1;
+            }
+        }
+    }
+    return bits;
+}
+
+static void assert_same_world( const effect* which, bool is_on )
+{
+    effect_world every = open_world( &which, 1, is_on, EFFECT_EVERY, 5 );
+    effect_world used = open_world( &which, 1, is_on, EFFECT_USED, 5 );
+    assert_true( used.module_count < every.module_count );
+    char text[2][EFFECT_PLAN_MAX];
+    read_plan( &every, text[0] );
+    read_plan( &used, text[1] );
+    assert_string_equal( text[0], text[1] );
+    const every_bit a = bits_of( every.world ), b = bits_of( used.world );
+    assert_true( a.columns > 0 );
+    assert_int_equal( a.columns, b.columns );
+    assert_int_equal( a.hash, b.hash );
+    assert_int_equal( effect_world_bytes( &every ), effect_world_bytes( &used ) );
+    effect_world_close( &every );
+    effect_world_close( &used );
+}
+
+static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory( void** state )
+{
+    (void)state;
+    int count;
+    const effect* all = effects_all( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_same_world( all + i, true );
+        assert_same_world( all + i, false );
+    }
+}
+
+static void an_empty_world_grows_by_its_registry_alone( void** state )
+{
+    (void)state;
+    effect_world every = open_world( NULL, 0, true, EFFECT_EVERY, 3 ),
+                 none = open_world( NULL, 0, true, EFFECT_USED, 3 );
+    assert_int_equal( none.module_count, 0 );
+    assert_int_equal( effect_world_bytes( &every ), 0 );
+    assert_int_equal( effect_world_bytes( &none ), 0 );
+    effect_world_close( &every );
+    effect_world_close( &none );
+}
+
+// ---- scenes and the case ----
+
+// A scene in which its effect does nothing would prove nothing.
+static void every_effect_that_moves_something_moves_it( void** state )
+{
+    (void)state;
+    static const char* const STILL[] = { "boundary", "climate", "strand_look" }; // what they write is not points
+    int count;
+    const effect* all = effects_all( &count );
+    for ( int i = 0; i < count; ++i )
+    {
+        const effect* which = all + i;
+        effect_world on = open_world( &which, 1, true, EFFECT_EVERY, 5 ),
+                     off = open_world( &which, 1, false, EFFECT_EVERY, 5 );
+        uint64_t hash[2];
+        wisp_error error = { WISP_OK, "" };
+        assert_int_equal( effect_world_hash( &on, 0, hash, &error ), WISP_OK );
+        assert_int_equal( effect_world_hash( &off, 0, hash + 1, &error ), WISP_OK );
+        bool is_still = false;
+        for ( int k = 0; k < WISP_COUNT( STILL ); ++k )
+        {
+            is_still = is_still || strcmp( STILL[k], which->name ) == 0;
+        }
+        if ( ( hash[0] == hash[1] ) != is_still )
+        {
+            fail_msg( "the scene of %s is not what it should be", which->name );
+        }
+        effect_world_close( &on );
+        effect_world_close( &off );
+    }
+}
+
+static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
+{
+    (void)state;
+    static results all;
+    const bench_options options = { .quick = true };
+    const effects_plan sizes = {
+        .size = small, .together = small, .steps = 5, .seconds = 0.0, .samples_max = 4, .options = &options
+    };
+    wisp_error error = { WISP_OK, "" };
+    assert_int_equal( effects_compare( &sizes, &all, &error ), WISP_OK );
+    assert_int_equal( effects_together( &sizes, &all, &error ), WISP_OK );
+    for ( int i = 0; i < all.note_count && all.failed; ++i )
+    {
+        print_message( "%s\n", all.notes[i] );
+    }
+    assert_false( all.failed );
+    int count;
+    effects_all( &count );
+    const results_table* apart = find_table( &all, "Effects: what nobody asks for" );
+    assert_int_equal( apart->row_count - 1, count );
+    assert_column( apart, "same plan, bits, bytes", "yes" );
+    const results_table* together = find_table( &all, "Effects: a world of four" );
+    assert_int_equal( together->row_count - 1, 5 );
+    const int last = row_of( together, "together" );
+    for ( int r = 1; r < last; ++r )
+    {
+        assert_string_equal( named_cell( together, r, "same bits beside others" ), "yes" );
+    }
+    int vertices = 0;
+    for ( int r = 1; r < last; ++r )
+    {
+        vertices += atoi( named_cell( together, r, "vertices" ) );
+    }
+    assert_int_equal( atoi( named_cell( together, last, "vertices" ) ), vertices );
+    assert_int_equal( all.chart_count, 1 );
+    assert_int_equal( all.charts[0].series_count, 3 );
+    assert_int_equal( all.charts[0].series[1].count, count );
+    assert_int_equal( all.charts[0].series[2].count, count );
+    assert_int_equal( all.row_count, 4 * count + 5 );
+    results_free( &all );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( an_empty_scene_has_no_pass ),
+        cmocka_unit_test( each_effect_alone_has_the_passes_that_are_written_down_and_no_other ),
+        cmocka_unit_test( the_plan_of_every_pair_is_that_of_its_parts_together ),
+        cmocka_unit_test( the_plan_of_all_effects_is_that_of_all_parts ),
+        cmocka_unit_test( modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory ),
+        cmocka_unit_test( an_empty_world_grows_by_its_registry_alone ),
+        cmocka_unit_test( every_effect_that_moves_something_moves_it ),
+        cmocka_unit_test( the_case_has_a_line_for_each_effect_and_no_failure ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
