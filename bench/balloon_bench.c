@@ -20,8 +20,7 @@ balloon_plan balloon_default_plan( const bench_options* options )
 
 // ---- pressure ----
 
-// Every link of the mesh is s times as long: sum(k l^2) (s - 1) / (3 V_rest s^2).
-static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* def, const wisp_balloon_figures* seen )
+double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def* def )
 {
     double sum = 0.0;
     for ( int slot = 0; slot < fabric->link_order.slot_count; ++slot )
@@ -31,7 +30,14 @@ static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* de
         double stiffness = (double)( link < fabric->edge_count ? def->edge_stiffness : def->cross_stiffness );
         sum += link >= 0 ? stiffness * rest * rest : 0.0;
     }
-    return balloon_oracle_true_scaled_pressure( sum, seen->rest_volume, cbrt( seen->volume / seen->rest_volume ) );
+    return sum;
+}
+
+// Every link of the mesh is s times as long: sum(k l^2) (s - 1) / (3 V_rest s^2).
+static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* def, const wisp_balloon_figures* seen )
+{
+    return balloon_oracle_true_scaled_pressure( balloon_stiffness_sum( fabric, def ), seen->rest_volume,
+                                                cbrt( seen->volume / seen->rest_volume ) );
 }
 
 wisp_status balloon_read_all( surface_entrant* entrant, const balloon_setting* setting, balloon_readings* out,

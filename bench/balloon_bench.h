@@ -29,6 +29,9 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
 /// Pressure by its three readings against substeps and iterations.
 wisp_status balloon_pressures( const balloon_plan* plan, results* out, wisp_error* error );
 
+/// Sum of k l^2 over all links at rest, N m: what the pressure of a mesh that is scaled evenly goes with.
+double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def* def );
+
 typedef struct balloon_readings
 {
     double pressure[WISP_BALLOON_PRESSURE_COUNT]; ///< Pa above the atmosphere, by wisp_balloon_pressure

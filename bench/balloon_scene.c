@@ -139,6 +139,7 @@ wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* 
                                     wisp_error* error )
 {
     surface_recipe recipe = surface_default_recipe( &wisp_balloon_module, fabric );
+    recipe.points = setting->points;
     recipe.pins = setting->pins;
     recipe.pin_count = setting->pin_count;
     recipe.area_density = setting->area_density;

@@ -26,6 +26,7 @@ int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
 typedef struct balloon_setting
 {
     wisp_balloon_def def;
+    const wisp_vec3* points; ///< [vertex_count] where the vertices start; null: the rest shape
     float area_density; ///< kg/m^2
     wisp_vec3 gravity;  ///< m/s^2
     float damping;      ///< 1/s

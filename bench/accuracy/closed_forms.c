@@ -1,0 +1,145 @@
+// The list of closed forms and its scene. A form is a series whose knob is the substep or the edge of a mesh.
+#include "closed_forms.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum
+{
+    KNOBS_MAX = 6,
+    SETTINGS_MAX = 128,
+};
+
+#define LEAST_ERROR 1e-9
+
+typedef enum closed_knob
+{
+    SUBSTEPS,   // the knob is the length of a substep
+    ITERATIONS, // of 10 substeps
+    CELLS,      // of a clamped strip
+    LEVEL,      // of an icosphere
+} closed_knob;
+
+typedef struct closed_form
+{
+    const char* name; // with the unit of what is measured
+    closed_fn* run;
+    double first, second;
+    closed_knob knob;
+    int values[KNOBS_MAX];
+    int value_count;
+    double order;
+} closed_form;
+
+// Places and velocities of a substep are taken one after the other: first order. At rest only what an iteration leaves of
+// h^2 k / m is wrong: second. So are volume and area of a mesh.
+static const closed_form forms[] = {
+    { "fall of a cloth in 0.5 s, m", closed_fall, 0.5, 0.0, SUBSTEPS, { 1, 2, 5, 20, 80, 320 }, 6, 1.0 },
+    { "angular momentum of a cloth after 0.5 s, N m s",
+      closed_spin,
+      0.5,
+      0.0,
+      SUBSTEPS,
+      { 5, 10, 20, 40, 80 },
+      5,
+      1.0 },
+    { "falling plate after 0.1 s, m/s", closed_plate, 0.1, 0.0, SUBSTEPS, { 1, 2, 5, 10, 20 }, 5, 1.0 },
+    { "terminal velocity of a plate, m/s", closed_plate, 1.0, 0.0, SUBSTEPS, { 1, 2, 5, 10, 20 }, 5, 1.0 },
+    { "sliding, 20 deg, mu 0.2, m", closed_slide, 20.0, 0.2, SUBSTEPS, { 1, 2, 5, 10, 20 }, 5, 1.0 },
+    { "sliding, 40 deg, mu 0.5, m", closed_slide, 40.0, 0.5, SUBSTEPS, { 1, 2, 5, 10, 20 }, 5, 1.0 },
+    { "sticking, 11 deg, mu 0.2, m", closed_slide, 11.0, 0.2, SUBSTEPS, { 1, 5, 20 }, 3, NAN },
+    { "sticking, 26 deg, mu 0.5, m", closed_slide, 26.0, 0.5, SUBSTEPS, { 1, 5, 20 }, 3, NAN },
+    { "elastic bar under its weight, m", closed_bar, 16.0, 0.0, SUBSTEPS, { 5, 10, 20, 40, 80 }, 5, 2.0 },
+    { "elastic bar by iterations, m", closed_bar, 16.0, 10.0, ITERATIONS, { 1, 4, 16, 64, 256 }, 5, NAN },
+    { "sag of a catenary, m", closed_catenary, 32.0, 0.0, SUBSTEPS, { 5, 10, 20, 40, 80 }, 5, 2.0 },
+    { "elastica, G = 1, drop / L", closed_elastica, 1.0, 0.12347140, CELLS, { 6 }, 1, NAN },
+    { "elastica, G = 10, drop / L", closed_elastica, 10.0, 0.70019972, CELLS, { 3, 6, 12 }, 3, 2.0 },
+    { "lift of 0.14 m of helium, N", closed_lift, 0.14, 0.0, LEVEL, { 0, 1, 2, 3, 4 }, 5, 2.0 },
+    { "sphere stretched by 5 %, 2 sigma / R, Pa", closed_sphere, 0.05, 0.0, LEVEL, { 0, 1, 2, 3, 4 }, 5, NAN },
+    { "gas through an outlet in 0.2 s, m3", closed_emptying, 0.2, 0.0, SUBSTEPS, { 50, 100, 200, 400, 800 }, 5, 2.0 },
+};
+
+typedef struct closed_setting
+{
+    const closed_form* form;
+    int value;
+} closed_setting;
+
+// ---- a run ----
+
+static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
+                        wisp_error* error )
+{
+    const closed_setting* what = (const closed_setting*)context + index;
+    closed_run run = { .first = what->form->first,
+                       .second = what->form->second,
+                       .knob = what->value,
+                       .workers = workers,
+                       .is_looked_at = is_looked_at,
+                       .out = out,
+                       .momentum_error = NAN,
+                       .strain = NAN };
+    wisp_status status = what->form->run( &run, error );
+    if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
+    {
+        // what is nearer than a float can tell is met
+        const double wrong = fabs( ( run.measured - run.truth ) / ( run.scale != 0.0 ? run.scale : run.truth ) );
+        out->error = wrong < LEAST_ERROR ? 0.0 : 100.0 * wrong;
+        out->measures[0] = run.measured;
+        out->measures[1] = run.truth;
+        out->measures[2] = 100.0 * run.strain;
+        out->measures[3] = 100.0 * run.momentum_error;
+    }
+    return status;
+}
+
+// ---- settings ----
+
+static void add( accuracy_scene* scene, const closed_form* form, int value )
+{
+    static const char* const names[] = { "substep, s", "1 / iterations", "cell, m", "edge / R" };
+    closed_setting* settings = scene->context;
+    settings[scene->setting_count] = ( closed_setting ){ form, value };
+    static const char* const units[] = { "substeps", "iterations", "cells", "level" };
+    const double knobs[] = { (double)ACCURACY_FRAME / fmax( 1.0, value ), 1.0 / fmax( 1.0, value ),
+                             closed_strip_cell( value ), closed_sphere_edge( value ) };
+    char series[48], name[64];
+    // what is measured has its unit in the series; names are shorter
+    snprintf( series, sizeof( series ), "%s", form->name );
+    snprintf( name, sizeof( name ), "%.*s, %s %d", (int)( sizeof( name ) - 18 ), form->name, units[form->knob],
+              value );
+    accuracy_add_setting( scene, series, names[form->knob], knobs[form->knob], form->order, "%s", name );
+}
+
+wisp_status accuracy_closed_forms( const bench_options* options, double seconds, accuracy_scene* out,
+                                   wisp_error* error )
+{
+    (void)options;
+    (void)seconds; // small bodies: a few seconds for all
+    *out = ( accuracy_scene ){
+        .truth = "closed form of each",
+        .error_name = "distance to the closed form",
+        .error_unit = "%",
+        .measure_names = { "measured", "closed form", "largest strain %", "momentum error %" },
+        .measure_count = 4,
+        .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
+        .context = calloc( SETTINGS_MAX, sizeof( closed_setting ) ),
+        .run = run,
+        .destroy = free,
+    };
+    if ( !out->settings || !out->context )
+    {
+        free( out->settings );
+        free( out->context );
+        *out = ( accuracy_scene ){ .setting_count = 0 };
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the settings of closed_forms" );
+    }
+    for ( int f = 0; f < WISP_COUNT( forms ); ++f )
+    {
+        for ( int i = 0; i < forms[f].value_count; ++i )
+        {
+            add( out, &forms[f], forms[f].values[i] );
+        }
+    }
+    return WISP_OK;
+}

@@ -1,0 +1,151 @@
+// Closed forms of balloons: lift, the pressure of a sphere, gas that leaves.
+#include "closed_forms.h"
+
+#include "balloon_truth.h"
+
+#include "oracle/balloon_oracle.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double PI = 3.14159265358979323846;
+
+double closed_sphere_edge( int level )
+{
+    return 1.0514622242382672 / ( 1 << level ); // of an icosahedron; on a sphere the pieces are a little longer
+}
+
+/// A balloon and whatever it is made of.
+typedef struct sphere_run
+{
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    surface_entrant entrant;
+    wisp_vec3* points; // where it begins
+    int32_t* pins;     // all vertices
+} sphere_run;
+
+static wisp_status make_sphere( int level, double radius, sphere_run* out, wisp_error* error )
+{
+    const balloon_setting setting = balloon_default_setting();
+    wisp_status status = balloon_mesh_sphere( level, (float)radius, &out->mesh, error );
+    return status == WISP_OK ? balloon_cook( &out->mesh, &setting, &out->fabric, error ) : status;
+}
+
+// The sphere s times as large, with the numbers of all its vertices.
+static wisp_status stretch_sphere( sphere_run* sphere, double s, wisp_error* error )
+{
+    const size_t count = (size_t)sphere->mesh.vertex_count;
+    sphere->points = malloc( count * sizeof( wisp_vec3 ) );
+    sphere->pins = malloc( count * sizeof( int32_t ) );
+    if ( !sphere->points || !sphere->pins )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a stretched sphere" );
+    }
+    for ( size_t i = 0; i < count; ++i )
+    {
+        const wisp_vec3 p = sphere->mesh.points[i];
+        sphere->points[i] =
+            ( wisp_vec3 ){ (float)( s * (double)p.x ), (float)( s * (double)p.y ), (float)( s * (double)p.z ) };
+        sphere->pins[i] = (int32_t)i;
+    }
+    return WISP_OK;
+}
+
+static wisp_status fly_sphere( closed_run* run, balloon_setting setting, int steps, sphere_run* sphere,
+                               wisp_balloon_figures* seen, wisp_error* error )
+{
+    setting.points = sphere->points;
+    setting.workers = run->workers;
+    setting.seconds = ACCURACY_FRAME;
+    surface_entrant* entrant = &sphere->entrant;
+    wisp_status status = balloon_entrant_create( sphere->fabric, &setting, entrant, error );
+    if ( status == WISP_OK && !run->is_looked_at )
+    {
+        status = wisp_want_balloon_figures( entrant->world, entrant->entity, false );
+        status = status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    }
+    status = status == WISP_OK ? accuracy_step_surface( entrant, steps, run->out, error ) : status;
+    status = status == WISP_OK ? surface_entrant_hash( entrant, &run->out->hash, error ) : status;
+    return status == WISP_OK && run->is_looked_at ? balloon_entrant_read( entrant, seen, error ) : status;
+}
+
+static void leave( sphere_run* sphere )
+{
+    surface_entrant_destroy( &sphere->entrant );
+    wisp_fabric_release( sphere->fabric );
+    wisp_mesh_release( &sphere->mesh );
+    free( sphere->points );
+    free( sphere->pins );
+}
+
+// ( rho_air V - rho_He V ) g with the densities of the references, 1.225 and 0.1786 kg/m^3.
+wisp_status closed_lift( closed_run* run, wisp_error* error )
+{
+    const double air = 1.225, helium = 0.1786, radius = run->first;
+    balloon_setting setting = balloon_default_setting();
+    setting.gravity = ( wisp_vec3 ){ 0.0f, (float)-CLOSED_GRAVITY, 0.0f };
+    const double molar = 8.314462618 * (double)setting.def.temperature / (double)setting.def.atmospheric_pressure;
+    setting.def.air_molar_mass = (float)( air * molar );
+    setting.def.gas_molar_mass = (float)( helium * molar );
+    sphere_run sphere = { .fabric = NULL };
+    wisp_balloon_figures seen = { 0 };
+    wisp_status status = make_sphere( run->knob, radius, &sphere, error );
+    status = status == WISP_OK ? fly_sphere( run, setting, 2, &sphere, &seen, error ) : status;
+    run->measured = seen.buoyancy[1];
+    run->truth = ( air - helium ) * 4.0 / 3.0 * PI * radius * radius * radius * CLOSED_GRAVITY;
+    leave( &sphere );
+    return status;
+}
+
+// p = 2 sigma / R, sigma = sqrt(3) k e / ( 1 + e ), held in place so that nothing but the reading is asked. Links across
+// edges are sqrt(3) times as long as edges and count three times. The limit of fine meshes is about 1 % beside it: triangles of
+// an icosphere are not all equilateral, however fine.
+wisp_status closed_sphere( closed_run* run, wisp_error* error )
+{
+    const double e = run->first;
+    balloon_setting setting = balloon_setting_in_vacuum();
+    sphere_run sphere = { .fabric = NULL };
+    wisp_balloon_figures seen = { 0 };
+    wisp_status status = make_sphere( run->knob, (double)BALLOON_RADIUS, &sphere, error );
+    status = status == WISP_OK ? stretch_sphere( &sphere, 1.0 + e, error ) : status;
+    setting.pins = sphere.pins;
+    setting.pin_count = sphere.mesh.vertex_count;
+    status = status == WISP_OK ? fly_sphere( run, setting, 2, &sphere, &seen, error ) : status;
+    const double stiffness = (double)setting.def.edge_stiffness + 3.0 * (double)setting.def.cross_stiffness;
+    const double tension = sqrt( 3.0 ) * stiffness * e / ( 1.0 + e );
+    run->measured = seen.pressure;
+    run->truth = 2.0 * tension / ( (double)BALLOON_RADIUS * ( 1.0 + e ) );
+    leave( &sphere );
+    return status;
+}
+
+// An icosahedron, for which the closed form is exact, begins in balance and empties through a small hole: what leaves is
+// 2 A dp of force in the end, but the gas is what can be counted.
+wisp_status closed_emptying( closed_run* run, wisp_error* error )
+{
+    balloon_setting setting = balloon_setting_in_vacuum();
+    setting.def.fill = 1.2f;
+    setting.def.outlet_count = 1;
+    setting.def.outlet_area = 1e-5f;
+    setting.def.outlet_open = true;
+    setting.def.spin = WISP_BALLOON_SPIN_NONE;
+    setting.damping = 5.0f;
+    setting.substeps = run->knob;
+    setting.iterations = 1;
+    sphere_run sphere = { .fabric = NULL };
+    wisp_balloon_figures seen = { 0 };
+    wisp_status status = make_sphere( 0, (double)BALLOON_RADIUS, &sphere, error );
+    if ( status == WISP_OK )
+    {
+        const balloon_equilibrium begin = balloon_equilibrium_of( sphere.fabric, &setting.def, true );
+        status = stretch_sphere( &sphere, begin.scale, error );
+        const int steps = (int)lrint( run->first / (double)ACCURACY_FRAME );
+        status = status == WISP_OK ? fly_sphere( run, setting, steps, &sphere, &seen, error ) : status;
+        run->measured = (double)setting.def.fill * seen.rest_volume - seen.target_volume;
+        run->truth = begin.volume *
+                     ( (double)setting.def.fill - balloon_fill_after( sphere.fabric, &setting.def, run->first ) );
+    }
+    leave( &sphere );
+    return status;
+}

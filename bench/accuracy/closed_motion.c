@@ -1,0 +1,167 @@
+// Closed forms of what moves: free fall, free spin, a plate in air, a cloth on an incline.
+#include "closed_forms.h"
+
+#include "collision/collision.h"
+
+#include <math.h>
+
+enum
+{
+    SIDE = 8, // vertices of a sheet
+};
+
+#define SPACING 0.02
+#define DENSITY 0.15 // kg/m^2
+
+static double radians( double degrees )
+{
+    return degrees * 3.14159265358979323846 / 180.0;
+}
+
+static int frames_of( double seconds )
+{
+    return (int)lrint( seconds / (double)ACCURACY_FRAME );
+}
+
+static double length( const double a[3] )
+{
+    return sqrt( a[0] * a[0] + a[1] * a[1] + a[2] * a[2] );
+}
+
+static wisp_cloth_def inextensible( void )
+{
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    return cloth;
+}
+
+static wisp_status throw_body( closed_body* body, wisp_vec3 linear, wisp_vec3 angular, wisp_error* error )
+{
+    wisp_status status = wisp_set_velocity( body->entrant.world, body->entrant.entity, linear, angular );
+    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &body->entrant, status, error );
+}
+
+// z = v t - g t^2 / 2 at every vertex, so that no link has anything to do.
+wisp_status closed_fall( closed_run* run, wisp_error* error )
+{
+    const wisp_cloth_def cloth = inextensible();
+    const wisp_vec3 thrown = { 0.5f, 1.0f, 0.0f };
+    const double t = run->first;
+    closed_body body = { .fabric = NULL };
+    wisp_quality seen = { 0 };
+    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    status = status == WISP_OK ? closed_enter( run, closed_recipe( run ), &cloth, &body, error ) : status;
+    status = status == WISP_OK ? throw_body( &body, thrown, ( wisp_vec3 ){ 0, 0, 0 }, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, frames_of( t ), &seen, error ) : status;
+    if ( status == WISP_OK && run->is_looked_at )
+    {
+        const double speed = (double)thrown.y - CLOSED_GRAVITY * t;
+        const double lost[3] = { seen.momentum[0] - seen.mass * (double)thrown.x,
+                                 seen.momentum[1] - seen.mass * speed, seen.momentum[2] };
+        run->measured = -seen.centre[1];
+        run->truth = -( (double)thrown.y * t - 0.5 * CLOSED_GRAVITY * t * t );
+        run->momentum_error = length( lost ) / ( seen.mass * hypot( (double)thrown.x, speed ) );
+    }
+    closed_leave( &body );
+    return status;
+}
+
+// Nothing acts but its own links, which hold it together against its spin.
+wisp_status closed_spin( closed_run* run, wisp_error* error )
+{
+    const wisp_cloth_def cloth = inextensible();
+    const wisp_vec3 thrown = { 0.5f, 0.0f, 0.0f }, turned = { 0.0f, 6.0f, 0.0f };
+    closed_body body = { .fabric = NULL };
+    wisp_quality seen = { 0 };
+    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    surface_recipe recipe = closed_recipe( run );
+    recipe.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    status = status == WISP_OK ? throw_body( &body, thrown, turned, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
+    if ( status == WISP_OK && run->is_looked_at )
+    {
+        const wisp_fabric* f = body.fabric;
+        for ( int i = 0; i < f->vertex_count; ++i )
+        {
+            const double x = (double)f->rest[i].x, z = (double)f->rest[i].z;
+            run->truth += DENSITY * (double)f->area[i] * (double)turned.y * ( x * x + z * z );
+        }
+        const double lost[3] = { seen.momentum[0] - seen.mass * (double)thrown.x, seen.momentum[1],
+                                 seen.momentum[2] };
+        run->measured = length( seen.angular_momentum );
+        run->momentum_error = length( lost ) / ( seen.mass * (double)thrown.x );
+    }
+    closed_leave( &body );
+    return status;
+}
+
+// v = v_t tanh( g t / v_t ), v_t = sqrt( 2 m g / ( rho A C_d ) )
+wisp_status closed_plate( closed_run* run, wisp_error* error )
+{
+    wisp_cloth_def cloth = inextensible();
+    cloth.air_density = 1.225f;
+    cloth.drag = 1.28f;
+    closed_body body = { .fabric = NULL };
+    wisp_quality seen = { 0 };
+    wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
+    status = status == WISP_OK ? closed_enter( run, closed_recipe( run ), &cloth, &body, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
+    if ( status == WISP_OK && run->is_looked_at )
+    {
+        const double terminal =
+            sqrt( 2.0 * DENSITY * CLOSED_GRAVITY / ( (double)cloth.air_density * (double)cloth.drag ) );
+        run->measured = length( seen.momentum ) / seen.mass;
+        run->truth = terminal * tanh( CLOSED_GRAVITY * run->first / terminal );
+    }
+    closed_leave( &body );
+    return status;
+}
+
+// ---- the incline ----
+
+#define SLIDE_SECONDS 0.5
+#define THICKNESS 0.005f
+
+static wisp_status lay_down( closed_body* body, double mu, wisp_error* error )
+{
+    wisp_collider_def ground = wisp_default_collider_def();
+    ground.kind = WISP_COLLIDER_PLANE;
+    ground.static_friction = ground.kinetic_friction = (float)mu;
+    wisp_collision_def meets = wisp_default_collision_def();
+    meets.thickness = THICKNESS;
+    wisp_entity plane;
+    wisp_status status = wisp_add_collider( body->entrant.world, &ground, &plane );
+    status = status == WISP_OK ? wisp_set_collision( body->entrant.world, body->entrant.entity, &meets ) : status;
+    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &body->entrant, status, error );
+}
+
+// The plane stays level and gravity is turned instead. The cloth begins where it touches, so that it does not fall first.
+wisp_status closed_slide( closed_run* run, wisp_error* error )
+{
+    const wisp_cloth_def cloth = inextensible();
+    const double angle = radians( run->first ), mu = run->second;
+    const double along = CLOSED_GRAVITY * sin( angle ), across = CLOSED_GRAVITY * cos( angle );
+    const double path = 0.5 * SLIDE_SECONDS * SLIDE_SECONDS;
+    closed_body body = { .fabric = NULL };
+    wisp_quality seen = { 0 };
+    wisp_status status = closed_make_plane( SIDE / 2, SIDE / 2, SPACING, &body, error );
+    for ( int i = 0; i < body.mesh.vertex_count; ++i )
+    {
+        body.mesh.points[i].y = THICKNESS;
+    }
+    surface_recipe recipe = closed_recipe( run );
+    recipe.gravity = ( wisp_vec3 ){ (float)along, (float)-across, 0.0f };
+    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    status = status == WISP_OK ? lay_down( &body, mu, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, frames_of( SLIDE_SECONDS ), &seen, error ) : status;
+    if ( status == WISP_OK && run->is_looked_at )
+    {
+        // what sticks has no way of its own to be a share of: that of the same incline without friction
+        run->measured = seen.centre[0];
+        run->truth = fmax( 0.0, along - mu * across ) * path;
+        run->scale = run->truth > 0.0 ? run->truth : along * path;
+    }
+    closed_leave( &body );
+    return status;
+}

@@ -1,0 +1,208 @@
+// Closed forms of what hangs at rest: an elastic bar, a catenary, a clamped strip that bends.
+#include "closed_forms.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// Compliance of links that must not act, m/N.
+#define SOFT 1e9f
+
+// ---- the bar ----
+
+#define BAR_SPACING 0.01
+#define BAR_MASS 0.001      // kg, a vertex
+#define BAR_STIFFNESS 100.0 // N/m, a link
+
+// Two columns of links under their own weight, with gravity along the plane: link i of n carries all masses below it, so that
+// the bar is m g / k n (n + 1) / 2 longer. The diagonals are soft; links across have nothing to do.
+wisp_status closed_bar( closed_run* run, wisp_error* error )
+{
+    static const int32_t pins[] = { 0, 1 };
+    const int cells = (int)run->first;
+    const double weight = BAR_MASS * CLOSED_GRAVITY;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    cloth.weft_compliance = (float)( 1.0 / BAR_STIFFNESS );
+    cloth.shear_compliance = SOFT;
+    surface_recipe recipe = closed_recipe( run );
+    if ( run->second > 0.0 )
+    {
+        recipe.substeps = (int)run->second;
+        recipe.iterations = run->knob;
+    }
+    recipe.vertex_mass = (float)BAR_MASS;
+    recipe.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, (float)CLOSED_GRAVITY };
+    recipe.pins = pins;
+    recipe.pin_count = 2;
+    // critical for the slowest mode, a quarter wave
+    recipe.damping = (float)( 2.0 * 1.5707963267948966 / cells * sqrt( BAR_STIFFNESS / BAR_MASS ) );
+    closed_body body = { .fabric = NULL };
+    const wisp_vec3* points = NULL;
+    wisp_status status = closed_make_plane( 2, cells + 1, BAR_SPACING, &body, error );
+    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, 60, NULL, error ) : status;
+    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    if ( status == WISP_OK )
+    {
+        const wisp_vec3* rest = body.mesh.points;
+        const int left = 2 * cells, right = left + 1;
+        run->measured =
+            0.5 * ( (double)points[left].z - (double)rest[left].z + (double)points[right].z - (double)rest[right].z );
+        run->truth = weight / BAR_STIFFNESS * 0.5 * cells * ( cells + 1 );
+    }
+    closed_leave( &body );
+    return status;
+}
+
+// ---- the catenary ----
+
+#define CATENARY_SPAN 0.8 // m, of a strip of 1 m
+
+// Span and sag of a chain of n links of 1/n m between equal masses whose end links pull sideways with h, and with the
+// weight of one mass as the unit of force.
+static double chain_span( int n, double h, double* sag )
+{
+    double span = 0.0, height = 0.0, lowest = 0.0;
+    for ( int i = 0; i < n; ++i )
+    {
+        const double below = i - 0.5 * ( n - 1 ), pull = hypot( h, below );
+        span += h / pull / n;
+        height += below / pull / n;
+        lowest = fmin( lowest, height );
+    }
+    *sag = -lowest;
+    return span;
+}
+
+// The more it is pulled, the wider it is.
+static double chain_sag( int n, double span )
+{
+    double low = 0.0, high = 1e3 * n, sag = 0.0;
+    for ( int i = 0; i < 100; ++i )
+    {
+        const double h = 0.5 * ( low + high );
+        *( chain_span( n, h, &sag ) < span ? &low : &high ) = h;
+    }
+    return sag;
+}
+
+// Two straight halves: half of the strip over half of the span, a right triangle.
+static void lay_strip( const wisp_mesh* mesh, int cells, wisp_vec3* out )
+{
+    const double depth = sqrt( 0.25 - 0.25 * CATENARY_SPAN * CATENARY_SPAN );
+    for ( int v = 0; v < mesh->vertex_count; ++v )
+    {
+        const double t = (double)( v % ( cells + 1 ) ) / cells;
+        out[v] = ( wisp_vec3 ){ (float)( CATENARY_SPAN * ( t - 0.5 ) ), (float)( -2.0 * depth * fmin( t, 1.0 - t ) ),
+                                mesh->points[v].z };
+    }
+}
+
+wisp_status closed_catenary( closed_run* run, wisp_error* error )
+{
+    const int cells = (int)run->first;
+    const int32_t pins[] = { 0, cells, cells + 1, 2 * cells + 1 };
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_NONE;
+    closed_body body = { .fabric = NULL };
+    const wisp_vec3* points = NULL;
+    wisp_status status = closed_make_plane( cells + 1, 2, 1.0 / cells, &body, error );
+    wisp_vec3* start = malloc( 2 * (size_t)( cells + 1 ) * sizeof( wisp_vec3 ) );
+    if ( status == WISP_OK && !start )
+    {
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a strip" );
+    }
+    if ( status == WISP_OK )
+    {
+        lay_strip( &body.mesh, cells, start );
+        surface_recipe recipe = closed_recipe( run );
+        recipe.points = start;
+        recipe.pins = pins;
+        recipe.pin_count = WISP_COUNT( pins );
+        recipe.damping = 12.0f;
+        status = closed_enter( run, recipe, &cloth, &body, error );
+    }
+    status = status == WISP_OK ? closed_advance( run, &body, 240, NULL, error ) : status;
+    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    for ( int v = 0; v <= cells && status == WISP_OK; ++v )
+    {
+        run->measured = fmax( run->measured, -(double)points[v].y );
+    }
+    run->truth = chain_sag( cells, CATENARY_SPAN );
+    free( start );
+    closed_leave( &body );
+    return status;
+}
+
+// ---- the elastica ----
+
+#define STRIP_LENGTH 0.1
+#define STRIP_DENSITY 0.15
+
+enum
+{
+    STRIP_ITERATIONS = 32,
+    STRIP_SUBSTEPS = 32,
+};
+
+double closed_strip_cell( int cells )
+{
+    return STRIP_LENGTH / ( cells + 0.75 );
+}
+
+// A row of equilateral triangles, whose first cell is pinned. The first hinge that can turn stands for the clamp and for half a
+// spacing of hinges on both sides of it, so the clamped edge is half a spacing behind it.
+static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
+{
+    const int columns = cells + 2;
+    const double a = closed_strip_cell( cells );
+    wisp_status status = closed_make_plane( columns, 2, a, out, error );
+    for ( int i = 0; i < columns && status == WISP_OK; ++i )
+    {
+        wisp_vec3* points = out->mesh.points;
+        points[i] = ( wisp_vec3 ){ (float)( a * ( i - 0.5 ) ), 0.0f, 0.0f };
+        points[columns + i] = ( wisp_vec3 ){ (float)( a * i ), 0.0f, (float)( a * sqrt( 0.75 ) ) };
+    }
+    for ( int i = 0; i + 1 < columns && status == WISP_OK; ++i )
+    {
+        const int p = i, q = i + 1, r = columns + i, s = r + 1;
+        const int32_t corners[] = { p, r, q, q, r, s };
+        for ( int k = 0; k < WISP_COUNT( corners ); ++k )
+        {
+            out->mesh.triangles[WISP_COUNT( corners ) * i + k] = corners[k];
+        }
+    }
+    return status;
+}
+
+// theta'' = -G ( 1 - s ) cos theta. A strip between free edges has 8/9 of the rigidity of a sheet that is rolled up.
+wisp_status closed_elastica( closed_run* run, wisp_error* error )
+{
+    const double load = run->first, slowest = 3.516 * sqrt( CLOSED_GRAVITY / ( load * STRIP_LENGTH ) );
+    const int columns = run->knob + 2;
+    const int32_t pins[] = { 0, 1, columns };
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
+    cloth.bend_rigidity = (float)( 9.0 / 8.0 * STRIP_DENSITY * CLOSED_GRAVITY * pow( STRIP_LENGTH, 3.0 ) / load );
+    surface_recipe recipe = closed_recipe( run );
+    recipe.substeps = STRIP_SUBSTEPS;
+    recipe.iterations = STRIP_ITERATIONS;
+    recipe.pins = pins;
+    recipe.pin_count = WISP_COUNT( pins );
+    recipe.damping = (float)( 2.0 * slowest ); // critical; it has 20 of its times to settle
+    closed_body body = { .fabric = NULL };
+    const wisp_vec3* points = NULL;
+    wisp_status status = make_strip( run->knob, &body, error );
+    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    status = status == WISP_OK
+                 ? closed_advance( run, &body, (int)( 20.0 / slowest / (double)ACCURACY_FRAME ), NULL, error )
+                 : status;
+    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    if ( status == WISP_OK )
+    {
+        run->measured = -0.5 * ( (double)points[columns - 1].y + (double)points[2 * columns - 1].y ) / STRIP_LENGTH;
+        run->truth = run->second;
+    }
+    closed_leave( &body );
+    return status;
+}

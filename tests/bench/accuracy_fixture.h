@@ -1,0 +1,90 @@
+/// What tests of accuracy scenes share: a scene that is made, and settings that are run by name.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "accuracy/accuracy.h"
+#include "accuracy/accuracy_compare.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const bench_options quick_options = { .quick = true, .workers = 2 };
+
+static inline void expect_made( accuracy_scene_fn* make, accuracy_scene* out )
+{
+    wisp_error error = { 0 };
+    if ( make( &quick_options, 7.0, out, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+}
+
+static inline void free_scene( accuracy_scene* scene )
+{
+    scene->destroy( scene->context );
+    free( scene->settings );
+}
+
+static inline int setting_of( const accuracy_scene* scene, const char* name )
+{
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        if ( strcmp( scene->settings[i].name, name ) == 0 )
+        {
+            return i;
+        }
+    }
+    fail_msg( "there is no setting '%s'", name );
+    return -1;
+}
+
+/// The run without its times, which must be of every step.
+static inline accuracy_run run_setting( const accuracy_scene* scene, int setting, int workers, bool is_looked_at )
+{
+    wisp_error error = { 0 };
+    accuracy_run run = { .error = NAN };
+    if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
+    {
+        fail_msg( "%s: %s", scene->settings[setting].name, error.sentence );
+    }
+    assert_true( run.ms_count > 0 && run.halted_at == 0 );
+    free( run.ms );
+    run.ms = NULL;
+    return run;
+}
+
+static inline accuracy_run look_at( const accuracy_scene* scene, const char* name )
+{
+    return run_setting( scene, setting_of( scene, name ), 1, true );
+}
+
+/// The same bits whoever computes them and whoever looks.
+static inline void expect_one_hash( const accuracy_scene* scene, const char* name )
+{
+    const int setting = setting_of( scene, name );
+    const uint64_t looked_at = run_setting( scene, setting, 1, true ).hash;
+    const uint64_t alone = run_setting( scene, setting, 1, false ).hash;
+    const uint64_t shared = run_setting( scene, setting, 2, false ).hash;
+    assert_true( looked_at != 0 );
+    assert_true( looked_at == alone );
+    assert_true( looked_at == shared );
+}
+
+/// Names are what tables and files are read by.
+static inline void expect_names_differ( const accuracy_scene* scene )
+{
+    assert_true( scene->setting_count > 0 );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        assert_true( scene->settings[i].series[0] == '\0' || scene->settings[i].knob > 0.0 );
+        for ( int k = 0; k < i; ++k )
+        {
+            assert_string_not_equal( scene->settings[i].name, scene->settings[k].name );
+        }
+    }
+}
