@@ -125,7 +125,7 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
             report->least_ms[i] = fmin( report->least_ms[i], report->ms[w][i] );
         }
     }
-    for ( int w = 0; w < report->worker_count; ++w )
+    for ( int w = 0; w < report->worker_count && !report->scene->has_no_rivals; ++w )
     {
         accuracy_front( report->error, report->ms[w], count, report->on_front[w] );
     }
@@ -136,8 +136,11 @@ static void write_report( const accuracy_report* report, results* out )
 {
     accuracy_add_table( report, out );
     accuracy_add_rows( report, out );
-    accuracy_add_equal_error( report, out );
-    accuracy_add_equal_time( report, out );
+    if ( !report->scene->has_no_rivals )
+    {
+        accuracy_add_equal_error( report, out );
+        accuracy_add_equal_time( report, out );
+    }
     accuracy_add_orders( report, out );
     accuracy_add_charts( report, out );
     accuracy_add_notes( report, out );

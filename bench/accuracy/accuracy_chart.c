@@ -132,7 +132,10 @@ static void add_knob_chart( const accuracy_report* report, const char* knob_name
 
 void accuracy_add_charts( const accuracy_report* report, results* out )
 {
-    add_time_chart( report, out );
+    if ( !report->scene->has_no_rivals )
+    {
+        add_time_chart( report, out );
+    }
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         if ( begins_knob( report->scene, i ) )

@@ -240,13 +240,18 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     char error[80], workers[24];
     accuracy_error_label( scene, error, sizeof( error ) );
     accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
-    results_add_note(
-        out,
-        "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
-        "`timed` says. `front`: with %s no other setting is as near and as fast and better in one of the "
-        "two; that is %d of %d. At equal error and at equal time the faster worker count of a setting "
-        "counts. What was halted left its bounds and has neither error nor times.",
-        report->entry->name, error, scene->truth, workers, front_count( report ), scene->setting_count );
+    results_add_note( out,
+                      "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
+                      "`timed` says. What was halted left its bounds and has neither error nor times.",
+                      report->entry->name, error, scene->truth );
+    if ( !scene->has_no_rivals )
+    {
+        results_add_note( out,
+                          "Accuracy `%s`, `front`: with %s no other setting is as near and as fast and better in one of "
+                          "the two; that is %d of %d. At equal error and at equal time the faster worker count of a "
+                          "setting counts.",
+                          report->entry->name, workers, front_count( report ), scene->setting_count );
+    }
     if ( scene->doubt > 0.0 )
     {
         results_add_note( out,

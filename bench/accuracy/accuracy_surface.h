@@ -1,10 +1,7 @@
-/// What the scenes of balloons and closed forms share: a surface that is stepped for an accuracy_run, and settings that are
-/// listed one by one.
+/// What the scenes of balloons and closed forms share besides cloth_settings.h: steps up to a halt, and figures where asked for.
 #pragma once
 
-#include "accuracy.h"
-
-#include "surface_entrant.h"
+#include "cloth_settings.h"
 
 /// Whole steps of all scenes that differ in substeps alone.
 #define ACCURACY_FRAME ( 1.0f / 60.0f )
@@ -16,7 +13,3 @@ wisp_status accuracy_step_surface( surface_entrant* entrant, int steps, accuracy
 wisp_status accuracy_read_quality( surface_entrant* entrant, wisp_quality* out, wisp_error* error );
 /// Ask for WISP_QUALITY if somebody looks. @param is_looked_at false: nothing happens
 wisp_status accuracy_want_quality( surface_entrant* entrant, bool is_looked_at, wisp_error* error );
-
-/// Append a setting to a scene, whose list must have room. @param format its name
-void accuracy_add_setting( accuracy_scene* scene, const char* series, const char* knob_name, double knob,
-                           double order, const char* format, ... ) __attribute__( ( format( printf, 6, 7 ) ) );

@@ -13,6 +13,13 @@ static bool fronts_differ( const accuracy_report* report )
 
 // ---- for people ----
 
+// The first worker count that has a column for its front. Without rivals none has.
+static int first_front( const accuracy_report* report, bool has_both_fronts )
+{
+    const int first = has_both_fronts ? 0 : accuracy_last_worker( report );
+    return report->scene->has_no_rivals ? report->worker_count : first;
+}
+
 static int begin_table( const accuracy_report* report, bool has_both_fronts, results* out )
 {
     const accuracy_scene* scene = report->scene;
@@ -31,7 +38,7 @@ static int begin_table( const accuracy_report* report, bool has_both_fronts, res
         cells_put( &row, "%s", scene->measure_names[i] );
     }
     cells_put( &row, "timed" );
-    for ( int w = report->worker_count - 1; w >= ( has_both_fronts ? 0 : accuracy_last_worker( report ) ); --w )
+    for ( int w = report->worker_count - 1; w >= first_front( report, has_both_fronts ); --w )
     {
         accuracy_workers_label( report->workers[w], workers, sizeof( workers ) );
         cells_put( &row, "front, %s", workers );
@@ -77,7 +84,7 @@ static void add_line( const accuracy_report* report, int setting, bool has_both_
         accuracy_put_digits( &row, f->seen.measures[i], 4 );
     }
     cells_put( &row, "%d", timed_steps( report, f ) );
-    for ( int w = report->worker_count - 1; w >= ( has_both_fronts ? 0 : accuracy_last_worker( report ) ); --w )
+    for ( int w = report->worker_count - 1; w >= first_front( report, has_both_fronts ); --w )
     {
         cells_put( &row, "%s", report->on_front[w][setting] ? "front" : "" );
     }
