@@ -42,6 +42,7 @@ typedef struct inflate_scene
     inflate_setting settings[SETTINGS_MAX];
 } inflate_scene;
 
+static const char* const solver_names[] = { [WISP_SOLVER_XPBD] = "xpbd", [WISP_SOLVER_PBD] = "pbd" };
 static const char* const reading_names[] = { "virial", "multiplier", "gas law" };
 
 // ---- the closed form ----
@@ -92,7 +93,10 @@ static void add( accuracy_scene* scene, inflate_setting what, const char* series
 {
     inflate_scene* own = scene->context;
     own->settings[scene->setting_count] = what;
-    cloth_settings_join( cloth_settings_add( scene, "%s", name ), series, knob_name, knob, order );
+    accuracy_setting* setting = cloth_settings_add( scene, "%s", name );
+    cloth_settings_join( setting, series, knob_name, knob, order );
+    snprintf( setting->method, sizeof( setting->method ), "%s skin, %s volume, %s", solver_names[what.skin],
+              solver_names[what.volume], reading_names[what.reading] );
 }
 
 static inflate_setting usual_inflation( int substeps, int iterations )
@@ -167,8 +171,8 @@ static void add_forms( accuracy_scene* scene )
             what.skin = form == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
             what.volume = form == 1 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
             char name[64];
-            snprintf( name, sizeof( name ), "%s skin, %s volume, virial, %d x 10", form == 0 ? "xpbd" : "pbd",
-                      form == 1 ? "xpbd" : "pbd", substeps[i] );
+            snprintf( name, sizeof( name ), "%s skin, %s volume, virial, %d x 10", solver_names[what.skin],
+                      solver_names[what.volume], substeps[i] );
             add( scene, what, "", "", NAN, NAN, name );
         }
     }

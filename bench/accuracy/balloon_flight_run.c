@@ -1,0 +1,210 @@
+// A balloon is filled, brought to rest and let go.
+#include "balloon_flight_run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    FILL_STEPS = 60,
+    FIRST_LEVEL = 1, // whose vertices all finer meshes have
+};
+
+#define FILL_DAMPING 45.0f
+// The outlet is small enough that gas is left when the flight ends: how it stops is no part of this.
+#define OUTLET_AREA 1e-5f
+
+static double length( const double a[3] )
+{
+    return sqrt( a[0] * a[0] + a[1] * a[1] + a[2] * a[2] );
+}
+
+double flight_distance( const flight_path* a, const flight_path* b )
+{
+    double sum = 0.0;
+    for ( int s = 1; s <= FLIGHT_STEPS; ++s )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const double d = a->centre[s][k] - b->centre[s][k];
+            sum += d * d / FLIGHT_STEPS;
+        }
+    }
+    return sqrt( sum );
+}
+
+// ---- bodies ----
+
+// Finer meshes keep the vertices of coarser ones, so that the outlet stays where it is.
+static int nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
+{
+    int best = 0;
+    float least = INFINITY;
+    for ( int i = 0; i < mesh->vertex_count; ++i )
+    {
+        const float x = mesh->points[i].x - place.x, y = mesh->points[i].y - place.y, z = mesh->points[i].z - place.z;
+        const float distance = x * x + y * y + z * z;
+        best = distance < least ? i : best;
+        least = fminf( least, distance );
+    }
+    return best;
+}
+
+static wisp_status fill_up( flight_body* body, int substeps, wisp_error* error )
+{
+    balloon_setting setting = balloon_setting_in_vacuum();
+    setting.def.fill = FLIGHT_FILL;
+    setting.damping = FILL_DAMPING;
+    setting.substeps = substeps;
+    setting.iterations = 1;
+    setting.seconds = ACCURACY_FRAME;
+    surface_entrant entrant = { 0 };
+    const wisp_vec3* points = NULL;
+    wisp_status status = balloon_entrant_create( body->fabric, &setting, &entrant, error );
+    for ( int s = 0; s < FILL_STEPS && status == WISP_OK; ++s )
+    {
+        status = surface_entrant_step( &entrant, error );
+    }
+    status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+    if ( status == WISP_OK )
+    {
+        memcpy( body->full, points, (size_t)body->mesh.vertex_count * sizeof( wisp_vec3 ) );
+    }
+    surface_entrant_destroy( &entrant );
+    return status;
+}
+
+static wisp_status make_pear( int level, wisp_mesh* out, wisp_error* error )
+{
+    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PEAR );
+    recipe.radius = BALLOON_RADIUS;
+    recipe.level = level;
+    return wisp_mesh_make( &recipe, out, error );
+}
+
+// Beside the centre, at a vertex of the coarsest mesh.
+static wisp_status find_outlet( flight_body* body, wisp_error* error )
+{
+    wisp_mesh coarse = { 0 };
+    wisp_status status = make_pear( FIRST_LEVEL, &coarse, error );
+    if ( status == WISP_OK )
+    {
+        const int vertex = balloon_mesh_extreme( &coarse, ( wisp_vec3 ){ 1.0f, 0.5f, 0.2f } );
+        body->outlet = nearest_vertex( &body->mesh, coarse.points[vertex] );
+    }
+    wisp_mesh_release( &coarse );
+    return status;
+}
+
+wisp_status flight_make_body( int level, int fill_substeps, flight_body* out, wisp_error* error )
+{
+    const balloon_setting setting = balloon_default_setting();
+    *out = ( flight_body ){ .fabric = NULL };
+    wisp_status status = make_pear( level, &out->mesh, error );
+    status = status == WISP_OK ? find_outlet( out, error ) : status;
+    status = status == WISP_OK ? balloon_cook( &out->mesh, &setting, &out->fabric, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    out->full = malloc( (size_t)out->mesh.vertex_count * sizeof( wisp_vec3 ) );
+    return out->full ? fill_up( out, fill_substeps, error )
+                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
+}
+
+void flight_free_body( flight_body* body )
+{
+    wisp_fabric_release( body->fabric );
+    wisp_mesh_release( &body->mesh );
+    free( body->full );
+    *body = ( flight_body ){ .fabric = NULL };
+}
+
+// ---- a flight ----
+
+balloon_setting flight_setting( int substeps, int iterations )
+{
+    balloon_setting setting = balloon_default_setting();
+    setting.def.fill = FLIGHT_FILL;
+    setting.def.outlet_count = 1;
+    setting.def.outlet_area = OUTLET_AREA;
+    setting.def.outlet_open = true;
+    setting.substeps = substeps;
+    setting.iterations = iterations;
+    setting.seconds = ACCURACY_FRAME;
+    return setting;
+}
+
+// Forces are those of the last substep of each step, here summed by trapezia from step to step; the first step has its own
+// alone. What is missing is that sum's error, and whatever the solver gives or takes.
+static void close_momentum( const wisp_quality* seen, const wisp_balloon_figures* forces, double before[3],
+                            double sum[3], int step, flight_path* path )
+{
+    double missing[3], now[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        now[k] = forces->gravity[k] + forces->buoyancy[k] + forces->drag[k] + forces->jet[k];
+        sum[k] += (double)ACCURACY_FRAME * ( step == 1 ? now[k] : 0.5 * ( before[k] + now[k] ) );
+        before[k] = now[k];
+        missing[k] = seen->momentum[k] - sum[k];
+    }
+    path->impulse_missing = length( missing );
+    path->impulse = fmax( path->impulse, length( seen->momentum ) );
+}
+
+static wisp_status look( surface_entrant* entrant, int step, double before[3], double sum[3], flight_path* path,
+                         wisp_error* error )
+{
+    wisp_quality seen = { 0 };
+    wisp_balloon_figures forces = { 0 };
+    wisp_status status = accuracy_read_quality( entrant, &seen, error );
+    status = status == WISP_OK ? balloon_entrant_read( entrant, &forces, error ) : status;
+    if ( status == WISP_OK )
+    {
+        memcpy( path->centre[step], seen.centre, sizeof( seen.centre ) );
+        path->speed = length( seen.momentum ) / seen.mass;
+        path->spin = length( forces.angular_velocity );
+        path->volume = seen.volume;
+        close_momentum( &seen, &forces, before, sum, step, path );
+    }
+    return status;
+}
+
+wisp_status flight_fly( const flight_body* body, balloon_setting setting, int workers, accuracy_run* out,
+                        flight_path* path, wisp_error* error )
+{
+    setting.points = body->full;
+    setting.def.outlet[0] = body->outlet;
+    setting.workers = workers;
+    surface_entrant entrant = { 0 };
+    wisp_status status = balloon_entrant_create( body->fabric, &setting, &entrant, error );
+    if ( status == WISP_OK )
+    {
+        status = wisp_want_balloon_figures( entrant.world, entrant.entity, path != NULL );
+        status = status == WISP_OK ? accuracy_want_quality( &entrant, path != NULL, error )
+                                   : surface_entrant_fail( &entrant, status, error );
+    }
+    double before[3] = { 0.0 }, sum[3] = { 0.0 };
+    for ( int step = 1; step <= FLIGHT_STEPS && entrant.halted_at == 0 && status == WISP_OK; ++step )
+    {
+        status = accuracy_step_surface( &entrant, 1, out, error );
+        if ( status == WISP_OK && path )
+        {
+            status = look( &entrant, step, before, sum, path, error );
+        }
+    }
+    status = status == WISP_OK ? cloth_settings_end( &entrant, out, error ) : status;
+    surface_entrant_destroy( &entrant );
+    return status;
+}
+
+void flight_judge( const flight_path* path, const flight_path* truth, accuracy_run* out )
+{
+    out->error = 1e3 * flight_distance( path, truth );
+    out->measures[0] = path->speed;
+    out->measures[1] = 100.0 * ( path->speed / truth->speed - 1.0 );
+    out->measures[2] = path->spin;
+    out->measures[3] = 100.0 * ( path->volume / truth->volume - 1.0 );
+    out->measures[4] = 100.0 * path->impulse_missing / path->impulse;
+}
