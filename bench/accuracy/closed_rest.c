@@ -40,7 +40,7 @@ wisp_status closed_bar( closed_run* run, wisp_error* error )
     const wisp_vec3* points = NULL;
     wisp_status status = closed_make_plane( 2, cells + 1, BAR_SPACING, &body, error );
     status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
-    status = status == WISP_OK ? closed_advance( run, &body, 60, NULL, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, 40, NULL, error ) : status;
     status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
     if ( status == WISP_OK )
     {
