@@ -246,11 +246,12 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
                       report->entry->name, error, scene->truth );
     if ( !scene->has_no_rivals )
     {
-        results_add_note( out,
-                          "Accuracy `%s`, `front`: with %s no other setting is as near and as fast and better in one of "
-                          "the two; that is %d of %d. At equal error and at equal time the faster worker count of a "
-                          "setting counts.",
-                          report->entry->name, workers, front_count( report ), scene->setting_count );
+        results_add_note(
+            out,
+            "Accuracy `%s`, `front`: with %s no other setting is as near and as fast and better in one of "
+            "the two; that is %d of %d. At equal error and at equal time the faster worker count of a "
+            "setting counts.",
+            report->entry->name, workers, front_count( report ), scene->setting_count );
     }
     if ( scene->doubt > 0.0 )
     {

@@ -95,17 +95,30 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
 
 // ---- settings ----
 
+static double knob_of( closed_knob knob, int value )
+{
+    switch ( knob )
+    {
+        case SUBSTEPS:
+            return (double)ACCURACY_FRAME / value;
+        case ITERATIONS:
+            return 1.0 / value;
+        case CELLS:
+            return closed_strip_cell( value );
+        default:
+            return closed_sphere_edge( value );
+    }
+}
+
 static void add( accuracy_scene* scene, const closed_form* form, int value )
 {
     static const char* const names[] = { "substep, s", "1 / iterations", "cell, m", "edge / R" };
     closed_setting* settings = scene->context;
     settings[scene->setting_count] = ( closed_setting ){ form, value };
     static const char* const units[] = { "substeps", "iterations", "cells", "level" };
-    const double knobs[] = { (double)ACCURACY_FRAME / fmax( 1.0, value ), 1.0 / fmax( 1.0, value ),
-                             closed_strip_cell( value ), closed_sphere_edge( value ) };
     accuracy_setting* setting = cloth_settings_add( scene, "%s, %s %d", form->name, units[form->knob], value );
-    cloth_settings_join( setting, form->value_count > 1 ? form->name : "", names[form->knob], knobs[form->knob],
-                         form->order );
+    cloth_settings_join( setting, form->value_count > 1 ? form->name : "", names[form->knob],
+                         knob_of( form->knob, value ), form->order );
 }
 
 wisp_status accuracy_closed_forms( const bench_options* options, double seconds, accuracy_scene* out,
