@@ -122,7 +122,7 @@ wisp_status closed_catenary( closed_run* run, wisp_error* error )
         recipe.damping = 12.0f;
         status = closed_enter( run, recipe, &cloth, &body, error );
     }
-    status = status == WISP_OK ? closed_advance( run, &body, 240, NULL, error ) : status;
+    status = status == WISP_OK ? closed_advance( run, &body, 150, NULL, error ) : status;
     status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
     for ( int v = 0; v <= cells && status == WISP_OK; ++v )
     {
