@@ -46,6 +46,7 @@ static wisp_status ask( overlap_work* work, int asker, contact_overlap* out, wis
     {
         const float distance = work->nearest[v].triangle >= 0 ? work->nearest[v].distance : INFINITY;
         out->overlap = fmax( out->overlap, (double)( thickness - distance ) );
+        out->missed += distance < 0.5f * thickness ? 1 : 0;
         work->distances[v] = asker == 0 ? fminf( work->distances[v], distance ) : work->distances[v];
     }
     return status;

@@ -7,6 +7,7 @@
 typedef struct contact_overlap
 {
     double overlap; ///< m, how much nearer than the thickness, or how deep in another surface, a vertex is at most
+    int missed;     ///< vertices of any surface nearer than half of the thickness to another one, or in it
     int touching;   ///< vertices of the first surface next to another one
     double unevenness,
         patch; ///< m: how far those are from their mean along x (root mean square), and how far from the

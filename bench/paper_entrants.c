@@ -204,6 +204,8 @@ static frozen_oracle_options oracle_options( const wisp_frozen_hair_def* def, ui
     options.clump_step = (double)or_default( def->clump_step, 0.1f * def->clump_radius );
     options.guard_distance = (double)or_default( def->distance_min, 0.02f * def->clump_radius );
     options.lambda_min = (double)def->lambda_min;
+    options.gap = (frozen_oracle_gap)def->gap; // both list them in the same order
+    options.clump = def->clump;
     options.dimension = 2;
     options.seed = def->seed;
     options.event = event;

@@ -1,4 +1,5 @@
 // What the rate of steps, the number of vertices and the number of substeps do to the answer.
+#include "elastica.h"
 #include "strands_bench.h"
 
 #include <math.h>
@@ -62,50 +63,14 @@ static wisp_status run_hair( const strands_plan* plan, const hair_setting* setti
     return status;
 }
 
-// The heavy elastica of the same hair, theta'' = -G (1 - s) cos theta, theta(0) = 0, theta'(1) = 0: theta'(0) by halving,
-// the curve by Runge and Kutta. @param tip m @return theta'(1), which grows with theta'(0)
-static double shoot( double load, double start, double tip[2] )
-{
-    enum
-    {
-        PIECES = 4000,
-    };
-    const double h = 1.0 / PIECES;
-    double theta = 0.0, slope = start, x = 0.0, y = 0.0;
-    for ( int i = 0; i < PIECES; ++i )
-    {
-        double s = i * h;
-        double k1 = slope, m1 = -load * ( 1.0 - s ) * cos( theta );
-        double k2 = slope + 0.5 * h * m1, m2 = -load * ( 1.0 - s - 0.5 * h ) * cos( theta + 0.5 * h * k1 );
-        double k3 = slope + 0.5 * h * m2, m3 = -load * ( 1.0 - s - 0.5 * h ) * cos( theta + 0.5 * h * k2 );
-        double k4 = slope + h * m3, m4 = -load * ( 1.0 - s - h ) * cos( theta + h * k3 );
-        double next = theta + h / 6.0 * ( k1 + 2.0 * k2 + 2.0 * k3 + k4 ), middle = 0.5 * ( theta + next );
-        x += h * cos( middle );
-        y -= h * sin( middle );
-        theta = next;
-        slope += h / 6.0 * ( m1 + 2.0 * m2 + 2.0 * m3 + m4 );
-    }
-    tip[0] = HAIR_LENGTH * x;
-    tip[1] = HAIR_LENGTH * y;
-    return slope;
-}
-
 static wisp_vec3 elastica_tip( void )
 {
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     double load = (double)def.line_density * STRANDS_GRAVITY * HAIR_LENGTH * HAIR_LENGTH * HAIR_LENGTH /
                   (double)def.bend_rigidity;
-
-    // A moment that turned the hair past the vertical would have to be larger than sqrt(2 G) allows.
-    double low = 0.0, high = sqrt( 2.0 * load ), tip[2];
-    for ( int i = 0; i < 100; ++i )
-    {
-        double middle = 0.5 * ( low + high );
-        bool is_too_much = shoot( load, middle, tip ) > 0.0;
-        low = is_too_much ? low : middle;
-        high = is_too_much ? middle : high;
-    }
-    return ( wisp_vec3 ){ (float)tip[0], (float)tip[1], 0.0f };
+    double ends[2][2];
+    elastica_lay( load, 2, ends );
+    return ( wisp_vec3 ){ (float)( HAIR_LENGTH * ends[1][0] ), (float)( HAIR_LENGTH * ends[1][1] ), 0.0f };
 }
 
 static double share_of_length( wisp_vec3 a, wisp_vec3 b )

@@ -72,6 +72,7 @@ strands_recipe strands_default_recipe( const strands_shape* shape )
         .dynamics = wisp_default_strand_dynamics_def(),
         .substeps = 10,
         .workers = 1,
+        .iterations = 1,
         .seconds = STRANDS_STEP,
     };
 }
@@ -122,6 +123,7 @@ wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entran
     def.log = forget;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;
+    def.iterations = recipe->iterations;
     wisp_status status = wisp_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {

@@ -40,11 +40,12 @@ typedef struct strands_recipe
     const strands_shape* shape; ///< the caller's, who keeps it until the entrant is gone
     wisp_strand_dynamics_def dynamics;
     int substeps, workers;
+    int iterations;   ///< of what is not solved directly: sweeps a substep
     float seconds;    ///< a step
     bool has_quality; ///< energies are wanted too
 } strands_recipe;
 
-/// Steps of 1/60 s, one worker, ten substeps, the engine's defaults.
+/// Steps of 1/60 s, one worker, ten substeps of one iteration, the engine's defaults.
 strands_recipe strands_default_recipe( const strands_shape* shape );
 
 typedef struct strands_entrant

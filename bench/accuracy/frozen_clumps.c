@@ -1,0 +1,249 @@
+// Frozen hair that clumps: what the cap of neighbours leaves out, what fewer and longer steps of clumping miss, and what the
+// printed choices change.
+#include "paper_entrants.h"
+#include "scene_tools.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define RUN_COMMANDS 12
+#define LIMIT_RADIUS 0.008f // m: about fifty neighbours a vertex
+#define FLOW_RADIUS 0.008f  // m
+#define FLOW_REACH 0.04f    // of the radius: the sum of all steps; much more, and vertices meet
+#define FLOW_TRUTH 64       // steps
+#define FEW_STRANDS 40
+#define MANY_STRANDS 80
+#define FULL_SECONDS 15.0
+
+typedef struct clump_way
+{
+    wisp_frozen_hair_def def;
+    bool is_flow; // against many short steps; else against the default look
+} clump_way;
+
+#define WAYS_MAX 48
+
+typedef struct clumps
+{
+    paper_scene scene;
+    double* look; // [vertex_count][3] of the default look in double
+    double* flow; // likewise of many short steps
+    double* own;  // likewise of the setting that runs
+    clump_way ways[WAYS_MAX];
+} clumps;
+
+// ---- measures ----
+
+/// Root mean square and largest distance to a truth, m.
+typedef struct clump_distance
+{
+    double rms, most;
+} clump_distance;
+
+static clump_distance distance_to( const double* truth, const wisp_vec3* points, int count )
+{
+    clump_distance d = { 0.0, 0.0 };
+    for ( int i = 0; i < count; ++i )
+    {
+        const double x = (double)points[i].x - truth[3 * i], y = (double)points[i].y - truth[3 * i + 1],
+                     z = (double)points[i].z - truth[3 * i + 2], squared = x * x + y * y + z * z;
+        d.rms += squared / count;
+        d.most = fmax( d.most, squared );
+    }
+    return ( clump_distance ){ sqrt( d.rms ), sqrt( d.most ) };
+}
+
+// ---- a run ----
+
+enum
+{
+    FARTHEST,
+    OWN_ORACLE,
+    NEIGHBOURS,
+    CAPPED,
+    MEASURES,
+};
+
+static wisp_status look( clumps* all, const clump_way* way, paper_world* world, const wisp_vec3* points,
+                         accuracy_run* out, wisp_error* error )
+{
+    const int count = all->scene.groom.vertex_count;
+    wisp_frozen_hair_report report = { 0 };
+    wisp_status status = wisp_report_frozen_hair( world->world, world->hair, &report );
+    if ( status != WISP_OK )
+    {
+        return wisp_fail( error, status, "%s", wisp_world_message( world->world ) );
+    }
+    const clump_distance d = distance_to( way->is_flow ? all->flow : all->look, points, count );
+    out->error = 1e6 * d.rms;
+    out->measures[FARTHEST] = 1e6 * d.most;
+    out->measures[NEIGHBOURS] = (double)report.neighbours / count;
+    out->measures[CAPPED] = 100.0 * (double)report.capped / ( (double)count * fmax( report.searches, 1.0 ) );
+    status = paper_oracle_run( world->scene, 0, all->own, error );
+    out->measures[OWN_ORACLE] = 1e6 * distance_to( all->own, points, count ).rms;
+    return status;
+}
+
+// The same command again and again: between the first and the last nothing changes but the time.
+static wisp_status run_clumps( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                               wisp_error* error )
+{
+    clumps* all = context;
+    const clump_way* way = &all->ways[setting];
+    const paper_scene scene = { all->scene.groom, way->def, all->scene.extent };
+    paper_world world = { 0 };
+    const wisp_vec3* points = NULL;
+    wisp_status status = paper_world_create( &scene, workers, &world, error );
+    for ( int i = 0; i < RUN_COMMANDS && status == WISP_OK; ++i )
+    {
+        status = accuracy_time_step( paper_world_step, &world, out, error );
+    }
+    status = status == WISP_OK ? paper_world_replay( &world, 0, &points, &out->hash, error ) : status;
+    status = status == WISP_OK && is_looked_at ? look( all, way, &world, points, out, error ) : status;
+    out->halted_at = 0; // there is no time in it that could carry anything away
+    paper_world_destroy( &world );
+    return status;
+}
+
+// ---- truth ----
+
+static wisp_frozen_hair_def flow_def( const clumps* all, int steps )
+{
+    wisp_frozen_hair_def def = all->scene.def;
+    def.clump_radius = FLOW_RADIUS;
+    def.gap = WISP_GAP_WET; // the brake is random, and more steps would draw other numbers
+    def.clump_iterations = steps;
+    def.clump_step = FLOW_REACH * FLOW_RADIUS / (float)steps;
+    def.neighbour_limit = 4096;
+    return def;
+}
+
+static wisp_frozen_hair_def look_def( const clumps* all )
+{
+    wisp_frozen_hair_def def = all->scene.def;
+    def.clump_radius = LIMIT_RADIUS;
+    return def;
+}
+
+static wisp_status find_truth( clumps* all, wisp_error* error )
+{
+    const size_t size = 3 * (size_t)all->scene.groom.vertex_count * sizeof( double );
+    all->look = malloc( size );
+    all->flow = malloc( size );
+    all->own = malloc( size );
+    if ( !all->look || !all->flow || !all->own )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the truth of frozen hair" );
+    }
+    paper_scene scene = all->scene;
+    scene.def = look_def( all );
+    wisp_status status = paper_oracle_run( &scene, 0, all->look, error );
+    scene.def = flow_def( all, FLOW_TRUTH / 2 );
+    status = status == WISP_OK ? paper_oracle_run( &scene, 0, all->own, error ) : status;
+    scene.def = flow_def( all, FLOW_TRUTH );
+    status = status == WISP_OK ? paper_oracle_run( &scene, 0, all->flow, error ) : status;
+
+    // The error falls with the length of a step, so what half of it changes is what is still missing.
+    for ( int i = 0; i < 3 * all->scene.groom.vertex_count && status == WISP_OK; ++i )
+    {
+        all->flow[i] = 2.0 * all->flow[i] - all->own[i];
+    }
+    return status;
+}
+
+// ---- settings ----
+
+static accuracy_setting* put_way( accuracy_scene* scene, const char* name, wisp_frozen_hair_def def, bool is_flow )
+{
+    clumps* all = scene->context;
+    all->ways[scene->setting_count] = ( clump_way ){ def, is_flow };
+    return accuracy_put_setting( scene, "%s", name );
+}
+
+static void put_limits( accuracy_scene* scene )
+{
+    char name[64];
+    for ( int limit = 1; limit <= 64; limit *= 2 )
+    {
+        wisp_frozen_hair_def def = look_def( scene->context );
+        def.neighbour_limit = limit;
+        snprintf( name, sizeof( name ), "at most %d neighbours", limit );
+        accuracy_join_series( put_way( scene, name, def, false ), "neighbours", "1 / neighbours", 1.0 / limit, NAN );
+    }
+    put_way( scene, "all neighbours", look_def( scene->context ), false );
+}
+
+static void put_flow( accuracy_scene* scene )
+{
+    char name[64];
+    for ( int steps = 1; steps <= FLOW_TRUTH / 4; steps *= 2 )
+    {
+        snprintf( name, sizeof( name ), "flow in %d steps", steps );
+        accuracy_join_series( put_way( scene, name, flow_def( scene->context, steps ), true ), "flow", "1 / steps",
+                              1.0 / steps, 1.0 );
+    }
+}
+
+static void put_choices( accuracy_scene* scene )
+{
+    wisp_frozen_hair_def def = look_def( scene->context );
+    def.clump_radius = 0.5f * LIMIT_RADIUS;
+    put_way( scene, "half the radius", def, false );
+    def.clump_radius = 1.5f * LIMIT_RADIUS;
+    put_way( scene, "1.5 times the radius", def, false );
+    def = look_def( scene->context );
+    def.clump_iterations = 2;
+    put_way( scene, "half the iterations", def, false );
+    def = look_def( scene->context );
+    def.clump_iterations = 8;
+    put_way( scene, "twice the iterations", def, false );
+    def = look_def( scene->context );
+    def.clump = false;
+    put_way( scene, "no clumps", def, false );
+}
+
+static void destroy_clumps( void* context )
+{
+    clumps* all = context;
+    paper_scene_free( &all->scene );
+    free( all->look );
+    free( all->flow );
+    free( all->own );
+    free( all );
+}
+
+wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds, accuracy_scene* out,
+                                    wisp_error* error )
+{
+    (void)options;
+    clumps* all = calloc( 1, sizeof( clumps ) );
+    *out = ( accuracy_scene ){
+        .truth =
+            "the method in double precision with all neighbours; of the flow, 32 and 64 short steps of clumping, "
+            "extrapolated",
+        .error_name = "distance to the truth",
+        .error_unit = "um",
+        .ms_name = "command",
+        .measure_names = { "farthest um", "to its own oracle um", "neighbours a vertex", "capped %" },
+        .measure_count = MEASURES,
+        .context = all,
+        .run = run_clumps,
+        .destroy = destroy_clumps,
+    };
+    if ( !all )
+    {
+        return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for frozen hair" ) );
+    }
+    const int strands = seconds < FULL_SECONDS ? FEW_STRANDS : MANY_STRANDS;
+    wisp_status status = paper_scene_make( strands, &all->scene, error );
+    status = status == WISP_OK ? find_truth( all, error ) : status;
+    status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    put_limits( out );
+    put_flow( out );
+    put_choices( out );
+    return WISP_OK;
+}

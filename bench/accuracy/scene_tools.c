@@ -1,0 +1,58 @@
+#include "scene_tools.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+wisp_status accuracy_reserve_settings( accuracy_scene* scene, int count, wisp_error* error )
+{
+    scene->settings = calloc( (size_t)count, sizeof( accuracy_setting ) );
+    scene->setting_count = 0;
+    return scene->settings ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d settings", count );
+}
+
+accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name, ... )
+{
+    accuracy_setting* setting = &scene->settings[scene->setting_count++];
+    va_list arguments;
+    va_start( arguments, name );
+    vsnprintf( setting->name, sizeof( setting->name ), name, arguments );
+    va_end( arguments );
+    setting->knob = setting->order = NAN;
+    return setting;
+}
+
+void accuracy_join_series( accuracy_setting* setting, const char* series, const char* knob_name, double knob,
+                           double order )
+{
+    snprintf( setting->series, sizeof( setting->series ), "%s", series );
+    snprintf( setting->knob_name, sizeof( setting->knob_name ), "%s", knob_name );
+    setting->knob = knob;
+    setting->order = order;
+}
+
+wisp_status accuracy_abandon( accuracy_scene* scene, wisp_status status )
+{
+    if ( scene->context && scene->destroy )
+    {
+        scene->destroy( scene->context );
+    }
+    free( scene->settings );
+    *scene = ( accuracy_scene ){ .setting_count = 0 };
+    return status;
+}
+
+wisp_status accuracy_time_step( wisp_status ( *step )( void* context, wisp_error* error ), void* context,
+                                accuracy_run* out, wisp_error* error )
+{
+    const double begin = wisp_clock_seconds();
+    const wisp_status status = step( context, error );
+    const double ms = 1e3 * ( wisp_clock_seconds() - begin );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return accuracy_keep_ms( out, ms ) == WISP_OK
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of steps" );
+}

@@ -1,0 +1,225 @@
+// Rods of three lengths that bend under their own weight, against the heavy elastica: they fall from the horizontal, which is
+// also the direction of their clamp, and come to rest where vertices and substeps take them. What still moves then is jitter.
+#include "elastica.h"
+#include "scene_tools.h"
+#include "strands_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+// m, of the rods with G = 10: a hair of ordinary length and mass. Their stiffness is that of all.
+#define ROD_LENGTH 0.2
+#define LOADS 3
+#define ROD_DAMPING 9.0f
+#define ROD_VERTICES_MAX 64
+// By then the slowest swing is below a rounding; the last steps show what does not come to rest.
+#define REST_STEPS 180
+#define JITTER_STEPS 30
+#define FEW_RODS 36 // multiples of the loads
+#define MANY_RODS 144
+#define FULL_SECONDS 15.0
+
+// G, which goes with the third power of the length.
+static const double loads[LOADS] = { 1.0, 10.0, 100.0 };
+
+typedef struct rod_way
+{
+    int vertices, substeps;
+} rod_way;
+
+#define WAYS_MAX 64
+
+typedef struct rods
+{
+    int count;
+    rod_way ways[WAYS_MAX];
+} rods;
+
+// ---- rods ----
+
+static double length_of( int rod )
+{
+    return ROD_LENGTH * cbrt( loads[rod % LOADS] / 10.0 );
+}
+
+// Each in a vertical plane of its own. @param curve [vertices] of a rod of length 1
+static void lay_rod( int rod, int vertices, double ( *curve )[2], wisp_vec3* points )
+{
+    const double plane = 2.399963229728653 * rod; // multiples of the golden angle never repeat
+    for ( int v = 0; v < vertices; ++v )
+    {
+        const double aside = length_of( rod ) * curve[v][0], up = length_of( rod ) * curve[v][1];
+        points[rod * vertices + v] =
+            ( wisp_vec3 ){ (float)( aside * cos( plane ) ), (float)up, (float)( aside * sin( plane ) ) };
+    }
+}
+
+static wisp_status make_rods( int count, int vertices, strands_shape* start, strands_shape* truth, wisp_error* error )
+{
+    double straight[ROD_VERTICES_MAX][2], bent[LOADS][ROD_VERTICES_MAX][2];
+    for ( int v = 0; v < vertices; ++v )
+    {
+        straight[v][0] = (double)v / ( vertices - 1 );
+        straight[v][1] = 0.0;
+    }
+    for ( int i = 0; i < LOADS; ++i )
+    {
+        elastica_lay( loads[i], vertices, bent[i] );
+    }
+    wisp_status status = strands_shape_create( count, vertices, start, error );
+    status = status == WISP_OK ? strands_shape_create( count, vertices, truth, error ) : status;
+    for ( int rod = 0; rod < count && status == WISP_OK; ++rod )
+    {
+        lay_rod( rod, vertices, straight, start->points );
+        lay_rod( rod, vertices, bent[rod % LOADS], truth->points );
+    }
+    return status;
+}
+
+static strands_recipe make_recipe( const rod_way* way, const strands_shape* shape, int workers, bool is_looked_at )
+{
+    strands_recipe recipe = strands_default_recipe( shape );
+    const double weight = (double)recipe.dynamics.line_density * STRANDS_GRAVITY;
+    const double rigidity = weight * ROD_LENGTH * ROD_LENGTH * ROD_LENGTH / 10.0;
+    recipe.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    recipe.dynamics.bend_rigidity = (float)rigidity;
+    recipe.dynamics.damping = ROD_DAMPING;
+    recipe.substeps = way->substeps;
+    recipe.workers = workers;
+    recipe.has_quality = is_looked_at;
+    return recipe;
+}
+
+// ---- a run ----
+
+enum
+{
+    ERROR_OF_LOAD, // LOADS of them
+    JITTER = ERROR_OF_LOAD + LOADS,
+    STRETCH_MAX,
+    MEASURES,
+};
+
+static wisp_status keep_jitter( strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+{
+    wisp_quality quality = { 0 };
+    const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
+    out->measures[JITTER] = fmax( out->measures[JITTER], 1e6 * quality.speed_max );
+    return status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+}
+
+// Root mean square distances in lengths of the rods.
+static void measure_distance( const strands_shape* truth, const wisp_vec3* points, accuracy_run* out )
+{
+    double squares[LOADS] = { 0.0 }, all = 0.0;
+    for ( int rod = 0; rod < truth->strand_count; ++rod )
+    {
+        const size_t first = (size_t)rod * (size_t)truth->vertices;
+        const double off =
+            strands_rms_distance( points + first, truth->points + first, truth->vertices ) / length_of( rod );
+        squares[rod % LOADS] += off * off / ( truth->strand_count / LOADS );
+        all += off * off / truth->strand_count;
+    }
+    for ( int i = 0; i < LOADS; ++i )
+    {
+        out->measures[ERROR_OF_LOAD + i] = 100.0 * sqrt( squares[i] );
+    }
+    out->error = 100.0 * sqrt( all );
+}
+
+static wisp_status judge( strands_entrant* entrant, const strands_shape* truth, accuracy_run* out, wisp_error* error )
+{
+    const wisp_vec3* points = NULL;
+    const wisp_status status = strands_entrant_points( entrant, &points, error );
+    if ( status == WISP_OK )
+    {
+        measure_distance( truth, points, out );
+        out->measures[STRETCH_MAX] = 100.0 * strands_measure_stretch( entrant->recipe.shape, points ).max;
+    }
+    return status;
+}
+
+static wisp_status run_rods( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                             wisp_error* error )
+{
+    const rods* all = context;
+    strands_shape shape = { 0 }, truth = { 0 };
+    strands_entrant entrant = { 0 };
+    wisp_status status = make_rods( all->count, all->ways[setting].vertices, &shape, &truth, error );
+    const strands_recipe recipe = make_recipe( &all->ways[setting], &shape, workers, is_looked_at );
+    status = status == WISP_OK ? strands_entrant_create( &recipe, &entrant, error ) : status;
+    out->measures[JITTER] = is_looked_at ? 0.0 : NAN;
+    for ( int s = 1; s <= REST_STEPS && status == WISP_OK; ++s )
+    {
+        const bool is_due = is_looked_at && s > REST_STEPS - JITTER_STEPS;
+        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
+        status = status == WISP_OK && is_due ? keep_jitter( &entrant, out, error ) : status;
+    }
+    status = status == WISP_OK && is_looked_at ? judge( &entrant, &truth, out, error ) : status;
+    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
+    out->halted_at = entrant.halted_at;
+    strands_entrant_destroy( &entrant );
+    strands_shape_free( &shape );
+    strands_shape_free( &truth );
+    return status;
+}
+
+// ---- settings ----
+
+static accuracy_setting* put_way( accuracy_scene* scene, rod_way way )
+{
+    rods* all = scene->context;
+    all->ways[scene->setting_count] = way;
+    return accuracy_put_setting( scene, "%d vertices, %d substeps", way.vertices, way.substeps );
+}
+
+static void put_vertices( accuracy_scene* scene )
+{
+    static const int tried[] = { 4, 8, 16, 32, 64 };
+    for ( int i = 0; i < WISP_COUNT( tried ); ++i )
+    {
+        accuracy_join_series( put_way( scene, ( rod_way ){ tried[i], 10 } ), "vertices, 10 substeps",
+                              "segment of the length", 1.0 / ( tried[i] - 1 ), 2.0 );
+    }
+}
+
+// Substeps change what moves and not what is at rest, so nothing is promised of them.
+static void put_substeps( accuracy_scene* scene, int vertices )
+{
+    static const int tried[] = { 1, 2, 4, 20 };
+    char series[48];
+    snprintf( series, sizeof( series ), "substeps, %d vertices", vertices );
+    for ( int i = 0; i < WISP_COUNT( tried ); ++i )
+    {
+        accuracy_join_series( put_way( scene, ( rod_way ){ vertices, tried[i] } ), series, "substep, s",
+                              (double)STRANDS_STEP / tried[i], NAN );
+    }
+}
+
+wisp_status accuracy_strands_elastica( const bench_options* options, double seconds, accuracy_scene* out,
+                                       wisp_error* error )
+{
+    (void)options;
+    rods* all = calloc( 1, sizeof( rods ) );
+    *out = ( accuracy_scene ){
+        .truth = "closed form: the heavy elastica; root mean square over all vertices, of the length, after 3 s",
+        .error_name = "off the elastica",
+        .error_unit = "%",
+        .measure_names = { "G = 1 %", "G = 10 %", "G = 100 %", "jitter um/s", "stretch max %" },
+        .measure_count = MEASURES,
+        .context = all,
+        .run = run_rods,
+        .destroy = free,
+    };
+    const wisp_status status = all ? accuracy_reserve_settings( out, WAYS_MAX, error )
+                                   : wisp_fail( error, WISP_NO_MEMORY, "no memory for rods" );
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    all->count = seconds < FULL_SECONDS ? FEW_RODS : MANY_RODS;
+    put_vertices( out );
+    put_substeps( out, 16 );
+    put_substeps( out, 64 );
+    return WISP_OK;
+}

@@ -1,0 +1,272 @@
+// Strands let go horizontally: what every way to keep their lengths costs, and what it makes of the fall.
+#include "scene_tools.h"
+#include "strands_bench.h"
+
+#include "oracle/strand_oracle.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define FALL_STEPS 60
+#define FALL_LOOK 5
+// Below so many seconds fewer strands fall; strands do not touch, so the figures stay.
+#define FULL_SECONDS 15.0
+#define MANY_STRANDS 1024
+#define FEW_STRANDS 256
+#define TRUTH_SUBSTEPS 2560 // of each 1/60 s
+// A hair of 80 um of 4 GPa: so stiff is a segment that stretches.
+#define HAIR_STRETCH 20.1 // N
+
+typedef struct fall_way
+{
+    strands_setting solve;
+    wisp_solver solver;
+    int sweeps;
+} fall_way;
+
+/// A way by which substeps and sweeps are turned.
+typedef struct fall_family
+{
+    const char* name;
+    wisp_strand_stretch stretch;
+    wisp_solver solver;
+    int passes;
+    double order; // in the substep
+} fall_family;
+
+// Who follows the leader ends somewhere else however short the substep, so nothing is promised.
+static const fall_family families[] = {
+    { "direct", WISP_STRAND_STRETCH_DIRECT, WISP_SOLVER_XPBD, 8, 1.0 },
+    { "direct, 1 Newton pass", WISP_STRAND_STRETCH_DIRECT, WISP_SOLVER_XPBD, 1, 1.0 },
+    { "pbd, 1 sweep", WISP_STRAND_STRETCH_LINKS, WISP_SOLVER_PBD, 1, 1.0 },
+    { "xpbd, 1 sweep", WISP_STRAND_STRETCH_LINKS, WISP_SOLVER_XPBD, 1, 1.0 },
+    { "follow the leader", WISP_STRAND_STRETCH_FOLLOW, WISP_SOLVER_XPBD, 1, NAN },
+};
+
+static const int substeps_tried[] = { 1, 2, 4, 10, 20, 40 };
+
+/// Sweeps at a fixed number of substeps.
+typedef struct fall_sweeps
+{
+    const char* name;
+    wisp_solver solver;
+    int substeps;
+    int first, last; // each twice the one before
+} fall_sweeps;
+
+static const fall_sweeps sweeps_tried[] = {
+    { "pbd, 1 substep", WISP_SOLVER_PBD, 1, 2, 128 },
+    { "xpbd, 10 substeps", WISP_SOLVER_XPBD, 10, 2, 16 },
+};
+
+#define WAYS_MAX 64
+
+typedef struct fall
+{
+    strands_shape shape;
+    wisp_vec3* truth; // [vertex_count] after STRANDS_TRUTH_STEPS
+    fall_way ways[WAYS_MAX];
+} fall;
+
+static strands_recipe make_recipe( const fall* f, const fall_way* way, int workers, bool is_looked_at )
+{
+    strands_recipe recipe = strands_default_recipe( &f->shape );
+    recipe.dynamics = strands_setting_dynamics( &way->solve );
+    recipe.dynamics.solver = way->solver;
+    recipe.dynamics.stretch_compliance = (float)( (double)STRANDS_SPACING / HAIR_STRETCH );
+    recipe.substeps = way->solve.substeps;
+    recipe.iterations = way->sweeps;
+    recipe.workers = workers;
+    recipe.has_quality = is_looked_at;
+    return recipe;
+}
+
+// ---- truth ----
+
+static void fall_in_double( int substeps, double3* out )
+{
+    strand_oracle strand;
+    double3 points[STRANDS_VERTICES];
+    for ( int v = 0; v < STRANDS_VERTICES; ++v )
+    {
+        points[v] = ( double3 ){ (double)STRANDS_SPACING * v, 0.0, 0.0 };
+    }
+    strand_oracle_shape( &strand, points, STRANDS_VERTICES );
+    strand_oracle_weigh( &strand, (double)wisp_default_strand_dynamics_def().line_density, true );
+    const strand_oracle_settings settings = strand_oracle_default_settings( (double)STRANDS_STEP / substeps );
+    for ( int s = 0; s < STRANDS_TRUTH_STEPS * substeps; ++s )
+    {
+        strand_oracle_substep( &strand, &settings, NULL );
+    }
+    for ( int v = 0; v < STRANDS_VERTICES; ++v )
+    {
+        out[v] = strand.position[v];
+    }
+}
+
+// The error falls with the substep, so what twice the substeps change is what is still missing. All strands fall alike,
+// each in the plane of its own direction.
+static wisp_status converge( fall* f, wisp_error* error )
+{
+    double3 coarse[STRANDS_VERTICES], fine[STRANDS_VERTICES];
+    f->truth = malloc( (size_t)strands_shape_size( &f->shape ) * sizeof( wisp_vec3 ) );
+    if ( !f->truth )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a converged run" );
+    }
+    fall_in_double( TRUTH_SUBSTEPS / 2, coarse );
+    fall_in_double( TRUTH_SUBSTEPS, fine );
+    for ( int i = 0; i < strands_shape_size( &f->shape ); ++i )
+    {
+        const int v = i % STRANDS_VERTICES, tip = i - v + STRANDS_VERTICES - 1;
+        const double3 p = double3_sub( double3_scale( 2.0, fine[v] ), coarse[v] );
+        const double length = (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 );
+        f->truth[i] = ( wisp_vec3 ){ (float)( p.x / length * (double)f->shape.points[tip].x ), (float)p.y,
+                                     (float)( p.x / length * (double)f->shape.points[tip].z ) };
+    }
+    return WISP_OK;
+}
+
+// ---- a run ----
+
+enum
+{
+    STRETCH_MAX,
+    STRETCH_MEAN,
+    ENERGY_DRIFT,
+    LAID_OUT,
+    MEASURES,
+};
+
+// Released is what gravity has given by now; the strands began at rest at height 0, so all their energy was 0.
+static wisp_status look_at_energy( const strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+{
+    wisp_quality quality = { 0 };
+    const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
+    out->measures[ENERGY_DRIFT] =
+        100.0 * ( quality.kinetic_energy + quality.potential_energy ) / -quality.potential_energy;
+    return status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+}
+
+static wisp_status look( const fall* f, strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+{
+    const wisp_vec3* points = NULL;
+    wisp_status status = strands_entrant_points( entrant, &points, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const strands_stretch stretch = strands_measure_stretch( &f->shape, points );
+    out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch.max );
+    out->measures[STRETCH_MEAN] += 100.0 * stretch.mean * FALL_LOOK / FALL_STEPS;
+    if ( entrant->steps == STRANDS_TRUTH_STEPS )
+    {
+        out->error = 1e3 * strands_rms_distance( points, f->truth, strands_shape_size( &f->shape ) );
+    }
+    return look_at_energy( entrant, out, error );
+}
+
+static wisp_status run_fall( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+                             wisp_error* error )
+{
+    fall* f = context;
+    const strands_recipe recipe = make_recipe( f, &f->ways[setting], workers, is_looked_at );
+    strands_entrant entrant = { 0 };
+    out->measures[STRETCH_MAX] = out->measures[STRETCH_MEAN] = 0.0;
+    wisp_status status = strands_entrant_create( &recipe, &entrant, error );
+    for ( int s = 1; s <= FALL_STEPS && status == WISP_OK; ++s )
+    {
+        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
+        const bool is_due = is_looked_at && s % FALL_LOOK == 0;
+        status = status == WISP_OK && is_due ? look( f, &entrant, out, error ) : status;
+    }
+    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
+    out->halted_at = entrant.halted_at;
+    if ( status == WISP_OK )
+    {
+        out->measures[LAID_OUT] =
+            (double)wisp_world_counter( entrant.world, WISP_COUNT_LAID ) / f->shape.strand_count;
+    }
+    strands_entrant_destroy( &entrant );
+    return status;
+}
+
+// ---- settings ----
+
+static void put_substeps( accuracy_scene* scene, const fall_family* family )
+{
+    fall* f = scene->context;
+    for ( int i = 0; i < WISP_COUNT( substeps_tried ); ++i )
+    {
+        const int substeps = substeps_tried[i];
+        f->ways[scene->setting_count] = ( fall_way ){
+            { family->name, family->stretch, WISP_STRAND_BEND_NONE, family->passes, substeps }, family->solver, 1
+        };
+        accuracy_join_series( accuracy_put_setting( scene, "%s, %d substeps", family->name, substeps ), family->name,
+                              "substep, s", (double)STRANDS_STEP / substeps, family->order );
+    }
+}
+
+static void put_sweeps( accuracy_scene* scene, const fall_sweeps* tried )
+{
+    fall* f = scene->context;
+    for ( int sweeps = tried->first; sweeps <= tried->last; sweeps *= 2 )
+    {
+        f->ways[scene->setting_count] =
+            ( fall_way ){ { tried->name, WISP_STRAND_STRETCH_LINKS, WISP_STRAND_BEND_NONE, 1, tried->substeps },
+                          tried->solver,
+                          sweeps };
+        accuracy_join_series( accuracy_put_setting( scene, "%s, %d sweeps", tried->name, sweeps ), tried->name,
+                              "1 / sweeps", 1.0 / sweeps, NAN );
+    }
+}
+
+static void destroy_fall( void* context )
+{
+    fall* f = context;
+    strands_shape_free( &f->shape );
+    free( f->truth );
+    free( f );
+}
+
+wisp_status accuracy_strands_swing( const bench_options* options, double seconds, accuracy_scene* out,
+                                    wisp_error* error )
+{
+    (void)options;
+    fall* f = calloc( 1, sizeof( fall ) );
+    *out = ( accuracy_scene ){
+        .error_name = "distance to the truth",
+        .error_unit = "mm",
+        .measure_names = { "stretch max %", "stretch mean %", "energy drift %", "laid out a strand" },
+        .measure_count = MEASURES,
+        .context = f,
+        .run = run_fall,
+        .destroy = destroy_fall,
+    };
+    snprintf( out->truth, sizeof( out->truth ),
+              "the direct solve in double precision with %d and %d substeps, extrapolated; root mean square over all "
+              "vertices of strands of %.2f m after %.2f s",
+              TRUTH_SUBSTEPS / 2, TRUTH_SUBSTEPS, (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 ),
+              STRANDS_TRUTH_STEPS * (double)STRANDS_STEP );
+    if ( !f )
+    {
+        return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for strands that fall" ) );
+    }
+    wisp_status status =
+        strands_shape_make_horizontal( seconds < FULL_SECONDS ? FEW_STRANDS : MANY_STRANDS, &f->shape, error );
+    status = status == WISP_OK ? converge( f, error ) : status;
+    status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return accuracy_abandon( out, status );
+    }
+    for ( int i = 0; i < WISP_COUNT( families ); ++i )
+    {
+        put_substeps( out, &families[i] );
+    }
+    for ( int i = 0; i < WISP_COUNT( sweeps_tried ); ++i )
+    {
+        put_sweeps( out, &sweeps_tried[i] );
+    }
+    return WISP_OK;
+}

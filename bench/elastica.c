@@ -1,0 +1,62 @@
+#include "elastica.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+enum
+{
+    PIECES = 4000, // at least so many for the whole curve
+};
+
+typedef struct elastica_place
+{
+    double theta, slope, x, y;
+} elastica_place;
+
+// One piece by Runge and Kutta.
+static void move_on( double load, double s, double h, elastica_place* p )
+{
+    const double k1 = p->slope, m1 = -load * ( 1.0 - s ) * cos( p->theta );
+    const double k2 = p->slope + 0.5 * h * m1, m2 = -load * ( 1.0 - s - 0.5 * h ) * cos( p->theta + 0.5 * h * k1 );
+    const double k3 = p->slope + 0.5 * h * m2, m3 = -load * ( 1.0 - s - 0.5 * h ) * cos( p->theta + 0.5 * h * k2 );
+    const double k4 = p->slope + h * m3, m4 = -load * ( 1.0 - s - h ) * cos( p->theta + h * k3 );
+    const double next = p->theta + h / 6.0 * ( k1 + 2.0 * k2 + 2.0 * k3 + k4 ), middle = 0.5 * ( p->theta + next );
+    p->x += h * cos( middle );
+    p->y -= h * sin( middle ); // theta grows downwards
+    p->theta = next;
+    p->slope += h / 6.0 * ( m1 + 2.0 * m2 + 2.0 * m3 + m4 );
+}
+
+// @param start theta'(0) @return the least theta' on the way, which grows with it. Not that at the tip: under a large load
+// a rod that is bent too little swings back, and may end with any slope
+static double shoot( double load, double start, int count, double ( *points )[2] )
+{
+    const int each = ( PIECES + count - 2 ) / ( count - 1 ), pieces = each * ( count - 1 );
+    elastica_place p = { .slope = start };
+    double least = start;
+    points[0][0] = points[0][1] = 0.0;
+    for ( int i = 0; i < pieces; ++i )
+    {
+        move_on( load, (double)i / pieces, 1.0 / pieces, &p );
+        least = fmin( least, p.slope );
+        if ( ( i + 1 ) % each == 0 )
+        {
+            points[( i + 1 ) / each][0] = p.x;
+            points[( i + 1 ) / each][1] = p.y;
+        }
+    }
+    return least;
+}
+
+void elastica_lay( double load, int count, double ( *points )[2] )
+{
+    // A moment that turned the rod past the vertical would have to be larger than sqrt( 2 G ) allows.
+    double low = 0.0, high = sqrt( 2.0 * load );
+    for ( int i = 0; i < 100; ++i )
+    {
+        const double middle = 0.5 * ( low + high );
+        const bool is_too_much = shoot( load, middle, count, points ) > 0.0;
+        low = is_too_much ? low : middle;
+        high = is_too_much ? middle : high;
+    }
+}

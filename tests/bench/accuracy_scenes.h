@@ -1,0 +1,110 @@
+/// Scenes of the case `accuracy` at their smallest, run setting by setting without the driver.
+#pragma once
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "accuracy/accuracy.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
+{
+    const bench_options options = { .quick = true, .workers = 2 };
+    wisp_error error = { 0 };
+    if ( make( &options, 1.0, out, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.sentence );
+    }
+}
+
+static inline void close_scene( accuracy_scene* scene )
+{
+    scene->destroy( scene->context );
+    free( scene->settings );
+}
+
+static inline accuracy_run run_setting( const accuracy_scene* scene, const char* name, int workers,
+                                        bool is_looked_at )
+{
+    accuracy_run run = { .error = NAN };
+    wisp_error error = { 0 };
+    for ( int m = 0; m < ACCURACY_MEASURES_MAX; ++m )
+    {
+        run.measures[m] = NAN;
+    }
+    int setting = 0;
+    while ( setting < scene->setting_count && strcmp( scene->settings[setting].name, name ) != 0 )
+    {
+        ++setting;
+    }
+    if ( setting == scene->setting_count )
+    {
+        fail_msg( "there is no setting '%s'", name );
+    }
+    if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
+    {
+        fail_msg( "%s: %s", name, error.sentence );
+    }
+    assert_true( run.ms_count > 0 );
+    assert_int_equal( run.halted_at, 0 );
+    free( run.ms );
+    run.ms = NULL;
+    return run;
+}
+
+static inline double error_of( const accuracy_scene* scene, const char* name )
+{
+    return run_setting( scene, name, 1, true ).error;
+}
+
+static inline double measure_of( const accuracy_scene* scene, const accuracy_run* run, const char* measure )
+{
+    for ( int m = 0; m < scene->measure_count; ++m )
+    {
+        if ( strcmp( scene->measure_names[m], measure ) == 0 )
+        {
+            return run->measures[m];
+        }
+    }
+    fail_msg( "there is no measure '%s'", measure );
+    return NAN;
+}
+
+/// The order between two settings whose knobs are in this ratio.
+static inline double order_between( const accuracy_scene* scene, const char* coarse, const char* fine, double ratio )
+{
+    return log( error_of( scene, coarse ) / error_of( scene, fine ) ) / log( ratio );
+}
+
+/// Workers and looks change nothing.
+static inline void assert_same_hash( const accuracy_scene* scene, const char* name )
+{
+    const uint64_t looked = run_setting( scene, name, 1, true ).hash;
+    assert_true( looked != 0 );
+    assert_true( run_setting( scene, name, 1, false ).hash == looked );
+    assert_true( run_setting( scene, name, 2, false ).hash == looked );
+}
+
+/// Names are told apart, series have a knob above 0 each, and settings of a series different ones.
+static inline void assert_well_formed( const accuracy_scene* scene )
+{
+    assert_true( scene->setting_count > 1 );
+    assert_true( scene->truth[0] != '\0' && scene->error_name[0] != '\0' && scene->error_unit[0] != '\0' );
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        const accuracy_setting* s = &scene->settings[i];
+        assert_true( strlen( s->name ) < sizeof( s->name ) - 1 ); // one longer may have been cut
+        assert_true( s->series[0] == '\0' ? isnan( s->knob ) : s->knob > 0.0 );
+        for ( int k = 0; k < i; ++k )
+        {
+            const accuracy_setting* other = &scene->settings[k];
+            assert_string_not_equal( other->name, s->name );
+            assert_true( s->series[0] == '\0' || strcmp( other->series, s->series ) != 0 || other->knob != s->knob );
+        }
+    }
+}

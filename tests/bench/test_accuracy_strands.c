@@ -1,0 +1,143 @@
+// Scenes of strands of the case `accuracy`: errors fall with their knob as they should, closed forms are met, what begins at
+// rest stays there, and hashes depend on nothing but the setting.
+#include "accuracy_scenes.h"
+
+accuracy_scene_fn accuracy_strands_swing, accuracy_strands_chain, accuracy_strands_elastica, accuracy_strands_guides,
+    accuracy_strands_rest, accuracy_strands_curls;
+
+static void strands_that_fall_come_nearer_at_first_order( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_swing, &scene );
+    assert_well_formed( &scene );
+
+    // The error of the direct solve is that of its substep alone.
+    const double order = order_between( &scene, "direct, 4 substeps", "direct, 20 substeps", 5.0 );
+    assert_true( fabs( order - 1.0 ) < 0.1 );
+    const double direct = error_of( &scene, "direct, 20 substeps" );
+    assert_true( direct > 0.1 && direct < 1.5 ); // mm of a strand of 0.95 m: not equal, and no other fall
+
+    // Who follows the leader keeps his error at any substep.
+    assert_true( error_of( &scene, "follow the leader, 20 substeps" ) > 10.0 * direct );
+    assert_same_hash( &scene, "pbd, 1 substep, 4 sweeps" );
+    close_scene( &scene );
+}
+
+static void lengths_cost_sweeps_and_not_direct_solves( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_swing, &scene );
+    const accuracy_run direct = run_setting( &scene, "direct, 2 substeps", 1, true );
+    const accuracy_run few = run_setting( &scene, "pbd, 1 substep, 4 sweeps", 1, true );
+    const accuracy_run many = run_setting( &scene, "pbd, 1 substep, 64 sweeps", 1, true );
+    assert_true( measure_of( &scene, &direct, "stretch max %" ) < 0.01 );
+    assert_true( measure_of( &scene, &few, "stretch max %" ) > 10.0 );
+    assert_true( measure_of( &scene, &many, "stretch max %" ) < 0.1 * measure_of( &scene, &few, "stretch max %" ) );
+
+    // What falls cannot have more energy than it began with.
+    assert_true( measure_of( &scene, &direct, "energy drift %" ) < 0.0 );
+    close_scene( &scene );
+}
+
+static void a_hanging_chain_swings_in_its_periods( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_chain, &scene );
+    assert_well_formed( &scene );
+    const accuracy_run fine = run_setting( &scene, "direct, 10 links, 10 substeps", 1, true );
+    assert_true( fine.error < 0.02 );
+    assert_true( measure_of( &scene, &fine, "second period %" ) < 0.02 );
+
+    // The period of implicit steps is of second order in them, and the chain's in its links.
+    const double by_substeps =
+        order_between( &scene, "direct, 10 links, 1 substeps", "direct, 10 links, 4 substeps", 4.0 );
+    const double by_links =
+        order_between( &scene, "vertices, 8 links, 40 substeps", "vertices, 32 links, 40 substeps", 4.0 );
+    assert_true( fabs( by_substeps - 2.0 ) < 0.2 );
+    assert_true( fabs( by_links - 2.0 ) < 0.2 );
+    assert_same_hash( &scene, "direct, 10 links, 2 substeps" );
+    close_scene( &scene );
+}
+
+static void a_heavy_rod_hangs_as_the_elastica( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_elastica, &scene );
+    assert_well_formed( &scene );
+    const accuracy_run rest = run_setting( &scene, "32 vertices, 10 substeps", 1, true );
+    assert_true( measure_of( &scene, &rest, "G = 1 %" ) < 0.02 );
+    assert_true( measure_of( &scene, &rest, "G = 10 %" ) < 0.1 );
+    assert_true( measure_of( &scene, &rest, "G = 100 %" ) < 0.4 );
+    const double order =
+        order_between( &scene, "16 vertices, 10 substeps", "64 vertices, 10 substeps", 63.0 / 15.0 ); // segments
+    assert_true( fabs( order - 2.0 ) < 0.2 );
+
+    // At rest but for rounding: one of 1.5e-8 m in a substep of 1.7 ms is 9 um/s, and there are some.
+    assert_true( measure_of( &scene, &rest, "jitter um/s" ) < 200.0 );
+    assert_same_hash( &scene, "4 vertices, 10 substeps" );
+    close_scene( &scene );
+}
+
+static void hair_that_is_balanced_stays_where_it_is( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_rest, &scene );
+    assert_well_formed( &scene );
+    const accuracy_run balanced = run_setting( &scene, "waves, 8 substeps", 1, true );
+    assert_true( balanced.error < 0.01 );
+    assert_true( measure_of( &scene, &balanced, "jitter mm/s" ) < 1.0 );
+    assert_true( error_of( &scene, "waves, not balanced, 16 substeps" ) > 1.0 );
+    assert_same_hash( &scene, "waves, 2 substeps" );
+    close_scene( &scene );
+}
+
+static void curls_need_substeps_to_be_as_stiff_as_they_are( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_curls, &scene );
+    assert_well_formed( &scene );
+    const double stiff = error_of( &scene, "32 vertices, 32 substeps" );
+    assert_true( stiff < 1.0 );
+    assert_true( error_of( &scene, "32 vertices, 4 substeps" ) > 10.0 * stiff );
+    assert_same_hash( &scene, "32 vertices, 1 substeps" );
+    close_scene( &scene );
+}
+
+static void fewer_guides_miss_more( void** state )
+{
+    (void)state;
+    accuracy_scene scene;
+    open_scene( accuracy_strands_guides, &scene );
+    assert_well_formed( &scene );
+
+    // A ghost that has its guide for itself, and does not sway, is where it would be if it moved by itself.
+    const accuracy_run all = run_setting( &scene, "all simulated, 10 substeps", 1, true );
+    const accuracy_run alone = run_setting( &scene, "1 : 1, ghosts as guides, 10 substeps", 1, true );
+    assert_true( fabs( alone.error / all.error - 1.0 ) < 1e-3 );
+    const double four = error_of( &scene, "1 : 4, ghosts as guides, 10 substeps" );
+    assert_true( four > 1.5 * alone.error );
+    assert_true( error_of( &scene, "1 : 16, ghosts as guides, 10 substeps" ) > four );
+    assert_true( error_of( &scene, "all simulated, 1 substeps" ) > 2.0 * all.error );
+    assert_same_hash( &scene, "1 : 4, ghosts sway, 10 substeps" );
+    close_scene( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( strands_that_fall_come_nearer_at_first_order ),
+        cmocka_unit_test( lengths_cost_sweeps_and_not_direct_solves ),
+        cmocka_unit_test( a_hanging_chain_swings_in_its_periods ),
+        cmocka_unit_test( a_heavy_rod_hangs_as_the_elastica ),
+        cmocka_unit_test( hair_that_is_balanced_stays_where_it_is ),
+        cmocka_unit_test( curls_need_substeps_to_be_as_stiff_as_they_are ),
+        cmocka_unit_test( fewer_guides_miss_more ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
