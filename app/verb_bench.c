@@ -42,6 +42,7 @@ enum
     KEY_COMPARE,
     KEY_REPORT,
     KEY_SCENE,
+    KEY_LONG,
 };
 
 static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
@@ -63,6 +64,7 @@ static const struct argp_option option_list[] = {
       "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
     { "scene", KEY_SCENE, "NAME", 0,
       "A scene of the case `accuracy`; more than once or with commas for several. Without it all of them run", 0 },
+    { "long", KEY_LONG, NULL, 0, "The case `stability` makes a million steps at rest as well", 0 },
     { 0 },
 };
 
@@ -162,6 +164,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_SCENE:
             choose_scenes( state, arguments, argument );
             return 0;
+        case KEY_LONG:
+            arguments->options.longest = true;
+            return 0;
         case ARGP_KEY_ARG:
             choose_case( state, arguments, argument );
             return 0;
@@ -173,6 +178,10 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             if ( arguments->options.scenes != 0 )
             {
                 check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
+            }
+            if ( arguments->options.longest )
+            {
+                check_option( state, arguments, "--long", " stability ", "case 'stability'" );
             }
             if ( arguments->options.pictures != NULL )
             {

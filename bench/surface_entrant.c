@@ -71,10 +71,10 @@ static wisp_status add_surface( const surface_recipe* recipe, surface_entrant* e
 wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entrant* out, wisp_error* error )
 {
     *out = ( surface_entrant ){ .fabric = recipe->fabric, .recipe = *recipe };
-    const wisp_module* const modules[] = { recipe->module, recipe->second };
+    const wisp_module* const modules[] = { recipe->module, recipe->second, recipe->third };
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
-    def.module_count = recipe->second != NULL ? 2 : 1;
+    def.module_count = recipe->second == NULL ? 1 : recipe->third == NULL ? 2 : 3;
     def.log = forget;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;

@@ -133,6 +133,7 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
     assert_usage( "bench papre", "did you mean 'paper'?" );
     assert_usage( "bench --format xml", "--format" );
     assert_usage( "bench paper --compare", "--compare is an option of the case 'cloth'" );
+    assert_usage( "bench cloth --long", "--long is an option of the case 'stability'" );
     assert_usage( "bench accuracy --scene cloth_on_bal", "did you mean 'cloth_on_ball'?" );
     assert_usage( "bench accuracy --scene flag,volcano", "--scene: there is no 'volcano', only hanging_cloth, " );
     assert_usage( "bench paper --scene flag", "--scene is an option of the case 'accuracy'" );

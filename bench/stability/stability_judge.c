@@ -1,0 +1,106 @@
+// Limits to verdicts. Nothing here knows what is simulated: a look is numbers, and so is a limit.
+#include "stability.h"
+
+#include <math.h>
+
+const char* const stability_limit_names[STABILITY_LIMIT_COUNT] = {
+    "none", "finite", "halted", "strain", "recovery", "energy", "speed", "jitter", "breach", "claim", "bits",
+};
+
+// The larger one, and a NaN if there is one: fmax would step over it.
+static double worse( double before, double now )
+{
+    return now <= before || isnan( before ) ? before : now;
+}
+
+static bool is_sound( const stability_look* look )
+{
+    return look->is_finite && isfinite( look->strain ) && isfinite( look->speed );
+}
+
+static void watch_energy( stability_score* score, const stability_limits* limits, double energy )
+{
+    if ( score->frames <= limits->driven_frames )
+    {
+        score->energy_start = energy;
+        score->energy_rise = 0.0;
+    }
+    score->energy_rise = worse( score->energy_rise, energy - score->energy_start );
+}
+
+void stability_watch( stability_score* score, const stability_limits* limits, int frame_count,
+                      const stability_look* look )
+{
+    const bool is_first = score->frames == 0 && score->last.is_finite == false;
+    score->frames += is_first ? 0 : 1;
+    score->last = *look;
+    score->last.strain_limit = fmin( look->strain_limit, limits->strain );
+    if ( is_sound( look ) == false && score->not_finite == 0 )
+    {
+        score->not_finite = score->frames > 0 ? score->frames : 1;
+    }
+    if ( look->is_halted && score->halted == 0 )
+    {
+        score->halted = score->frames;
+    }
+    watch_energy( score, limits, look->energy );
+    score->strain_max = worse( score->strain_max, look->strain );
+    score->speed_max = worse( score->speed_max, look->speed );
+    if ( score->frames > limits->driven_frames )
+    {
+        score->breach_max = worse( score->breach_max, look->breach );
+    }
+    if ( score->frames > 0 && !( look->strain <= score->last.strain_limit ) )
+    {
+        score->beyond = score->frames;
+    }
+    if ( score->frames > frame_count - limits->still_frames )
+    {
+        score->jitter = worse( score->jitter, look->speed );
+    }
+}
+
+static stability_verdict broken( stability_limit limit, double measured, double allowed, int frames )
+{
+    return ( stability_verdict ){ limit, measured, allowed, frames };
+}
+
+stability_verdict stability_judge( const stability_score* score, const stability_limits* limits )
+{
+    const stability_look* last = &score->last;
+    const int late = score->beyond > limits->driven_frames ? score->beyond - limits->driven_frames : 0;
+    if ( score->not_finite > 0 )
+    {
+        return broken( STABILITY_LIMIT_FINITE, score->not_finite, 0.0, 0 );
+    }
+    if ( score->halted > 0 )
+    {
+        // what is halted stands still: no other number of it means anything
+        return broken( limits->may_halt ? STABILITY_LIMIT_NONE : STABILITY_LIMIT_HALTED, score->halted, 0.0, 0 );
+    }
+    if ( !( last->strain <= last->strain_limit ) )
+    {
+        return broken( STABILITY_LIMIT_STRAIN, last->strain, last->strain_limit, late );
+    }
+    if ( late > limits->recovery_frames )
+    {
+        return broken( STABILITY_LIMIT_RECOVERY, late, limits->recovery_frames, late );
+    }
+    if ( isinf( limits->energy ) == 0 && !( score->energy_rise <= limits->energy ) )
+    {
+        return broken( STABILITY_LIMIT_ENERGY, score->energy_rise, limits->energy, late );
+    }
+    if ( !( score->speed_max <= limits->speed ) )
+    {
+        return broken( STABILITY_LIMIT_SPEED, score->speed_max, limits->speed, late );
+    }
+    if ( !( score->jitter <= limits->jitter ) )
+    {
+        return broken( STABILITY_LIMIT_JITTER, score->jitter, limits->jitter, late );
+    }
+    if ( !( score->breach_max <= limits->breach ) )
+    {
+        return broken( STABILITY_LIMIT_BREACH, score->breach_max, limits->breach, late );
+    }
+    return ( stability_verdict ){ .frames = late };
+}

@@ -1,0 +1,92 @@
+// A trial from its first look to its verdict.
+#include "stability.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+static wisp_status watch_frames( stability_trial* trial, stability_outcome* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int frame = 0; frame <= trial->frame_count && status == WISP_OK; ++frame )
+    {
+        stability_look look = { 0 };
+        status = frame > 0 ? trial->step( trial->context, frame, error ) : WISP_OK;
+        if ( status == WISP_OK )
+        {
+            status = trial->look( trial->context, frame, &look, error );
+        }
+        if ( status == WISP_OK )
+        {
+            stability_watch( &out->score, &trial->limits, trial->frame_count, &look );
+        }
+    }
+    return status;
+}
+
+wisp_status stability_run( stability_trial* trial, stability_outcome* out, wisp_error* error )
+{
+    *out = ( stability_outcome ){ .limits = trial->limits };
+    wisp_status status = watch_frames( trial, out, error );
+    if ( status == WISP_OK )
+    {
+        out->verdict = stability_judge( &out->score, &trial->limits );
+        out->hash = trial->hash( trial->context );
+        if ( trial->world != NULL )
+        {
+            out->undirected = wisp_world_counter( trial->world, WISP_COUNT_UNDIRECTED );
+            out->laid = wisp_world_counter( trial->world, WISP_COUNT_LAID );
+            out->unsolved = wisp_world_counter( trial->world, WISP_COUNT_UNSOLVED );
+            out->halted = wisp_world_counter( trial->world, WISP_COUNT_HALTED );
+        }
+    }
+    trial->close( trial->context );
+    return status;
+}
+
+static wisp_status run_with( const stability_cell* cell, int workers, double strain_most, stability_outcome* out,
+                             wisp_error* error )
+{
+    stability_trial trial = { 0 };
+    wisp_status status = cell->subject->enter( cell->subject->way, &cell->axes, workers, &trial, error );
+    trial.limits.strain = strain_most;
+    return status == WISP_OK ? stability_run( &trial, out, error ) : status;
+}
+
+wisp_status stability_run_cell( const stability_cell* cell, double strain_most, stability_outcome* out,
+                                wisp_error* error )
+{
+    *out = ( stability_outcome ){ 0 };
+    wisp_status status = run_with( cell, 1, strain_most, out, error );
+    if ( status == WISP_BAD_INPUT || ( status == WISP_OK && cell->is_refused ) )
+    {
+        // a refusal has its sentence, and is right only where it is expected
+        const bool is_right = status == WISP_BAD_INPUT && cell->is_refused;
+        *out = ( stability_outcome ){ .is_refused = status == WISP_BAD_INPUT };
+        snprintf( out->said, sizeof( out->said ), "%.150s", out->is_refused ? error->sentence : "not refused" );
+        out->verdict.broke = is_right ? STABILITY_LIMIT_NONE : STABILITY_LIMIT_CLAIM;
+        *error = ( wisp_error ){ 0 };
+        return WISP_OK;
+    }
+    if ( status == WISP_OK && cell->two_workers )
+    {
+        stability_outcome other;
+        status = run_with( cell, 2, strain_most, &other, error );
+        if ( status == WISP_OK && other.hash != out->hash && out->verdict.broke == STABILITY_LIMIT_NONE )
+        {
+            out->verdict.broke = STABILITY_LIMIT_BITS;
+        }
+    }
+    return status;
+}
+
+void stability_claim( stability_outcome* out, bool holds, const char* format, ... )
+{
+    va_list list;
+    va_start( list, format );
+    vsnprintf( out->said, sizeof( out->said ), format, list );
+    va_end( list );
+    if ( holds == false && out->verdict.broke == STABILITY_LIMIT_NONE )
+    {
+        out->verdict.broke = STABILITY_LIMIT_CLAIM;
+    }
+}
