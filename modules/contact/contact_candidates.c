@@ -215,25 +215,6 @@ static bool reserve_blocks( const contact_work* work )
            contact_reserve( work, CONTACT_BLOCK_COLOUR, ( CONTACT_COLOURS + 1 ) * number, (void**)&b->colour );
 }
 
-void contact_check_candidates( const contact_work* work, int first, int count, bool are_edges )
-{
-    check_loop loop = { work, first, are_edges };
-    wisp_parallel_for( work->parallel, count, CHECK_GRAIN, check_candidates, &loop );
-}
-
-bool contact_make_blocks( const contact_work* work )
-{
-    contact_soup* s = work->soup;
-    if ( reserve_blocks( work ) == false )
-    {
-        return false;
-    }
-    s->blocks.first_edge_block = 0;
-    cut_blocks( &s->blocks, s->candidate_split, s->candidate_count );
-    colour_blocks( work );
-    return true;
-}
-
 bool contact_make_candidates( const contact_work* work )
 {
     contact_soup* s = work->soup;
@@ -244,13 +225,21 @@ bool contact_make_candidates( const contact_work* work )
     {
         return false;
     }
-    s->candidate_split = append_pairs( s, &s->point_pairs, 0, 0 );
-    s->candidate_count = append_pairs( s, &s->edge_pairs, point_pairs, s->candidate_split );
+    int split = append_pairs( s, &s->point_pairs, 0, 0 );
+    s->candidate_count = append_pairs( s, &s->edge_pairs, point_pairs, split );
     if ( work->state->world.features == WISP_CONTACT_EXACT )
     {
-        contact_check_candidates( work, 0, s->candidate_split, false );
-        contact_check_candidates( work, s->candidate_split, s->candidate_count - s->candidate_split, true );
-        s->candidate_split = close_ranks( s, s->candidate_split );
+        check_loop points = { work, 0, false }, edges = { work, split, true };
+        wisp_parallel_for( work->parallel, split, CHECK_GRAIN, check_candidates, &points );
+        wisp_parallel_for( work->parallel, s->candidate_count - split, CHECK_GRAIN, check_candidates, &edges );
+        split = close_ranks( s, split );
     }
-    return contact_make_blocks( work );
+    if ( reserve_blocks( work ) == false )
+    {
+        return false;
+    }
+    s->blocks.first_edge_block = 0;
+    cut_blocks( &s->blocks, split, s->candidate_count );
+    colour_blocks( work );
+    return true;
 }

@@ -31,7 +31,6 @@ typedef struct contact_settings
 /// What all guests share, from step to step.
 typedef struct contact_memory
 {
-    double drift[3]; // m, that all points together went since all of them were searched
     int32_t tangled; // something may cross something: pairs there are let go, and drawn apart
     int32_t unused;  // rows of columns have no padding inside
     wisp_contact_figures figures;
@@ -109,10 +108,6 @@ typedef enum contact_place
     CONTACT_TRIANGLE_BOXES,
     CONTACT_PAIR_GAP,
     CONTACT_CANDIDATES,
-    CONTACT_JOINED,
-    CONTACT_RENEWED,
-    CONTACT_RENEWED_LIST,
-    CONTACT_RENEWED_BOXES,
     CONTACT_ROWS,
     CONTACT_BLOCK_BEGIN,
     CONTACT_BLOCK_ROWS,
@@ -131,11 +126,9 @@ typedef struct contact_soup
     float*
         safe; // [point][4] where nothing crossed, at the end of the substep before; the fourth is the point's reach, m:
               // what was farther apart than its gap and both reaches is no candidate
-    float* rest; // [point][4] rest shape of the guest; the fourth is the guest
-    float*
-        searched; // [point][4] where its pairs were looked for, less the drift until then; the fourth is what the point
-                  // has gone since, m
-    float* closing; // [point] m, how far it may go in this substep; behind it, how far it went
+    float* rest;     // [point][4] rest shape of the guest; the fourth is the guest
+    float* searched; // [point][4] where pairs were looked for; the fourth is what the point has gone since, m
+    float* closing;  // [point] m, how far it may go in this substep; behind it, how far it went
     float *point_way, *edge_way, *triangle_way; // m, that each went and may go; of particles in place of edges
     float* shift;        // [point][4] m, that recovery moves in this substep: it gives no velocity
     float* share;        // [point] of the way from safe to now that may be gone
@@ -151,13 +144,9 @@ typedef struct contact_soup
     wisp_samples sampler;
     wisp_box_pairs point_pairs, edge_pairs; // of particles the first
     float* pair_gap;                        // [pair] m, 0: none
-    contact_candidate* candidates;          // points and triangles, then edges; rising by a, then by b
-    int candidate_count, candidate_split;
-    uint8_t* renewed;                // [point] its reach is spent, or nearly
-    int32_t* renewed_list;           // points, then edges, then triangles that have one of them
-    wisp_box* renewed_boxes;         // of the list
-    wisp_box_pairs renewed_pairs[3]; // points with triangles, triangles with points, edges with edges
-    contact_row* rows;               // [candidate]
+    contact_candidate* candidates;
+    int candidate_count;
+    contact_row* rows; // [candidate]
     contact_blocks blocks;
     wisp_crossings crossings;
     int32_t ( *faces )[2]; // [edge] its triangles, -1: none
@@ -227,38 +216,19 @@ contact_reached contact_expect_ways( const contact_work* work );
 contact_reached contact_measure_ways( const contact_work* work );
 /// Give each point a reach for some substeps like this one, and begin to count its ways anew.
 void contact_set_reach( const contact_work* work );
-/// The same for the points whose reach is spent, or will be soon, unless they are many. They are marked as renewed.
-/// @return how many there are
-int contact_renew_reach( const contact_work* work, int most );
 /// Count the substep's ways.
 void contact_spend_ways( const contact_work* work );
 
 // contact_search.c
-/// Look for all pairs, where each point was searched.
-/// @param is_restored so that the list of a world that went on is found again
-wisp_status contact_search( const contact_work* work, bool is_restored, wisp_error* error );
-/// A box around some points where they were searched, as wide as their reach.
-wisp_box contact_box_around( const contact_work* work, const int32_t* points, int count );
-/// What a point and a triangle, or two edges, have to keep, m; 0 if they share a point or do not meet.
-float contact_point_gap( const contact_work* work, int point, int triangle );
-float contact_edge_gap( const contact_work* work, int edge, int other );
+wisp_status contact_search( const contact_work* work, wisp_error* error );
 /// The largest reach of some points, m.
 float contact_reach_of( const contact_soup* s, const int32_t* points, int count );
 /// Do two guests, or a guest and itself, keep apart?
 bool contact_may_meet( const contact_guest* a, const contact_guest* b );
 
-// contact_renew.c
-/// Look anew for the pairs of the renewed points alone; all others are what they were. The list is the one that a search of
-/// all would find.
-wisp_status contact_renew_pairs( const contact_work* work, wisp_error* error );
-
 // contact_candidates.c
 /// Candidates of the pairs that were found, in blocks. @return false without memory
 bool contact_make_candidates( const contact_work* work );
-/// Take the gap from candidates that are out of reach, and part of it where a guest is thinner at rest.
-void contact_check_candidates( const contact_work* work, int first, int count, bool are_edges );
-/// Blocks of the candidates, coloured. @return false without memory
-bool contact_make_blocks( const contact_work* work );
 
 // contact_samples.c
 /// Sample all guests at rest, if particles are what is kept apart.

@@ -4,11 +4,6 @@
 
 #include <string.h>
 
-enum
-{
-    RENEWED_SHARE = 6, // where more than one of so many points spent its reach, all are searched
-};
-
 contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
     return ( contact_work ){
@@ -31,13 +26,13 @@ static bool succeeds( const contact_work* work, wisp_status status, const wisp_e
     return status == WISP_OK;
 }
 
-// A restored snapshot brings the places along where its points were searched: the same pairs come of them. If something is
-// crossed, all is searched once more anyway.
+// A restored snapshot brings the places of its last search along: the same pairs come of them. Whether something is crossed is
+// known too: if it is, all is searched anew anyway.
 static bool search_restored( const contact_work* work )
 {
     wisp_error error = { 0 };
     memset( work->soup->is_tangled, 0, (size_t)work->soup->point_count );
-    return succeeds( work, contact_search( work, true, &error ), &error );
+    return succeeds( work, contact_search( work, &error ), &error );
 }
 
 static bool search_anew( const contact_work* work )
@@ -45,21 +40,9 @@ static bool search_anew( const contact_work* work )
     wisp_error error = { 0 };
     contact_set_reach( work );
     work->soup->is_anew = false;
-    const wisp_status status = contact_mark_tangles( work, &error );
-    return succeeds( work, status == WISP_OK ? contact_search( work, false, &error ) : status, &error );
-}
-
-// Points spend their reach at different times, so that mostly a few are looked for at a time.
-static bool look_again( const contact_work* work )
-{
-    const contact_soup* s = work->soup;
-    const int most = s->point_count / RENEWED_SHARE;
-    wisp_error error = { 0 };
     work->memory->figures.searches += 1;
-    const bool is_whole = s->is_anew || work->memory->tangled != 0 ||
-                          work->state->world.features == WISP_CONTACT_SAMPLES ||
-                          contact_renew_reach( work, most ) > most;
-    return is_whole ? search_anew( work ) : succeeds( work, contact_renew_pairs( work, &error ), &error );
+    const wisp_status status = contact_mark_tangles( work, &error );
+    return succeeds( work, status == WISP_OK ? contact_search( work, &error ) : status, &error );
 }
 
 static void begin_step( const contact_work* work )
@@ -100,7 +83,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     const contact_reached reached = contact_expect_ways( &work );
     // while something is crossed, what is changes from substep to substep
     const bool is_due = s->is_anew || reached == CONTACT_BEYOND || work.memory->tangled != 0;
-    if ( is_due && look_again( &work ) == false )
+    if ( is_due && search_anew( &work ) == false )
     {
         return;
     }
@@ -111,7 +94,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 static void guard_ways( const contact_work* work )
 {
     const contact_reached reached = contact_measure_ways( work );
-    if ( reached == CONTACT_BEYOND && look_again( work ) == false )
+    if ( reached == CONTACT_BEYOND && search_anew( work ) == false )
     {
         return;
     }

@@ -28,11 +28,11 @@ float contact_reach_of( const contact_soup* s, const int32_t* points, int count 
 
 // ---- boxes ----
 
-wisp_box contact_box_around( const contact_work* work, const int32_t* points, int count )
+static wisp_box box_around( const search_loop* loop, const int32_t* points, int count )
 {
-    const contact_soup* s = work->soup;
+    const contact_soup* s = loop->soup;
     const float wide =
-        0.5f * contact_guest_of( work, points[0] )->settings.thickness + contact_reach_of( s, points, count );
+        0.5f * contact_guest_of( loop->work, points[0] )->settings.thickness + contact_reach_of( s, points, count );
     wisp_box box;
     for ( int k = 0; k < 3; ++k )
     {
@@ -57,7 +57,7 @@ static void box_points( void* context, int begin, int end, int worker )
     const search_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->point_boxes[i] = contact_box_around( loop->work, &i, 1 );
+        loop->soup->point_boxes[i] = box_around( loop, &i, 1 );
     }
 }
 
@@ -67,7 +67,7 @@ static void box_edges( void* context, int begin, int end, int worker )
     const search_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->edge_boxes[i] = contact_box_around( loop->work, loop->soup->edges + 2 * (size_t)i, 2 );
+        loop->soup->edge_boxes[i] = box_around( loop, loop->soup->edges + 2 * (size_t)i, 2 );
     }
 }
 
@@ -77,7 +77,7 @@ static void box_triangles( void* context, int begin, int end, int worker )
     const search_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->triangle_boxes[i] = contact_box_around( loop->work, loop->soup->triangles + 3 * (size_t)i, 3 );
+        loop->soup->triangle_boxes[i] = box_around( loop, loop->soup->triangles + 3 * (size_t)i, 3 );
     }
 }
 
@@ -94,24 +94,10 @@ bool contact_may_meet( const contact_guest* a, const contact_guest* b )
 }
 
 // What a pair would keep, 0 if it is none. Its boxes overlap, so it is as near as pairs are looked for.
-static float gap_of( const contact_work* work, int a, int b )
+static float gap_of( const search_loop* loop, int a, int b )
 {
-    const contact_guest *ga = contact_guest_of( work, a ), *gb = contact_guest_of( work, b );
+    const contact_guest *ga = contact_guest_of( loop->work, a ), *gb = contact_guest_of( loop->work, b );
     return contact_may_meet( ga, gb ) ? 0.5f * ( ga->settings.thickness + gb->settings.thickness ) : 0.0f;
-}
-
-float contact_point_gap( const contact_work* work, int point, int triangle )
-{
-    const int32_t* t = work->soup->triangles + (size_t)triangle * 3;
-    const bool shares = point == t[0] || point == t[1] || point == t[2];
-    return shares ? 0.0f : gap_of( work, point, t[0] );
-}
-
-float contact_edge_gap( const contact_work* work, int edge, int other )
-{
-    const int32_t *a = work->soup->edges + (size_t)edge * 2, *b = work->soup->edges + (size_t)other * 2;
-    const bool shares = a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
-    return shares ? 0.0f : gap_of( work, a[0], b[0] );
 }
 
 static void check_points( void* context, int begin, int end, int worker )
@@ -122,7 +108,9 @@ static void check_points( void* context, int begin, int end, int worker )
     {
         for ( int k = loop->pairs->begin[p]; k < loop->pairs->begin[p + 1]; ++k )
         {
-            loop->gaps[k] = contact_point_gap( loop->work, p, loop->pairs->item[k] );
+            const int32_t* t = loop->soup->triangles + (size_t)loop->pairs->item[k] * 3;
+            const bool shares = p == t[0] || p == t[1] || p == t[2];
+            loop->gaps[k] = shares ? 0.0f : gap_of( loop, p, t[0] );
         }
     }
 }
@@ -133,9 +121,12 @@ static void check_edges( void* context, int begin, int end, int worker )
     const search_loop* loop = context;
     for ( int e = begin; e < end; ++e )
     {
+        const int32_t* a = loop->soup->edges + (size_t)e * 2;
         for ( int k = loop->pairs->begin[e]; k < loop->pairs->begin[e + 1]; ++k )
         {
-            loop->gaps[k] = contact_edge_gap( loop->work, e, loop->pairs->item[k] );
+            const int32_t* b = loop->soup->edges + (size_t)loop->pairs->item[k] * 2;
+            const bool shares = a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+            loop->gaps[k] = shares ? 0.0f : gap_of( loop, a[0], b[0] );
         }
     }
 }
@@ -147,14 +138,14 @@ static void point_at( search_loop* loop, const wisp_box_pairs* pairs, size_t fir
     loop->gaps = s->pair_gap + first;
 }
 
-// @param limit of pairs, 0: none
-static wisp_status find_pairs( const contact_work* work, size_t limit, wisp_error* error )
+static wisp_status find_pairs( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
     if ( work->state->world.features == WISP_CONTACT_SAMPLES )
     {
         return contact_find_sample_pairs( work, error );
     }
+    const size_t limit = (size_t)s->point_count * MOST_PER_POINT;
     const wisp_box_job points = {
         .askers = s->point_boxes,
         .asker_count = s->point_count,
@@ -195,11 +186,9 @@ static bool check_pairs( const contact_work* work, search_loop* loop )
     return contact_make_candidates( work );
 }
 
-wisp_status contact_search( const contact_work* work, bool is_restored, wisp_error* error )
+wisp_status contact_search( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    // a reach that comes from a snapshot stays what it is
-    const size_t limit = is_restored ? 0 : (size_t)s->point_count * MOST_PER_POINT;
     search_loop loop = { .work = work, .soup = s };
     wisp_status status = WISP_BAD_INPUT;
     for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < 40; ++halvings )
@@ -207,7 +196,7 @@ wisp_status contact_search( const contact_work* work, bool is_restored, wisp_err
         wisp_parallel_for( work->parallel, s->point_count, BOX_GRAIN, box_points, &loop );
         wisp_parallel_for( work->parallel, s->edge_count, BOX_GRAIN, box_edges, &loop );
         wisp_parallel_for( work->parallel, s->triangle_count, BOX_GRAIN, box_triangles, &loop );
-        status = find_pairs( work, limit, error );
+        status = find_pairs( work, error );
         // more than so many is no list of candidates: look less far, and let the guard cut what goes farther
         for ( int i = 0; i < s->point_count && status == WISP_BAD_INPUT; ++i )
         {

@@ -11,10 +11,6 @@ void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator )
     }
     wisp_box_pairs_release( &soup->point_pairs, allocator );
     wisp_box_pairs_release( &soup->edge_pairs, allocator );
-    for ( int i = 0; i < WISP_COUNT( soup->renewed_pairs ); ++i )
-    {
-        wisp_box_pairs_release( soup->renewed_pairs + i, allocator );
-    }
     wisp_crossings_release( &soup->crossings, allocator );
     wisp_samples_release( &soup->sampler, allocator );
     *soup = ( contact_soup ){ 0 };
@@ -74,7 +70,6 @@ static bool reserve_all( const contact_work* work )
     contact_soup* s = work->soup;
     const size_t points = (size_t)s->point_count, edges = (size_t)s->edge_count;
     const size_t triangles = (size_t)s->triangle_count, quad = 4 * sizeof( float );
-    const size_t pieces = points + edges + triangles;
     return contact_reserve( work, CONTACT_NOW, points * quad, (void**)&s->now ) &&
            contact_reserve( work, CONTACT_SAFE, points * quad, (void**)&s->safe ) &&
            contact_reserve( work, CONTACT_REST, points * quad, (void**)&s->rest ) &&
@@ -88,9 +83,6 @@ static bool reserve_all( const contact_work* work )
            contact_reserve( work, CONTACT_EDGES, edges * 2 * sizeof( int32_t ), (void**)&s->edges ) &&
            contact_reserve( work, CONTACT_TRIANGLES, triangles * 3 * sizeof( int32_t ), (void**)&s->triangles ) &&
            contact_reserve( work, CONTACT_TANGLED, points, (void**)&s->is_tangled ) &&
-           contact_reserve( work, CONTACT_RENEWED, points, (void**)&s->renewed ) &&
-           contact_reserve( work, CONTACT_RENEWED_LIST, pieces * sizeof( int32_t ), (void**)&s->renewed_list ) &&
-           contact_reserve( work, CONTACT_RENEWED_BOXES, pieces * sizeof( wisp_box ), (void**)&s->renewed_boxes ) &&
            contact_reserve( work, CONTACT_COLOUR_MASKS, points * sizeof( uint64_t ), (void**)&s->colours ) &&
            contact_reserve( work, CONTACT_POINT_BOXES, points * sizeof( wisp_box ), (void**)&s->point_boxes ) &&
            contact_reserve( work, CONTACT_EDGE_BOXES, edges * sizeof( wisp_box ), (void**)&s->edge_boxes ) &&

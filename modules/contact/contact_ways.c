@@ -16,13 +16,12 @@ static const float FARTHEST = 1e6f;
 static const float SPARE = 1.25f, SPARE_THICKNESS = 0.05f;
 // A search looks so many substeps ahead.
 static const float SUBSTEPS_AHEAD = 4.0f;
-// When some points have spent theirs, those whose reach would not last for so many substeps are searched with them.
-static const float RENEWED_AHEAD = 3.0f;
 
 typedef struct way_loop
 {
     contact_soup* soup;
     double ( *sums )[3]; // [block]
+    float least_reach;   // m
     bool is_expected;    // else it is measured
     _Atomic int reached; // contact_reached
 } way_loop;
@@ -128,62 +127,25 @@ contact_reached contact_measure_ways( const contact_work* work )
     return take_ways( work, false );
 }
 
-// A new reach for a point, from where it is safe.
-static void set_reach_of( const contact_work* work, int point )
-{
-    static const float HALF = 0.5f; // of a pair
-    contact_soup* s = work->soup;
-    const size_t at = (size_t)point * 4;
-    const float least = HALF * work->state->world.margin * s->least_thickness;
-    s->safe[at + 3] = contact_larger( least, SUBSTEPS_AHEAD * s->closing[point] );
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        s->searched[at + k] = (float)( (double)s->safe[at + k] - work->memory->drift[k] );
-    }
-    s->searched[at + 3] = 0.0f;
-}
-
 static void set_reach( void* context, int begin, int end, int worker )
 {
     (void)worker;
+    const way_loop* loop = context;
+    contact_soup* s = loop->soup;
     for ( int p = begin; p < end; ++p )
     {
-        set_reach_of( context, p );
+        s->safe[(size_t)p * 4 + 3] = contact_larger( loop->least_reach, SUBSTEPS_AHEAD * s->closing[p] );
+        s->searched[(size_t)p * 4 + 3] = 0.0f;
     }
 }
 
 void contact_set_reach( const contact_work* work )
 {
-    memset( work->memory->drift, 0, sizeof( work->memory->drift ) );
-    wisp_parallel_for( work->parallel, work->soup->point_count, GRAIN, set_reach, (void*)(uintptr_t)work );
-}
-
-// Mark the points whose reach does not last for so many substeps. @return how many there are
-static int mark_spent( contact_soup* s, float substeps )
-{
-    int count = 0;
-    for ( int p = 0; p < s->point_count; ++p )
-    {
-        const float spent = s->searched[(size_t)p * 4 + 3] + substeps * s->closing[p];
-        s->renewed[p] = spent > s->safe[(size_t)p * 4 + 3] ? 1 : 0;
-        count += s->renewed[p];
-    }
-    return count;
-}
-
-int contact_renew_reach( const contact_work* work, int most )
-{
-    contact_soup* s = work->soup;
-    int count = mark_spent( s, RENEWED_AHEAD );
-    count = count > most ? mark_spent( s, 1.0f ) : count;
-    for ( int p = 0; p < s->point_count && count <= most; ++p )
-    {
-        if ( s->renewed[p] != 0 )
-        {
-            set_reach_of( work, p );
-        }
-    }
-    return count;
+    static const float HALF = 0.5f; // of a pair
+    way_loop loop = { .soup = work->soup };
+    loop.least_reach = HALF * work->state->world.margin * work->soup->least_thickness;
+    memcpy( loop.soup->searched, loop.soup->safe, (size_t)loop.soup->point_count * 4 * sizeof( float ) );
+    wisp_parallel_for( work->parallel, loop.soup->point_count, GRAIN, set_reach, &loop );
 }
 
 static void spend_ways( void* context, int begin, int end, int worker )
@@ -200,8 +162,4 @@ void contact_spend_ways( const contact_work* work )
 {
     way_loop loop = { .soup = work->soup };
     wisp_parallel_for( work->parallel, work->soup->point_count, GRAIN, spend_ways, &loop );
-    for ( int k = 0; k < 3; ++k )
-    {
-        work->memory->drift[k] += (double)work->soup->common[k];
-    }
 }
