@@ -298,6 +298,21 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     return report_write_file( out, &run, arguments->report, error );
 }
 
+// What the engine's kernels use here, as an empty world says.
+static wisp_status describe( machine_facts* out, wisp_error* error )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = 1;
+    wisp_world* world;
+    const wisp_status status = wisp_world_create( &def, &world, error );
+    if ( status == WISP_OK )
+    {
+        *out = machine_describe( wisp_world_isa( world ) );
+        wisp_world_destroy( world );
+    }
+    return status;
+}
+
 int verb_bench( int argc, char** argv )
 {
     bench_arguments arguments = { .options = bench_default_options() };
@@ -308,9 +323,10 @@ int verb_bench( int argc, char** argv )
         return list_cases();
     }
 
-    results out = { .machine = machine_describe( "none" ) };
+    results out = { 0 };
     wisp_error error = { 0 };
-    wisp_status status = check_writable( arguments.output, &error );
+    wisp_status status = describe( &out.machine, &error );
+    status = status == WISP_OK ? check_writable( arguments.output, &error ) : status;
     status = status == WISP_OK ? check_writable( arguments.report, &error ) : status;
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
     if ( status == WISP_OK )

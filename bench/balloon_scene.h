@@ -27,10 +27,10 @@ typedef struct balloon_setting
 {
     wisp_balloon_def def;
     const wisp_vec3* points; ///< [vertex_count] where the vertices start; null: the rest shape
-    float area_density; ///< kg/m^2
-    wisp_vec3 gravity;  ///< m/s^2
-    float damping;      ///< 1/s
-    bool levels;        ///< one pass over coarse levels a substep
+    float area_density;      ///< kg/m^2
+    wisp_vec3 gravity;       ///< m/s^2
+    float damping;           ///< 1/s
+    bool levels;             ///< one pass over coarse levels a substep
     wisp_sweep sweep;
     const int32_t* pins;
     int pin_count;

@@ -304,7 +304,6 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
         status = run_line( plan, plan->levels[i], left, &race, &lines[i], out, error );
         if ( status == WISP_OK )
         {
-            snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( race.entrants[0].world ) );
             add_rows( plan, &race, &lines[i], out );
             add_line( plan, &lines[i], table, out );
         }

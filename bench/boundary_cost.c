@@ -118,8 +118,6 @@ static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wis
     }
     if ( status == WISP_OK )
     {
-        snprintf( run->out->machine.isa, sizeof( run->out->machine.isa ), "%s",
-                  wisp_world_isa( run->entrants[0].surface.world ) );
         read_times( run, cost );
         status = look( run, cost, error );
     }

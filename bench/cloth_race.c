@@ -457,7 +457,6 @@ wisp_status cloth_race( const cloth_plan* plan, results* out, wisp_error* error 
         status = run_line( plan, &r, &lines[i], left, out, error );
         if ( status == WISP_OK )
         {
-            snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( r.entrants[0].world ) );
             add_rows( plan, &r, &lines[i], out );
             add_line( plan, &lines[i], table, out );
         }

@@ -328,10 +328,6 @@ static wisp_status run_contest( query_contest* c, const soup_mesh* mesh, double 
         bench_free_samples( variants, c->count );
     }
     status = status == WISP_OK ? compare( c, error ) : status;
-    if ( status == WISP_OK )
-    {
-        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( c->entrants[0].probe.world ) );
-    }
     for ( int i = 0; i < c->count && status == WISP_OK; ++i )
     {
         summarise( c->entrants + i );

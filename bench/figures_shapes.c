@@ -148,10 +148,6 @@ static wisp_status follow_volume( figures_case* page, wisp_fabric* fabric, float
     setting.damping = 5.0f;
     surface_entrant entrant = { 0 };
     wisp_status status = balloon_entrant_create( fabric, &setting, &entrant, error );
-    if ( status == WISP_OK )
-    {
-        snprintf( page->out->machine.isa, sizeof( page->out->machine.isa ), "%s", wisp_world_isa( entrant.world ) );
-    }
     double rest = balloon_volume( &page->figure, page->figure.points ), before = rest;
     for ( int s = 1; s <= RAMP_STEPS + SETTLE_STEPS && status == WISP_OK; ++s )
     {

@@ -33,7 +33,6 @@ typedef struct paper_table
     int variant_count; ///< 2 with one worker, else 3
     int workers[PAPER_VARIANTS_MAX];
     double clump_radius; ///< m
-    char isa[16];
     paper_line lines[PAPER_SIZES];
 } paper_table;
 

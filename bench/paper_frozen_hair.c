@@ -383,13 +383,11 @@ wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_
         if ( status == WISP_OK )
         {
             table.clump_radius = (double)race.scene.def.clump_radius;
-            snprintf( table.isa, sizeof( table.isa ), "%s", wisp_world_isa( race.worlds[1].world ) );
         }
         leave( &table, &race );
     }
     if ( status == WISP_OK )
     {
-        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", table.isa );
         paper_report( &table, out );
     }
     return status;

@@ -350,7 +350,6 @@ static wisp_status drop_one( const triangle_plan* plan, triangle_line* line, res
     if ( status == WISP_OK )
     {
         add_rows( plan, &run, line, out );
-        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( run.entrants[0].world ) );
     }
     leave( &run );
     return status;

@@ -307,7 +307,6 @@ static wisp_status run_size( const strands_plan* plan, const truth* t, double se
     if ( status == WISP_OK )
     {
         conclude( plan, r, size, out );
-        snprintf( out->machine.isa, sizeof( out->machine.isa ), "%s", wisp_world_isa( r->entrants[0].world ) );
     }
     leave( r );
     free( r );

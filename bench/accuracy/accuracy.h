@@ -43,7 +43,8 @@ typedef struct accuracy_scene
     char ms_name[32];    ///< what a time is of, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
     int measure_count;
-    bool has_no_rivals; ///< its series are experiments of their own: no front, and nothing at equal error or equal time
+    bool
+        has_no_rivals; ///< its series are experiments of their own: no front, and nothing at equal error or equal time
     accuracy_setting* settings; ///< [setting_count] malloc'ed; freed by the driver, after destroy()
     int setting_count;
     void* context; ///< what run() needs

@@ -80,11 +80,6 @@ bool accuracy_begins_series( const accuracy_scene* scene, int setting )
     return begins;
 }
 
-int accuracy_last_worker( const accuracy_report* report )
-{
-    return report->worker_count - 1;
-}
-
 // ---- a scene ----
 
 static void free_report( accuracy_report* report )
@@ -92,24 +87,24 @@ static void free_report( accuracy_report* report )
     for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
     {
         free( report->ms[w] );
-        free( report->on_front[w] );
     }
+    free( report->on_front );
     free( report->error );
     free( report->least_ms );
 }
 
-// The columns that are compared, and the front of each worker count.
+// The columns that are compared, and their front.
 static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 {
     const int count = report->scene->setting_count;
     report->error = calloc( (size_t)count, sizeof( double ) );
     report->least_ms = calloc( (size_t)count, sizeof( double ) );
-    bool has_room = report->error && report->least_ms;
+    report->on_front = calloc( (size_t)count, sizeof( bool ) );
+    bool has_room = report->error && report->least_ms && report->on_front;
     for ( int w = 0; w < report->worker_count; ++w )
     {
         report->ms[w] = calloc( (size_t)count, sizeof( double ) );
-        report->on_front[w] = calloc( (size_t)count, sizeof( bool ) );
-        has_room = has_room && report->ms[w] && report->on_front[w];
+        has_room = has_room && report->ms[w];
     }
     if ( !has_room )
     {
@@ -125,9 +120,9 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
             report->least_ms[i] = fmin( report->least_ms[i], report->ms[w][i] );
         }
     }
-    for ( int w = 0; w < report->worker_count && !report->scene->has_no_rivals; ++w )
+    if ( !report->scene->has_no_rivals )
     {
-        accuracy_front( report->error, report->ms[w], count, report->on_front[w] );
+        accuracy_front( report->error, report->least_ms, count, report->on_front );
     }
     return WISP_OK;
 }

@@ -7,7 +7,7 @@
 static void add_point( const accuracy_report* report, int setting, double x, int chart, int series, results* out )
 {
     results_point point = { .x = x, .y = report->error[setting] };
-    point.is_marked = report->on_front[accuracy_last_worker( report )][setting];
+    point.is_marked = report->on_front[setting];
     snprintf( point.label, sizeof( point.label ), "%s", report->scene->settings[setting].name );
     results_add_point( out, chart, series, point );
 }
@@ -28,7 +28,7 @@ static void make_logarithmic( results* out, int chart, const char* caption )
 static void add_times_of( const accuracy_report* report, const char* series_name, int chart, int series,
                           results* out )
 {
-    const double* ms = report->ms[accuracy_last_worker( report )];
+    const double* ms = report->least_ms;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         if ( strcmp( report->scene->settings[i].series, series_name ) == 0 )
@@ -51,14 +51,14 @@ static bool has_loner( const accuracy_scene* scene )
 static void add_time_chart( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
-    char title[160], error[80], x_label[64], workers[24];
+    char title[160], error[80], x_label[64];
     accuracy_error_label( scene, error, sizeof( error ) );
-    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
     snprintf( title, sizeof( title ), "Accuracy `%s`: error against time", report->entry->name );
-    snprintf( x_label, sizeof( x_label ), "ms a %s, %s", accuracy_ms_name( scene ), workers );
+    snprintf( x_label, sizeof( x_label ), "ms a %s", accuracy_ms_name( scene ) );
     const int chart = results_add_chart( out, title, x_label, error );
     make_logarithmic( out, chart,
-                      "Nearer to the truth is lower, faster is further left. Marked: the Pareto front, no "
+                      "Nearer to the truth is lower, faster is further left; each by its faster worker count. "
+                      "Marked: the Pareto front, no "
                       "other setting is as near and as fast and better in one of the two." );
     for ( int i = 0; i < scene->setting_count; ++i )
     {

@@ -23,11 +23,8 @@ typedef struct accuracy_report
     double* error; ///< NaN: halted
     double* ms[ACCURACY_WORKERS_MAX];
     double* least_ms; ///< of its worker counts the faster one: who has two cores may leave one idle
-    bool* on_front[ACCURACY_WORKERS_MAX];
+    bool* on_front;   ///< of error and least_ms
 } accuracy_report;
-
-/// Times are compared with the most workers.
-int accuracy_last_worker( const accuracy_report* report );
 
 /// Each setting once looked at, then rounds in turns, each setting with every worker count, while there is time, and at least
 /// one. A hash that differs from that of the looked-at run is a failure in the results.

@@ -229,7 +229,7 @@ static int front_count( const accuracy_report* report )
     int count = 0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        count += report->on_front[accuracy_last_worker( report )][i];
+        count += report->on_front[i];
     }
     return count;
 }
@@ -237,21 +237,19 @@ static int front_count( const accuracy_report* report )
 void accuracy_add_notes( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
-    char error[80], workers[24];
+    char error[80];
     accuracy_error_label( scene, error, sizeof( error ) );
-    accuracy_workers_label( report->workers[accuracy_last_worker( report )], workers, sizeof( workers ) );
     results_add_note( out,
                       "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
                       "`timed` says. What was halted left its bounds and has neither error nor times.",
                       report->entry->name, error, scene->truth );
     if ( !scene->has_no_rivals )
     {
-        results_add_note(
-            out,
-            "Accuracy `%s`, `front`: with %s no other setting is as near and as fast and better in one of "
-            "the two; that is %d of %d. At equal error and at equal time the faster worker count of a "
-            "setting counts.",
-            report->entry->name, workers, front_count( report ), scene->setting_count );
+        results_add_note( out,
+                          "Accuracy `%s`, `front`: no other setting is as near and as fast and better in one of the "
+                          "two; that is %d of "
+                          "%d. The faster worker count of a setting counts, here, at equal error and at equal time.",
+                          report->entry->name, front_count( report ), scene->setting_count );
     }
     if ( scene->doubt > 0.0 )
     {

@@ -3,24 +3,10 @@
 
 #include <ctype.h>
 #include <math.h>
-#include <string.h>
-
-static bool fronts_differ( const accuracy_report* report )
-{
-    const int last = accuracy_last_worker( report );
-    return memcmp( report->on_front[0], report->on_front[last], (size_t)report->scene->setting_count ) != 0;
-}
 
 // ---- for people ----
 
-// The first worker count that has a column for its front. Without rivals none has.
-static int first_front( const accuracy_report* report, bool has_both_fronts )
-{
-    const int first = has_both_fronts ? 0 : accuracy_last_worker( report );
-    return report->scene->has_no_rivals ? report->worker_count : first;
-}
-
-static int begin_table( const accuracy_report* report, bool has_both_fronts, results* out )
+static int begin_table( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
     cells row = { .count = 0 };
@@ -38,10 +24,9 @@ static int begin_table( const accuracy_report* report, bool has_both_fronts, res
         cells_put( &row, "%s", scene->measure_names[i] );
     }
     cells_put( &row, "timed" );
-    for ( int w = report->worker_count - 1; w >= first_front( report, has_both_fronts ); --w )
+    if ( !scene->has_no_rivals )
     {
-        accuracy_workers_label( report->workers[w], workers, sizeof( workers ) );
-        cells_put( &row, "front, %s", workers );
+        cells_put( &row, "front" );
     }
     cells_put( &row, "hash" );
     char title[160];
@@ -68,11 +53,11 @@ static void put_times( const accuracy_report* report, const accuracy_figures* f,
 // The steps behind the times, of the worker count that has fewer.
 static int timed_steps( const accuracy_report* report, const accuracy_figures* f )
 {
-    const int first = f->ms[0].count, last = f->ms[accuracy_last_worker( report )].count;
+    const int first = f->ms[0].count, last = f->ms[report->worker_count - 1].count;
     return first < last ? first : last;
 }
 
-static void add_line( const accuracy_report* report, int setting, bool has_both_fronts, int table, results* out )
+static void add_line( const accuracy_report* report, int setting, int table, results* out )
 {
     const accuracy_figures* f = &report->figures[setting];
     cells row = { .count = 0 };
@@ -84,9 +69,9 @@ static void add_line( const accuracy_report* report, int setting, bool has_both_
         accuracy_put_digits( &row, f->seen.measures[i], 4 );
     }
     cells_put( &row, "%d", timed_steps( report, f ) );
-    for ( int w = report->worker_count - 1; w >= first_front( report, has_both_fronts ); --w )
+    if ( !report->scene->has_no_rivals )
     {
-        cells_put( &row, "%s", report->on_front[w][setting] ? "front" : "" );
+        cells_put( &row, "%s", report->on_front[setting] ? "front" : "" );
     }
     cells_put_hash( &row, f->seen.hash );
     cells_end_row( &row, table, out );
@@ -94,11 +79,10 @@ static void add_line( const accuracy_report* report, int setting, bool has_both_
 
 void accuracy_add_table( const accuracy_report* report, results* out )
 {
-    const bool has_both_fronts = fronts_differ( report );
-    const int table = begin_table( report, has_both_fronts, out );
+    const int table = begin_table( report, out );
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        add_line( report, i, has_both_fronts, table, out );
+        add_line( report, i, table, out );
     }
 }
 
