@@ -31,25 +31,18 @@ enum
 static const char doc[] =
     "Find the cheapest setting of a scene that meets an error, or the most accurate one within a time.\n"
     "\v"
-    "Tuned are substeps and iterations, tethers and level passes of cloth, tolerance and repeats of implicit cloth, "
-    "as far "
-    "as the "
-    "scene has them; on all surfaces alike. Settings are run on this machine, which should have nothing else to do.\n"
+    "Tuned are substeps and iterations, tethers and level passes of cloth, tolerance and repeats of implicit "
+    "cloth, as far as the scene has them; on all surfaces alike. Settings are run on this machine, which should "
+    "have nothing else to do.\n"
     "\n"
     "The error is the root mean square distance, in metres, over all points of surfaces and of strands with "
-    "dynamics, and "
-    "over 12 looks spread over the run, from the same scene with 16 times the substeps of the finest setting, "
-    "without "
-    "tethers and level passes. Scenes that go another way after the smallest change, as crumpling cloth does, cannot "
-    "meet "
-    "a "
-    "small error.\n"
+    "dynamics, and over 12 looks spread over the run, from the same scene with 16 times the substeps of the "
+    "finest setting, without tethers and level passes. Scenes that go another way after the smallest change, as "
+    "crumpling cloth does, cannot meet a small error.\n"
     "\n"
-    "--output writes the scene with the fields of the choice changed or added and everything else as it was, if what "
-    "was "
-    "asked for is met.\n"
-    "\n"
-    "Exit status: 0 good and met, 1 met by no setting that was run, 2 a failed run or bad input, 64 wrong usage.";
+    "--output writes the scene with the fields of the choice changed or added and everything else as it was, if "
+    "what was asked for is met.\n"
+    "\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
     { "error", KEY_ERROR, "METRES", 0, "Find the cheapest setting with at most this error", 0 },

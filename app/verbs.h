@@ -10,12 +10,14 @@
 enum
 {
     STATUS_GOOD = 0,
-    STATUS_UNMET = 1,  ///< of tune: no setting that was run meets what was asked for
+    STATUS_UNMET = 1,  ///< a check of the benchmark failed, or no setting that was tuned meets what was asked for
     STATUS_FAILED = 2, ///< a failed run, or input that is wrong
     STATUS_USAGE = 64, ///< EX_USAGE of sysexits.h, which is what argp exits with
 };
 
-#define STATUS_HELP "Exit status: 0 good, 2 a failed run or bad input, 64 wrong usage."
+#define STATUS_HELP                                                                                                  \
+    "Exit status: 0 good, 1 a check that failed or a target that is not met, 2 a failed run or bad input, 64 wrong " \
+    "usage."
 
 /// One verb: argv[0] is "wisp <verb>". @return exit status
 typedef int verb_fn( int argc, char** argv );

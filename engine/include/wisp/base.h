@@ -8,7 +8,7 @@
 #define WISP_VERSION_MAJOR 0
 #define WISP_VERSION_MINOR 5
 #define WISP_VERSION_PATCH 0
-#define WISP_VERSION_STRING "0.5.0"
+#define WISP_VERSION_STRING "0.6.0"
 
 #if defined( _WIN32 )
 #define WISP_API __declspec( dllexport )
