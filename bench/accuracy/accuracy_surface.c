@@ -1,11 +1,27 @@
 #include "accuracy_surface.h"
 
+wisp_status accuracy_time_surface( surface_entrant* entrant, double scale, accuracy_run* out, wisp_error* error )
+{
+    const wisp_status status = accuracy_time_step( surface_entrant_step, entrant, out, error );
+    if ( status == WISP_OK )
+    {
+        out->ms[out->ms_count - 1] *= scale;
+    }
+    return status;
+}
+
+wisp_status accuracy_end_surface( surface_entrant* entrant, accuracy_run* out, wisp_error* error )
+{
+    out->halted_at = entrant->halted_at;
+    return surface_entrant_hash( entrant, &out->hash, error );
+}
+
 wisp_status accuracy_step_surface( surface_entrant* entrant, int steps, accuracy_run* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = 0; s < steps && entrant->halted_at == 0 && status == WISP_OK; ++s )
     {
-        status = cloth_settings_step( entrant, 1.0, out, error );
+        status = accuracy_time_surface( entrant, 1.0, out, error );
     }
     return status;
 }

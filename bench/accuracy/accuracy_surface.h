@@ -1,11 +1,16 @@
-/// What the scenes of balloons and closed forms share besides cloth_settings.h: steps up to a halt, and figures where asked for.
+/// What scenes of surfaces share besides scene_tools.h: steps that are timed, up to a halt, and figures where asked for.
 #pragma once
 
-#include "cloth_settings.h"
+#include "scene_tools.h"
+#include "surface_entrant.h"
 
 /// Whole steps of all scenes that differ in substeps alone.
 #define ACCURACY_FRAME ( 1.0f / 60.0f )
 
+/// A step whose time is kept. @param scale of the time, so that steps of several lengths can be compared
+wisp_status accuracy_time_surface( surface_entrant* entrant, double scale, accuracy_run* out, wisp_error* error );
+/// The end of a run: its hash, and when it was halted.
+wisp_status accuracy_end_surface( surface_entrant* entrant, accuracy_run* out, wisp_error* error );
 /// So many steps, each with its time, and when the surface was halted. Stops at a halt: what follows means nothing.
 wisp_status accuracy_step_surface( surface_entrant* entrant, int steps, accuracy_run* out, wisp_error* error );
 

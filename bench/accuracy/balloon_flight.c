@@ -36,7 +36,7 @@ static balloon_setting* add( accuracy_scene* scene, int substeps, int iterations
     flight_scene* own = scene->context;
     balloon_setting* what = &own->settings[scene->setting_count];
     *what = flight_setting( substeps, iterations );
-    cloth_settings_add( scene, "%s", name );
+    accuracy_put_setting( scene, "%s", name );
     return what;
 }
 
@@ -56,8 +56,8 @@ static void add_substeps( accuracy_scene* scene )
             add( scene, substeps[i], iterations[k], name );
             accuracy_setting* setting = &scene->settings[scene->setting_count - 1];
             snprintf( setting->method, sizeof( setting->method ), "%s", series );
-            cloth_settings_join( setting, substeps[i] >= ORDERLY_SUBSTEPS ? series : "", "substep, s",
-                                 (double)ACCURACY_FRAME / substeps[i], 1.0 );
+            accuracy_join_series( setting, substeps[i] >= ORDERLY_SUBSTEPS ? series : "", "substep, s",
+                                  (double)ACCURACY_FRAME / substeps[i], 1.0 );
         }
     }
 }

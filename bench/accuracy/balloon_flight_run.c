@@ -194,7 +194,7 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
             status = look( &entrant, step, before, sum, path, error );
         }
     }
-    status = status == WISP_OK ? cloth_settings_end( &entrant, out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     surface_entrant_destroy( &entrant );
     return status;
 }

@@ -94,8 +94,8 @@ static void add( accuracy_scene* scene, inflate_setting what, const char* series
 {
     inflate_scene* own = scene->context;
     own->settings[scene->setting_count] = what;
-    accuracy_setting* setting = cloth_settings_add( scene, "%s", name );
-    cloth_settings_join( setting, series, knob_name, knob, order );
+    accuracy_setting* setting = accuracy_put_setting( scene, "%s", name );
+    accuracy_join_series( setting, series, knob_name, knob, order );
     snprintf( setting->method, sizeof( setting->method ), "%s skin, %s volume, %s", solver_names[what.skin],
               solver_names[what.volume], reading_names[what.reading] );
 }
@@ -225,7 +225,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
         status = wisp_want_balloon_figures( entrant.world, entrant.entity, false );
         status = status == WISP_OK ? accuracy_step_surface( &entrant, SETTLE_STEPS, out, error )
                                    : surface_entrant_fail( &entrant, status, error );
-        status = status == WISP_OK ? cloth_settings_end( &entrant, out, error ) : status;
+        status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     }
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {

@@ -46,11 +46,11 @@ static void add_settings( accuracy_scene* out )
         {
             char series[48];
             snprintf( series, sizeof( series ), "%d x 1", paces[pace] );
-            accuracy_setting* setting =
-                cloth_settings_add( out, "%d vertices, %d x 1", scene->bodies[level].mesh.vertex_count, paces[pace] );
+            accuracy_setting* setting = accuracy_put_setting( out, "%d vertices, %d x 1",
+                                                              scene->bodies[level].mesh.vertex_count, paces[pace] );
             // the edge of an icosahedron of radius 1 is 1.05, and every level halves it
-            cloth_settings_join( setting, series, "edge, m",
-                                 1.05 * (double)BALLOON_RADIUS / ( 1 << ( level + FIRST_LEVEL ) ), NAN );
+            accuracy_join_series( setting, series, "edge, m",
+                                  1.05 * (double)BALLOON_RADIUS / ( 1 << ( level + FIRST_LEVEL ) ), NAN );
         }
     }
 }

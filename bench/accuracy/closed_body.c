@@ -45,7 +45,7 @@ wisp_status closed_advance( closed_run* run, closed_body* body, int steps, wisp_
 {
     wisp_quality seen = { 0 };
     wisp_status status = accuracy_step_surface( &body->entrant, steps, run->out, error );
-    status = status == WISP_OK ? cloth_settings_end( &body->entrant, run->out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( &body->entrant, run->out, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
     {
         status = accuracy_read_quality( &body->entrant, &seen, error );

@@ -116,9 +116,9 @@ static void add( accuracy_scene* scene, const closed_form* form, int value )
     closed_setting* settings = scene->context;
     settings[scene->setting_count] = ( closed_setting ){ form, value };
     static const char* const units[] = { "substeps", "iterations", "cells", "level" };
-    accuracy_setting* setting = cloth_settings_add( scene, "%s, %s %d", form->name, units[form->knob], value );
-    cloth_settings_join( setting, form->value_count > 1 ? form->name : "", names[form->knob],
-                         knob_of( form->knob, value ), form->order );
+    accuracy_setting* setting = accuracy_put_setting( scene, "%s, %s %d", form->name, units[form->knob], value );
+    accuracy_join_series( setting, form->value_count > 1 ? form->name : "", names[form->knob],
+                          knob_of( form->knob, value ), form->order );
 }
 
 wisp_status accuracy_closed_forms( const bench_options* options, double seconds, accuracy_scene* out,

@@ -66,7 +66,7 @@ static wisp_status fly_sphere( closed_run* run, balloon_setting setting, int ste
         status = status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
     }
     status = status == WISP_OK ? accuracy_step_surface( entrant, steps, run->out, error ) : status;
-    status = status == WISP_OK ? cloth_settings_end( entrant, run->out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( entrant, run->out, error ) : status;
     return status == WISP_OK && run->is_looked_at ? balloon_entrant_read( entrant, seen, error ) : status;
 }
 

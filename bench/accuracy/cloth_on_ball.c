@@ -1,6 +1,6 @@
 // The comparison's cloth falls onto a ball: its scene, its truth in double precision and its ways to solve it, by the parts of
 // `cloth --compare`.
-#include "cloth_settings.h"
+#include "accuracy_surface.h"
 
 #include "compare_bench.h"
 
@@ -97,7 +97,7 @@ static wisp_status go_on( surface_entrant* entrant, bool is_timed, accuracy_run*
     wisp_status status = WISP_OK;
     for ( int k = 0; k < steps && status == WISP_OK; ++k )
     {
-        status = is_timed ? cloth_settings_step( entrant, (double)COMPARE_FRAME / seconds, out, error )
+        status = is_timed ? accuracy_time_surface( entrant, (double)COMPARE_FRAME / seconds, out, error )
                           : surface_entrant_step( entrant, error );
     }
     return status;
@@ -119,7 +119,7 @@ static wisp_status fall( const ball_scene* own, surface_entrant* entrant, bool i
         measure( own, entrant, &look, out );
     }
     free_look( &look );
-    return status == WISP_OK ? cloth_settings_end( entrant, out, error ) : status;
+    return status == WISP_OK ? accuracy_end_surface( entrant, out, error ) : status;
 }
 
 static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
@@ -142,13 +142,13 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
 // A variant belongs to the series of its name without what the knob is.
 static void add_setting( accuracy_scene* scene, const compare_variant* variant )
 {
-    accuracy_setting* setting = cloth_settings_add( scene, "%s", variant->name );
+    accuracy_setting* setting = accuracy_put_setting( scene, "%s", variant->name );
     char series[48];
     if ( variant->method == COMPARE_IMPLICIT )
     {
         snprintf( series, sizeof( series ), "implicit %s, %g, %d", variant->bdf2 ? "BDF2" : "Euler",
                   (double)variant->tolerance, variant->repeats );
-        cloth_settings_join( setting, series, "step, s", 1.0 / variant->rate, variant->bdf2 ? 2.0 : 1.0 );
+        accuracy_join_series( setting, series, "step, s", 1.0 / variant->rate, variant->bdf2 ? 2.0 : 1.0 );
         snprintf( setting->method, sizeof( setting->method ), "implicit %s", variant->bdf2 ? "BDF2" : "Euler" );
         return;
     }
@@ -161,7 +161,7 @@ static void add_setting( accuracy_scene* scene, const compare_variant* variant )
         snprintf( series, sizeof( series ), "xpbd" );
     }
     // neither converges to the source's model
-    cloth_settings_join( setting, series, "step, s", (double)COMPARE_FRAME / variant->substeps, NAN );
+    accuracy_join_series( setting, series, "step, s", (double)COMPARE_FRAME / variant->substeps, NAN );
     snprintf( setting->method, sizeof( setting->method ), "%s", compare_method_names[variant->method] );
 }
 

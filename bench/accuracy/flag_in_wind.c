@@ -1,6 +1,6 @@
 // The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer cloth, whose path
 // converges with fewer substeps.
-#include "cloth_settings.h"
+#include "accuracy_surface.h"
 
 #include "cloth/cloth.h"
 #include "mesh.h"
@@ -183,10 +183,10 @@ static wisp_status flap( const flag_scene* own, const flag_way* way, int workers
     }
     for ( int step = 1; step <= steps && status == WISP_OK; ++step )
     {
-        status = cloth_settings_step( &entrant, 1.0, out, error );
+        status = accuracy_time_surface( &entrant, 1.0, out, error );
         status = status == WISP_OK && figures ? look( &entrant, step, figures, error ) : status;
     }
-    status = status == WISP_OK ? cloth_settings_end( &entrant, out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     surface_entrant_destroy( &entrant );
     return status;
 }
@@ -248,8 +248,8 @@ static void add_substeps( accuracy_scene* scene, flag_way way, const char* serie
         way.substeps = substeps[i];
         own->ways[own->way_count++] = way;
         accuracy_setting* setting =
-            cloth_settings_add( scene, "%s, %d substep%s", series, substeps[i], substeps[i] > 1 ? "s" : "" );
-        cloth_settings_join( setting, series, "substep, s", 1.0 / 60.0 / substeps[i], way.has_tethers ? NAN : 1.0 );
+            accuracy_put_setting( scene, "%s, %d substep%s", series, substeps[i], substeps[i] > 1 ? "s" : "" );
+        accuracy_join_series( setting, series, "substep, s", 1.0 / 60.0 / substeps[i], way.has_tethers ? NAN : 1.0 );
     }
 }
 

@@ -1,5 +1,5 @@
 // A square of cloth held at two corners falls from the horizontal, on three meshes of the same sheet.
-#include "cloth_settings.h"
+#include "accuracy_surface.h"
 
 #include "cloth_scene.h"
 
@@ -199,7 +199,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
     double sum = 0.0;
     for ( int step = 1; step <= FALL_STEPS && status == WISP_OK; ++step )
     {
-        status = cloth_settings_step( &entrant, 1.0, out, error );
+        status = accuracy_time_surface( &entrant, 1.0, out, error );
         if ( status == WISP_OK && is_looked_at && step % LOOK_STEPS == 0 )
         {
             status = look_at_path( own, way->mesh, step / LOOK_STEPS - 1, &entrant, &sum, error );
@@ -209,7 +209,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
     {
         measure( &entrant, sum, out );
     }
-    status = status == WISP_OK ? cloth_settings_end( &entrant, out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     surface_entrant_destroy( &entrant );
     return status;
 }
@@ -236,7 +236,7 @@ static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
     const char* ending = count == 1 ? "" : has_passes ? "es" : "s";
     char kind[40];
     name_kind( &way, kind, sizeof( kind ) );
-    return cloth_settings_add( scene, "%s, n %d, %d %s%s", kind, mesh_sizes[way.mesh], count, what, ending );
+    return accuracy_put_setting( scene, "%s, n %d, %d %s%s", kind, mesh_sizes[way.mesh], count, what, ending );
 }
 
 // Substeps of one pass on a mesh.
@@ -251,8 +251,8 @@ static void add_substeps( accuracy_scene* scene, hang_way way, int most )
         way.setting.substeps = substeps[i];
         // pbd and tethers are other models, which stay away from the truth however short a substep is
         const bool converges = way.solver == WISP_SOLVER_XPBD && !way.setting.tethers;
-        cloth_settings_join( add_way( scene, way ), series, "substep, s", (double)CLOTH_STEP / substeps[i],
-                             converges ? 1.0 : NAN );
+        accuracy_join_series( add_way( scene, way ), series, "substep, s", (double)CLOTH_STEP / substeps[i],
+                              converges ? 1.0 : NAN );
     }
 }
 
@@ -262,7 +262,7 @@ static void add_passes( accuracy_scene* scene, hang_way way )
     for ( int i = 0; i < WISP_COUNT( passes ); ++i )
     {
         way.setting.iterations = passes[i];
-        cloth_settings_join( add_way( scene, way ), "xpbd, passes, n 65", "1 / passes", 1.0 / passes[i], NAN );
+        accuracy_join_series( add_way( scene, way ), "xpbd, passes, n 65", "1 / passes", 1.0 / passes[i], NAN );
     }
 }
 
@@ -271,8 +271,8 @@ static void add_meshes( accuracy_scene* scene, hang_way way )
     way.setting.substeps = SUBSTEPS_OF_MESHES;
     for ( way.mesh = 0; way.mesh < MESH_COUNT - 1; ++way.mesh )
     {
-        cloth_settings_join( add_way( scene, way ), "xpbd, mesh, 160 substeps", "spacing, m", spacing_of( way.mesh ),
-                             NAN );
+        accuracy_join_series( add_way( scene, way ), "xpbd, mesh, 160 substeps", "spacing, m", spacing_of( way.mesh ),
+                              NAN );
     }
 }
 
