@@ -33,6 +33,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end );
 void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
 void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end );
 void KERNEL( ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads );
+void KERNEL( ring_air )( const wisp_ring_air_job* job, int begin, int end );
 int KERNEL( blend_two )( const wisp_blend_job* job, int begin, int end );
 int KERNEL( blend_three )( const wisp_blend_job* job, int begin, int end );
 void KERNEL( hold_edges )( const wisp_hold_job* job, int begin, int end );

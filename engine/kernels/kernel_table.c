@@ -25,6 +25,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .ring_gradient = KERNEL( ring_gradient ),
     .ring_normal = KERNEL( ring_normal ),
     .ring_mean_normal = KERNEL( ring_mean_normal ),
+    .ring_air = KERNEL( ring_air ),
     .closest_triangle = KERNEL( closest_triangle ),
     .closest_segments = KERNEL( closest_segments ),
     .push = KERNEL( push ),

@@ -190,6 +190,20 @@ typedef struct wisp_ring_job
     int first_slice; ///< where gradient and area begin
 } wisp_ring_job;
 
+/// Drag and lift of air on the triangles around vertices, implicit in how fast it takes them along.
+typedef struct wisp_ring_air_job
+{
+    const float* position;       ///< [slot][4] m, inverse mass; what has none keeps its velocity
+    const float* old_velocity;   ///< [slot][4] m/s, of before: neighbours must not see what was changed
+    float* velocity;             ///< [slot][4] receives; the fourth is that of before
+    const int32_t* ring_begin;   ///< [slice + 1]
+    const int32_t ( *ring4 )[8]; ///< [entry] fans of neighbours
+    wisp_vec3 wind;              ///< m/s
+    float density;               ///< kg/m^3
+    float drag, lift;            ///< C_d, C_l
+    float dt;                    ///< s
+} wisp_ring_air_job;
+
 /// Sums over a range of slices, each in double from eight ordered lanes of floats.
 typedef struct wisp_ring_sums
 {
@@ -530,6 +544,8 @@ typedef struct wisp_kernels
     /// Mean of the unit normals of the triangles around a vertex, normalised, whatever their areas; 0 if they cancel.
     /// Triangles without area, and those with a corner that is not finite, add nothing. quads [slot][4], the fourth is 0
     void ( *ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads );
+    /// Triangles without area, and those with a corner that is not finite, feel nothing.
+    void ( *ring_air )( const wisp_ring_air_job* job, int begin, int end );
     void ( *push )( const wisp_push_job* job, int begin, int end );
     // points, multiples of 8
     /// @return points without a normal, padding included

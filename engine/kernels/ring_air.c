@@ -1,0 +1,91 @@
+// Air on the triangles around a vertex: drag along the relative wind and lift across it, by the area that a triangle turns to
+// the wind. A triangle of area A with unit normal n and mean velocity v, u = wind - v, feels
+//
+//   F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ),   n' = n turned to the side u blows to,
+//
+// so that drag is 1/2 rho C_d A |u|^2 where the wind is square on, and lift is perpendicular to u. Each vertex takes a third of the
+// forces of its triangles over its ring: no scatter, so the order of the sum is that of the ring.
+#include "kernel_isa.h"
+
+typedef struct air_lanes
+{
+    lane8v wind;
+    lane8 quarter_density, drag, lift;
+} air_lanes;
+
+// What a vertex gathers: N, and how fast the wind takes its velocity along, N s/m.
+typedef struct air_sum
+{
+    lane8v force;
+    lane8 rate;
+} air_sum;
+
+LANE_INLINE lane8v load_corner( const float* quads, const int32_t* slot4 )
+{
+    lane8v v;
+    lane8_load_xyz( quads, slot4, &v.x, &v.y, &v.z );
+    return v;
+}
+
+// A triangle without area, or that the wind moves along with, feels nothing; one with a corner that is not finite neither.
+LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, air_sum* sum )
+{
+    const lane8 one = lane8_set1( 1.0f ), tiny = lane8_set1( 1e-30f ), zero = lane8_zero();
+    const lane8 third = lane8_set1( 1.0f / 3.0f );
+    const lane8v u = lane8v_sub( air->wind, mean );
+    const lane8 raw_area = lane8v_length( cross ), raw_speed = lane8v_length( u );
+    const lane8 most = lane8_set1( FLT_MAX );
+    const lane8m has_area = lane8m_and( lane8_ge( raw_area, tiny ), lane8_le( raw_area, most ) );
+    const lane8m has_wind = lane8m_and( lane8_ge( raw_speed, tiny ), lane8_le( raw_speed, most ) );
+    const lane8m known = lane8m_and( has_area, has_wind );
+    const lane8 twice_area = lane8_select( known, raw_area, one ), speed = lane8_select( known, raw_speed, one );
+
+    const lane8 facing = lane8_div( lane8v_dot( u, cross ), twice_area ); // u . n, m/s
+    const lane8m is_behind = lane8_lt( facing, zero );
+    const lane8 size = lane8_select( is_behind, lane8_sub( zero, facing ), facing );
+    const lane8 side = lane8_select( is_behind, lane8_set1( -1.0f ), one );
+    const lane8v n = lane8v_scale( cross, lane8_div( side, twice_area ) );
+    const lane8 pressure = lane8_mul( lane8_mul( air->quarter_density, twice_area ), size ); // 1/2 rho A |u . n|
+    const lane8v across = lane8v_sub( lane8v_scale( n, speed ), lane8v_scale( u, lane8_div( size, speed ) ) );
+    const lane8v force = lane8v_add( lane8v_scale( u, lane8_mul( pressure, air->drag ) ),
+                                     lane8v_scale( across, lane8_mul( pressure, air->lift ) ) );
+    const lane8 rate = lane8_mul( pressure, lane8_add( air->drag, air->lift ) );
+
+    const lane8v nothing = { zero, zero, zero };
+    sum->force = lane8v_add( sum->force, lane8v_scale( lane8v_select( known, force, nothing ), third ) );
+    sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( known, rate, zero ), lane8_set1( 3.0f ) ) );
+}
+
+// Explicit air can turn a light vertex round in one step; an implicit factor in the rate keeps it from passing the wind.
+void KERNEL( ring_air )( const wisp_ring_air_job* job, int begin, int end )
+{
+    const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), third = lane8_set1( 1.0f / 3.0f );
+    const lane8 dt = lane8_set1( job->dt );
+    const lane8v nothing = { zero, zero, zero };
+    const air_lanes air = { lane8v_set1( job->wind ), lane8_set1( 0.25f * job->density ), lane8_set1( job->drag ),
+                            lane8_set1( job->lift ) };
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        lane8v point, old;
+        lane8 weight, rest;
+        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
+        lane8_load_xyzw_contiguous( job->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
+        air_sum sum = { nothing, zero };
+        lane8v edge = nothing, velocity = old;
+        for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+        {
+            const lane8v next = lane8v_sub( load_corner( job->position, job->ring4[e] ), point );
+            const lane8v next_velocity = load_corner( job->old_velocity, job->ring4[e] );
+            const lane8v mean = lane8v_add( lane8v_scale( lane8v_add( old, velocity ), third ),
+                                            lane8v_scale( next_velocity, third ) );
+            add_triangle( &air, lane8v_cross( edge, next ), mean, &sum );
+            edge = next;
+            velocity = next_velocity;
+        }
+        const lane8m moves = lane8_lt( zero, weight );
+        const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
+        const lane8 change = lane8_div( reach, lane8_add( one, lane8_mul( reach, sum.rate ) ) );
+        const lane8v there = lane8v_select( moves, lane8v_add( old, lane8v_scale( sum.force, change ) ), old );
+        lane8_store_xyzw_contiguous( job->velocity + (size_t)slice * 32, there.x, there.y, there.z, rest );
+    }
+}
