@@ -310,6 +310,8 @@ static void add_warnings( results* out, const wisp_world* world )
         { WISP_COUNT_UNSOLVED, "solves ended at their limit of iterations, short of their tolerance" },
         { WISP_COUNT_INDEFINITE, "solves met negative curvature and stopped there" },
         { WISP_COUNT_UNDIRECTED, "times a link between coincident vertices had no direction and gave no force" },
+        { WISP_COUNT_LOWERED, "substeps had links that are stiffer than floats can solve for, and lowered them" },
+        { WISP_COUNT_FIRST_ORDER, "substeps were too long for BDF2 and went by implicit Euler" },
     };
     for ( int i = 0; i < WISP_COUNT( warnings ); ++i )
     {

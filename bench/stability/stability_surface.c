@@ -209,6 +209,15 @@ wisp_status stability_surface_step( void* context, int frame, wisp_error* error 
 
 // No link bears more than what hangs on a pin, and what its motion adds: v^2 / size keeps it on its way round. A sweep
 // takes away what a substep adds only where a link is stretched by (wi + wj) h^2 of its load, a linear solve anywhere.
+// What is pulled straight between two pins bears far more than its weight: a cable of stiffness EA that weighs W and hangs
+// without sag stretches by (1/24)^(1/3) (W / EA)^(2/3). The uppermost row of a cloth bears no more than all of it.
+static double cable_strain( stability_surface* s, double rest )
+{
+    const bool is_cable = s->is_solved && s->entrant.recipe.pin_count == 2;
+    return is_cable ? cbrt( 1.0 / 24.0 ) * pow( stability_surface_weight( s ) * s->compliance / rest, 2.0 / 3.0 )
+                    : 0.0;
+}
+
 static void look_at_links( stability_surface* s, const float* x, double speed, stability_look* look )
 {
     const wisp_fabric* f = s->fabric;
@@ -227,6 +236,7 @@ static void look_at_links( stability_surface* s, const float* x, double speed, s
         // what a linear solve leaves of a substep's fall, by its tolerance, which is of the norm over all vertices
         const double left = s->is_solved ? 1e-4 * sqrt( f->vertex_count ) * (double)STABILITY_GRAVITY * h * h : 0.0;
         look->strain_limit = fmax( look->strain_limit, s->taut + ( soft * load + left ) / rest );
+        look->strain_limit = fmax( look->strain_limit, cable_strain( s, rest ) );
         look->strain = worst <= look->strain || isnan( look->strain ) ? look->strain : worst;
     }
 }

@@ -44,7 +44,7 @@ LANE_INLINE arc_load load_arc( lane8 y )
 
 typedef struct row_lanes
 {
-    lane8v point, velocity;
+    lane8v point, velocity, place;
     lane8v force;     // N
     lane8v drag;      // kg m/s
     lane8 matrix[6];  // of the links, kg: xx, xy, xz, yy, yz, zz
@@ -65,9 +65,16 @@ LANE_INLINE link_lanes load_link( const wisp_spring_job* job, row_lanes* row, in
     lane8v there, moves;
     lane8_load_xyz( job->position, other4, &there.x, &there.y, &there.z );
     lane8_load_xyz( job->velocity, other4, &moves.x, &moves.y, &moves.z );
-    const lane8v across = lane8v_sub( there, row->point );
+    lane8v across = lane8v_sub( there, row->point );
+    const lane8v closing = lane8v_sub( row->velocity, moves );
+    if ( job->place != NULL )
+    {
+        lane8v from;
+        lane8_load_xyz( job->place, other4, &from.x, &from.y, &from.z );
+        across = lane8v_mul_add( lane8v_sub( from, row->place ), lane8_set1( -job->seconds ), closing );
+    }
     const lane8 one = lane8_set1( 1.0f ), squared = lane8v_dot( across, across );
-    link_lanes l = { .closing = lane8v_sub( row->velocity, moves ) };
+    link_lanes l = { .closing = closing };
     l.directed = lane8_ge( squared, lane8_set1( FLT_MIN ) );
     l.length = lane8_sqrt( squared );
     l.inverse_length = lane8_div( one, lane8_select( l.directed, l.length, one ) );
@@ -110,13 +117,22 @@ LANE_INLINE void add_link( const wisp_spring_job* job, row_lanes* row, int entry
     row->matrix[5] = lane8_add( row->matrix[5], lane8_mul_add( e.z, e.z, k2 ) );
 }
 
+// Who lowers stiffness does so for a substep, so links keep what they are made of.
+LANE_INLINE lane8 no_stiffer( const wisp_spring_job* job, lane8 stiffness )
+{
+    return lane8_min( stiffness, lane8_set1( job->stiffest > 0.0f ? job->stiffest : FLT_MAX ) );
+}
+
 // Only beyond its rest length (TRI eq. 6 and 8).
 LANE_INLINE void stretch( const wisp_spring_job* job, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( job, row, entry );
     const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
-    const lane8 along = lane8_select( taut, l.load, lane8_zero() );
-    const lane8 pull = lane8_mul( along, lane8_sub( l.length, l.rest ) );
+    const lane8 stiffness = no_stiffer( job, l.load ), zero = lane8_zero();
+    const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - job->reach ) );
+    const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
+    const lane8 along = lane8_select( resists, stiffness, zero );
+    const lane8 pull = lane8_mul( lane8_select( taut, stiffness, zero ), lane8_sub( l.length, l.rest ) );
     add_link( job, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
@@ -128,7 +144,7 @@ LANE_INLINE void bend( const wisp_spring_job* job, row_lanes* row, int entry )
     const lane8m slack = lane8m_and( lane8_lt( l.length, l.rest ), l.directed );
     const lane8 inverse_rest = lane8_div( one, lane8_select( slack, l.rest, one ) );
     const arc_load arc = load_arc( lane8_min( lane8_mul( l.length, inverse_rest ), one ) );
-    const lane8 ramp = lane8_load( job->links.ramp[entry] );
+    const lane8 ramp = no_stiffer( job, lane8_load( job->links.ramp[entry] ) );
     const lane8 buckled = lane8_mul( l.load, arc.load ), straight = lane8_mul( ramp, lane8_sub( l.length, l.rest ) );
     const lane8m ramps = lane8_lt( buckled, straight );
     const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );
@@ -192,6 +208,12 @@ int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )
                                     &mass );
         lane8_load_xyzw_contiguous( job->velocity + (size_t)slice * 32, &row.velocity.x, &row.velocity.y,
                                     &row.velocity.z, &unused );
+        row.place = row.point;
+        if ( job->place != NULL )
+        {
+            lane8_load_xyzw_contiguous( job->place + (size_t)slice * 32, &row.place.x, &row.place.y, &row.place.z,
+                                        &unused );
+        }
         const int32_t* parts = job->links.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[1]; ++entry )
         {

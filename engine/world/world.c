@@ -273,6 +273,8 @@ const char* wisp_counter_name( wisp_counter counter )
         "unconverged solves",
         "indefinite solves",
         "links without direction",
+        "substeps with lowered stiffness",
+        "substeps of first order",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

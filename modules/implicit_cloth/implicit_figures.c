@@ -75,9 +75,10 @@ static double row_distance( const float* position, const implicit_links* links, 
 }
 
 // Each link is listed at both ends, and counts at the lower row.
-static void add_entry( const implicit_links* links, const float* position, int slice, int entry, bool bends,
-                       wisp_implicit_cloth_figures* out )
+static void add_entry( const implicit_links* links, const float* position, float stiffest, int slice, int entry,
+                       bool bends, wisp_implicit_cloth_figures* out )
 {
+    const float most = stiffest > 0.0f ? stiffest : INFINITY;
     for ( int lane = 0; lane < WISP_SLICE; ++lane )
     {
         const int row = slice * WISP_SLICE + lane, other = links->springs.other4[entry][lane] / 4;
@@ -87,9 +88,10 @@ static void add_entry( const implicit_links* links, const float* position, int s
         }
         const double length = row_distance( position, links, row, other );
         const double rest = (double)links->springs.rest[entry][lane], load = (double)links->springs.load[entry][lane];
+        const double ramp = (double)fminf( links->springs.ramp[entry][lane], most );
         const double over = fmax( 0.0, length - rest );
-        out->stretch_energy += bends ? 0.0 : 0.5 * load * over * over;
-        out->bend_energy += bends ? bend_energy( load, (double)links->springs.ramp[entry][lane], rest, length ) : 0.0;
+        out->stretch_energy += bends ? 0.0 : 0.5 * fmin( load, (double)most ) * over * over;
+        out->bend_energy += bends ? bend_energy( load, ramp, rest, length ) : 0.0;
     }
 }
 
@@ -117,7 +119,7 @@ void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
         const int32_t* parts = links->springs.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[2]; ++entry )
         {
-            add_entry( links, position, slice, entry, entry >= parts[1], &figures );
+            add_entry( links, position, tally->stiffest, slice, entry, entry >= parts[1], &figures );
         }
     }
     *(wisp_implicit_cloth_figures*)wisp_frame_column( frame, span->entity, state->figures, 0 ) = figures;

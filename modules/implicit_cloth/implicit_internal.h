@@ -23,6 +23,7 @@ typedef struct implicit_tally
     int32_t iterations, repeats;
     float residual, newton_residual;
     int32_t sticking, sliding, landing, released;
+    float stiffest; ///< N/m, that links were lowered to; 0: they were not
 } implicit_tally;
 
 /// Links of a surface in rows of their own, and the way between rows and the fabric's slots. One block of memory.
@@ -34,6 +35,7 @@ typedef struct implicit_links
     int stretch_count, bend_count, most_neighbours;
     int32_t* row_slot; ///< [row_count] slot of the fabric, -1 pads
     float* share;      ///< [row_count] what part of a vertex's mass its row has: 1 over the weight of its forces
+    float stiffest;    ///< N/m, k or c of the stiffest link
     wisp_spring_links springs;
     size_t bytes;
 } implicit_links;
@@ -68,12 +70,13 @@ typedef struct implicit_system
     const wisp_parallel* parallel;
     wisp_spring_job spring;
     wisp_conjugate_job conjugate;
-    int grain, block_count; ///< blocks of slices, the same for any number of workers
-    double* sums;           ///< [block_count]
-    int limit;              ///< iterations of a solve
-    bool guessed;           ///< conjugate.direction is not zero
-    double floor;           ///< kg m^2/s^2, what is left of a right side that floats cannot tell from nothing
-    float *place, *start;   ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
+    int grain, block_count;           ///< blocks of slices, the same for any number of workers
+    double* sums;                     ///< [block_count]
+    float ( *wanted )[3][WISP_SLICE]; ///< [slice] kg m/s, the right side that the last solve began with
+    int limit;                        ///< iterations of a solve
+    bool guessed;                     ///< conjugate.direction is not zero
+    double floor;         ///< kg m^2/s^2, what is left of a right side that floats cannot tell from nothing
+    float *place, *start; ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
     float* goal;    ///< [row][4] m/s, what a held row's velocity shall be as far as its filter holds it; 1: held
     float* rubbing; ///< [row][4] kg m/s, impulse of sliding friction
     float* filter_floats; ///< the filter of conjugate, to be written

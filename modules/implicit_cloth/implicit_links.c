@@ -132,6 +132,20 @@ static void write_entries( row_cook* r, const int32_t* begin, int slice_count, c
     }
 }
 
+static float stiffest_of( const implicit_cook* cook )
+{
+    float most = 0.0f;
+    for ( int i = 0; i < cook->stretch_count; ++i )
+    {
+        most = fmaxf( most, cook->stretch[i].load );
+    }
+    for ( int i = 0; i < cook->bend_count; ++i )
+    {
+        most = fmaxf( most, cook->bend[i].ramp );
+    }
+    return most;
+}
+
 // One block of memory: a header, then arrays on lines of their own.
 static size_t reserve( size_t* at, size_t count, size_t size )
 {
@@ -175,6 +189,7 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
         .stretch_count = cook->stretch_count,
         .bend_count = cook->bend_count,
         .most_neighbours = cook->most_neighbours,
+        .stiffest = stiffest_of( cook ),
         .row_slot = (int32_t*)(void*)( memory + slot_at ),
         .share = (float*)(void*)( memory + share_at ),
         .bytes = bytes,

@@ -7,9 +7,23 @@
 
 enum
 {
-    ONE_BLOCK = 256, // slices; a smaller surface is solved by one worker, for waking another costs more
-    GRAIN = 64,      // slices a block of a larger one
+    ONE_BLOCK = 256,   // slices; a smaller surface is solved by one worker, for waking another costs more
+    GRAIN = 64,        // slices a block of a larger one
+    STIFF_SOLVES = 16, // linear solves of a stiff substep, at most
+    SHORTENINGS = 4,   // of a solve's answer, at most
 };
+
+// k h^2 / m of the stiffest link and the mean mass (bench case `stability`).
+static const double RATIO_BDF2 = 512.0;   // beyond, the substep before says nothing of this one
+static const double RATIO_STIFF = 1024.0; // beyond, one linear solve is not to be trusted
+static const double RATIO_MOST = 1e6;     // beyond, floats lose a mass beside its links
+
+// Of a stiff substep, by the same case. REACH: the share of its length that a link may lack and still count as stiff. With
+// none, what was slack is found stretched by the solve after, and so on in turns; with all, cloth that is slack hardly moves.
+static const float REACH = 0.01f;
+static const double SETTLED = 1e-4; // it ends where a solve gains less than this share of the motion
+static const double PAST =
+    0.5; // an answer whose end goes up by this share of what its beginning goes down is too long
 
 // The surface's columns, all by slot.
 typedef struct step_columns
@@ -27,6 +41,7 @@ typedef struct step
     step_columns columns;
     wisp_vec3 gravity;
     float kept;              // of a velocity, by the surface's damping
+    float moved;             // share of a solve's answer that is gone
     float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
     float *point, *velocity; // [row][4] where forces are asked, and the velocity that goes with it
     implicit_tally* tallies; // [block]
@@ -34,6 +49,7 @@ typedef struct step
     double* motion;          // [block] kg m^2/s^2, sum of m v^2
     bool* guesses;           // [block] somebody begins elsewhere than at 0
     float* worst;            // [block] m/s, of the nonlinear step
+    bool stiff;              // one linear solve is not to be trusted
 } step;
 
 // ---- into rows ----
@@ -155,7 +171,7 @@ static void prepare_slices( void* context, int begin, int end, int worker )
     memset( s->system.conjugate.product[begin], 0, slices * sizeof( s->system.conjugate.product[0] ) );
 }
 
-// v_k + dv, and x^ + h of it.
+// v_k + a share of dv, and x^ + h of it.
 static void move_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -167,7 +183,7 @@ static void move_slices( void* context, int begin, int end, int worker )
         float *v = s->velocity + (size_t)row * 4, *x = s->point + (size_t)row * 4;
         for ( int k = 0; k < 3; ++k )
         {
-            v[k] += s->system.conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
+            v[k] += s->moved * s->system.conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
             x[k] = place[k] + h * v[k];
         }
     }
@@ -176,6 +192,12 @@ static void move_slices( void* context, int begin, int end, int worker )
 static void for_slices( step* s, wisp_range_fn* run )
 {
     wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
+}
+
+static void move( step* s, double share )
+{
+    s->moved = (float)share;
+    for_slices( s, move_slices );
 }
 
 static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
@@ -193,6 +215,8 @@ static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
 static int assemble( step* s, bool repeat )
 {
     s->system.spring.repeat = repeat;
+    s->system.spring.reach = s->stiff ? REACH : 0.0f;
+    s->system.spring.place = repeat && s->stiff ? s->system.place : NULL;
     for_slices( s, assemble_slices );
     int undirected = 0;
     for ( int block = 0; block < s->system.block_count; ++block )
@@ -215,23 +239,111 @@ static double find_floor( const step* s )
     return rounding * rounding * motion;
 }
 
+// ---- stiff substeps ----
+
+// A link that is slack where forces are asked for gives way as if it were not there, and is found stretched in the next
+// substep: it then stores k h^2 / m times what moved. But the substep is the lowest place of a convex sum, 1/2 m |v - v^|^2 and
+// the energies of links, so a stiff one is solved for until little is gained; an answer that goes past the lowest place
+// on its way is shortened.
+
+typedef struct slope_loop
+{
+    const step* s;
+    float ( *right )[3][WISP_SLICE];
+    bool rubs; // friction is not in it yet
+} slope_loop;
+
+static void slope_slices( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const slope_loop* loop = context;
+    const implicit_system* y = &loop->s->system;
+    double sum = 0.0;
+    for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const float rubbing = loop->rubs ? y->rubbing[(size_t)row * 4 + (size_t)k] : 0.0f;
+            const float right = loop->right[row / WISP_SLICE][k][row % WISP_SLICE] + rubbing;
+            sum += (double)right * (double)y->conjugate.solution[row / WISP_SLICE][k][row % WISP_SLICE];
+        }
+    }
+    y->sums[begin / y->grain] = sum;
+}
+
+// How steeply it goes down along the last answer, J.
+static double add_slopes( step* s, float ( *right )[3][WISP_SLICE], bool rubs )
+{
+    slope_loop loop = { s, right, rubs };
+    wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, slope_slices, &loop );
+    double sum = 0.0;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        sum += s->system.sums[block];
+    }
+    return sum;
+}
+
+static bool is_settled( const step* s, double slope )
+{
+    double motion = 0.0;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        motion += s->motion[block];
+    }
+    return !( slope > SETTLED * motion );
+}
+
+// Forces have been asked for at the end of the last answer. @return links without direction, of the last assembly
+static int shorten( step* s, double slope, int undirected )
+{
+    double share = 1.0;
+    for ( int i = 0; i < SHORTENINGS; ++i )
+    {
+        const double end = add_slopes( s, s->system.spring.rhs, true );
+        if ( !( end < -PAST * slope ) )
+        {
+            break;
+        }
+        const double nearer = share * slope / ( slope - end );
+        move( s, nearer - share );
+        share = nearer;
+        undirected = assemble( s, true );
+    }
+    return undirected;
+}
+
 static implicit_tally solve( wisp_frame* frame, step* s )
 {
     s->system.floor = find_floor( s );
     implicit_tally total = { 0 };
     int undirected = 0;
-    for ( int k = 0; k < s->system.material->newton_repeats; ++k )
+    const int asked = s->system.material->newton_repeats;
+    const int most = s->stiff && asked < STIFF_SOLVES ? STIFF_SOLVES : asked;
+    const int least = s->stiff && asked < 2 ? 2 : asked; // the first one also takes pins where they go, up or down
+    double slope = 0.0;
+    for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
     {
         undirected = assemble( s, k > 0 );
+        if ( s->stiff && k > 1 )
+        {
+            undirected = shorten( s, slope, undirected );
+        }
         for_slices( s, prepare_slices );
         s->system.guessed = false;
         for ( int block = 0; block < s->system.block_count; ++block )
         {
             s->system.guessed = s->system.guessed || s->guesses[block];
         }
+        if ( s->stiff )
+        {
+            memcpy( s->system.wanted, s->system.conjugate.residual,
+                    (size_t)s->system.links->slice_count * sizeof( s->system.wanted[0] ) );
+        }
         const implicit_outcome outcome = implicit_solve( &s->system );
         count_outcome( frame, &outcome );
-        for_slices( s, move_slices );
+        slope = s->stiff ? add_slopes( s, s->system.wanted, false ) : 0.0;
+        move( s, 1.0 );
         total.iterations += outcome.iterations;
         total.residual = outcome.residual;
         total.repeats += 1;
@@ -323,10 +435,43 @@ static float newton_residual( step* s )
 
 // ---- memory and settings ----
 
-// Two step BDF with w = h / h_before (TRI-X4); Euler where there was nothing before.
-static void choose_integrator( step* s, const implicit_material* m, float h )
+static double mean_mass( const implicit_links* links, const float* position )
 {
-    const bool two = m->bdf2 != 0 && m->before > 0.0f;
+    double mass = 0.0;
+    int count = 0;
+    for ( int row = 0; row < links->row_count; ++row )
+    {
+        const int slot = links->row_slot[row];
+        const float weight = slot >= 0 ? position[(size_t)slot * 4 + 3] : 0.0f;
+        if ( weight > 0.0f )
+        {
+            mass += (double)( links->share[row] / weight );
+            count += 1;
+        }
+    }
+    return count > 0 ? mass / count : INFINITY;
+}
+
+// Two step BDF with w = h / h_before (TRI-X4); Euler where there was nothing before, and where a substep is so long beside
+// what links do that going on from the substep before has nothing to do with the motion.
+static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s )
+{
+    const implicit_material* m = s->system.material;
+    const implicit_links* links = s->system.links;
+    const float h = wisp_frame_seconds( frame );
+    const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
+    const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
+    s->stiff = ratio > RATIO_STIFF;
+    const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
+    if ( m->bdf2 != 0 && ratio > RATIO_BDF2 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
+    }
+    if ( ratio > RATIO_MOST )
+    {
+        s->system.spring.stiffest = (float)( RATIO_MOST / ratio * (double)links->stiffest );
+        wisp_frame_count( frame, WISP_COUNT_LOWERED, 1 );
+    }
     const float w = two ? h / m->before : 0.0f;
     s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
     s->older = w * w / ( 1.0f + 2.0f * w );
@@ -366,6 +511,7 @@ static void lay_out( step* s, arena* a )
     y->conjugate.product = take( a, slices * sizeof( y->conjugate.product[0] ) );
     y->conjugate.solution = take( a, slices * sizeof( y->conjugate.solution[0] ) );
     y->conjugate.search = take( a, slices * sizeof( y->conjugate.search[0] ) );
+    y->wanted = take( a, s->stiff ? slices * sizeof( y->wanted[0] ) : 0 );
     y->filtered = take( a, slices );
     y->sums = take( a, blocks * sizeof( double ) );
     s->tallies = take( a, blocks * sizeof( implicit_tally ) );
@@ -463,7 +609,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
         },
     };
     s.system.block_count = ( links->slice_count + s.system.grain - 1 ) / s.system.grain;
-    choose_integrator( &s, material, wisp_frame_seconds( frame ) );
+    choose_integrator( frame, span, &s );
     find_columns( frame, span, state, &s );
     if ( find_room( &s, span->worker ) == false )
     {
@@ -474,6 +620,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     for_slices( &s, gather_slices );
     implicit_tally tally = solve( frame, &s );
     add_contacts( &s, &tally );
+    tally.stiffest = s.system.spring.stiffest;
     for_slices( &s, scatter_slices );
     // behind the impulses, which the right side of the figure is written over
     tally.newton_residual = material->wants_figures != 0 ? newton_residual( &s ) : 0.0f;

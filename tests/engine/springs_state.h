@@ -175,9 +175,9 @@ enum
     VARIANTS = 8,
 };
 
-static inline void assemble( const wisp_kernels* k, springs* s, int variant )
+static inline wisp_spring_job spring_job( springs* s, int variant )
 {
-    const wisp_spring_job job = {
+    return ( wisp_spring_job ){
         .links = links_of( s ),
         .position = s->position[0],
         .velocity = s->velocity[0],
@@ -190,6 +190,11 @@ static inline void assemble( const wisp_kernels* k, springs* s, int variant )
         .rhs = s->rhs,
         .inverse = s->inverse,
     };
+}
+
+static inline void assemble( const wisp_kernels* k, springs* s, int variant )
+{
+    const wisp_spring_job job = spring_job( s, variant );
     s->undirected = k->spring_assemble( &job, 0, SLICES );
 }
 

@@ -309,6 +309,89 @@ static void forces_and_right_sides_are_those_of_plain_formulas( void** state )
     free( s );
 }
 
+// ---- stiff links ----
+
+static void assert_same_rows( const springs* s, const springs* expected )
+{
+    assert_memory_equal( s->rhs, expected->rhs, sizeof( s->rhs ) );
+    assert_memory_equal( s->inverse, expected->inverse, sizeof( s->inverse ) );
+    assert_memory_equal( s->axis, expected->axis, sizeof( s->axis ) );
+}
+
+// Loads of links that bend are no stiffness.
+static void no_link_is_stiffer_than_the_stiffest( void** state )
+{
+    (void)state;
+    const float stiffest = 20.0f;
+    springs *s = new_springs(), *softer = new_springs(), *whole = new_springs();
+    int lowered = 0;
+    for ( int entry = 0; entry < s->entry_count; ++entry )
+    {
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            bool bends = false;
+            for ( int slice = 0; slice < SLICES; ++slice )
+            {
+                bends = bends || ( entry >= s->begin[2 * slice + 1] && entry < s->begin[2 * slice + 2] );
+            }
+            float* k = bends ? &softer->ramp[entry][lane] : &softer->load[entry][lane];
+            lowered += *k > stiffest ? 1 : 0;
+            *k = fminf( *k, stiffest );
+        }
+    }
+    assert_true( lowered > 0 );
+    for ( int variant = 0; variant < VARIANTS; ++variant )
+    {
+        wisp_spring_job job = spring_job( s, variant );
+        job.stiffest = stiffest;
+        widest_table()->spring_assemble( &job, 0, SLICES );
+        assemble( widest_table(), softer, variant );
+        assert_same_rows( s, softer );
+        assemble( widest_table(), whole, variant );
+        assert_memory_not_equal( whole->inverse, softer->inverse, sizeof( whole->inverse ) );
+    }
+    free( whole );
+    free( softer );
+    free( s );
+}
+
+// With velocities that are 0, places are the positions; those have no coordinate that is read.
+static void links_span_places_where_there_are_some( void** state )
+{
+    (void)state;
+    springs *s = new_springs(), *expected = new_springs();
+    static float place[ROWS][4];
+    memcpy( place, s->position, sizeof( place ) );
+    memset( s->velocity, 0, sizeof( s->velocity ) );
+    memset( expected->velocity, 0, sizeof( expected->velocity ) );
+    for ( int row = 0; row < ROWS; ++row )
+    {
+        s->position[row][0] = s->position[row][1] = s->position[row][2] = 7.0f;
+    }
+    wisp_spring_job job = spring_job( s, REPEAT );
+    job.place = place[0];
+    widest_table()->spring_assemble( &job, 0, SLICES );
+    assemble( widest_table(), expected, REPEAT );
+    assert_same_rows( s, expected );
+    free( expected );
+    free( s );
+}
+
+// What a link lacks within its reach stiffens the matrix, and pulls nowhere.
+static void a_reach_stiffens_and_does_not_pull( void** state )
+{
+    (void)state;
+    springs *s = new_springs(), *plain = new_springs();
+    wisp_spring_job job = spring_job( s, REPEAT );
+    job.reach = 1.0f;
+    widest_table()->spring_assemble( &job, 0, SLICES );
+    assemble( widest_table(), plain, REPEAT );
+    assert_memory_equal( s->rhs, plain->rhs, sizeof( s->rhs ) );
+    assert_memory_not_equal( s->inverse, plain->inverse, sizeof( s->inverse ) );
+    free( plain );
+    free( s );
+}
+
 static void rows_that_pad_have_nothing_to_say( void** state )
 {
     (void)state;
@@ -605,6 +688,9 @@ int main( void )
         cmocka_unit_test( an_arc_has_the_load_and_slope_of_its_equation ),
         cmocka_unit_test( an_arc_as_long_as_at_rest_or_longer_pulls_nowhere ),
         cmocka_unit_test( forces_and_right_sides_are_those_of_plain_formulas ),
+        cmocka_unit_test( no_link_is_stiffer_than_the_stiffest ),
+        cmocka_unit_test( links_span_places_where_there_are_some ),
+        cmocka_unit_test( a_reach_stiffens_and_does_not_pull ),
         cmocka_unit_test( rows_that_pad_have_nothing_to_say ),
         cmocka_unit_test( the_preconditioner_is_the_inverse_for_any_mass ),
         cmocka_unit_test( the_preconditioner_is_positive_however_light_a_vertex_is ),

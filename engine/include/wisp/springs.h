@@ -30,8 +30,12 @@ typedef struct wisp_spring_job
     wisp_spring_links links;
     const float* position; ///< [row][4] m; mass, kg > 0
     const float* velocity; ///< [row][4] m/s; any
-    const float* start;    ///< [row][4] m/s, what a repeat comes back to; not read in the first solve
-    float seconds;         ///< s of the equations above
+    const float* place; ///< [row][4] m, links then span places + seconds * velocities, whose differences floats keep
+                        ///< better than those of positions; null: positions
+    const float* start; ///< [row][4] m/s, what a repeat comes back to; not read in the first solve
+    float seconds;      ///< s of the equations above
+    float reach;        ///< share of its rest length that a link may lack and still be stiff, though it does not pull
+    float stiffest;     ///< N/m, k and c of links are no larger; 0: they are what they are
     bool repeat;
     bool axial_damping;       ///< along links only
     bool full_jacobian;       ///< with the negative term of bending across links

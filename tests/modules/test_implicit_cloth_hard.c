@@ -1,0 +1,201 @@
+// Implicit cloth beyond what one linear solve and single precision bear: links so stiff that a mass is lost beside them, and
+// steps so long that BDF2 has nothing to go on from.
+#include "implicit_cloth_fixture.h"
+
+#include <math.h>
+
+enum
+{
+    SIDE = 10,
+};
+
+static const float FRAME = 1.0f / 60.0f; // s
+
+// ---- what is measured ----
+
+// Of edges; links take no pressure.
+static double largest_strain( wisp_world* world, wisp_entity e )
+{
+    const wisp_fabric* f = wisp_world_fabric( world, e );
+    const float* x = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
+    double most = 0.0;
+    for ( int i = 0; i < f->edge_count; ++i )
+    {
+        const size_t a = (size_t)f->edges[2 * i], b = (size_t)f->edges[2 * i + 1];
+        const wisp_vec3 p = { x[4 * a], x[4 * a + 1], x[4 * a + 2] }, q = { x[4 * b], x[4 * b + 1], x[4 * b + 2] };
+        most = fmax( most, distance_of( p, q ) / distance_of( f->rest[a], f->rest[b] ) - 1.0 );
+    }
+    return most;
+}
+
+// Of motion, height and links, J.
+static double energy_of( wisp_world* world, wisp_entity e )
+{
+    const wisp_implicit_cloth_figures figures = figures_of( world, e );
+    const float* x = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
+    const float* v = wisp_world_column( world, e, WISP_PARTICLE_VELOCITY, 0 );
+    double sum = figures.stretch_energy + figures.bend_energy;
+    for ( int i = 0; i < wisp_world_fabric( world, e )->vertex_count; ++i )
+    {
+        const double mass = x[4 * i + 3] > 0.0f ? 1.0 / (double)x[4 * i + 3] : 0.0, vx = (double)v[4 * i];
+        const double vy = (double)v[4 * i + 1], vz = (double)v[4 * i + 2];
+        sum += mass * ( 0.5 * ( vx * vx + vy * vy + vz * vz ) + (double)GRAVITY * (double)x[4 * i + 1] );
+    }
+    return sum;
+}
+
+static wisp_entity add_hard_sheet( wisp_world* world, float stiffness, wisp_implicit_integrator integrator )
+{
+    wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
+    def.stiffness = WISP_IMPLICIT_STIFFNESS_SHEET;
+    def.weights = WISP_IMPLICIT_WEIGHTS_NONE; // so that energies are those of the masses
+    def.stretch_stiffness = stiffness;
+    def.integrator = integrator;
+    const wisp_entity e = add_sheet( world, &def, SIDE, true );
+    assert_status( world, wisp_set_damping( world, e, 4.0f ), WISP_OK );
+    return e;
+}
+
+// ---- stiff links ----
+
+// A cable of stiffness EA that weighs W and begins straight between its ends stretches by (1/24)^(1/3) (W / EA)^(2/3), and the
+// uppermost row, whose links have half the sheet's stiffness, bears no more than all of the sheet. Rounding of places is below
+// 1e-5 of a length.
+static double strain_of_a_cable( wisp_world* world, wisp_entity e, double stiffness )
+{
+    const float* x = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
+    double mass = 0.0;
+    for ( int i = 0; i < wisp_world_fabric( world, e )->vertex_count; ++i )
+    {
+        mass += x[4 * i + 3] > 0.0f ? 1.0 / (double)x[4 * i + 3] : 0.0;
+    }
+    return cbrt( 1.0 / 24.0 ) * pow( mass * 9.81 / ( 0.5 * stiffness * 0.03125 ), 2.0 / 3.0 );
+}
+
+static void stiff_links_hang_at_their_length( void** state )
+{
+    (void)state;
+    static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
+    for ( int n = 0; n < 2 * WISP_COUNT( STIFFNESSES ); ++n )
+    {
+        hosted h;
+        open_implicit( &h, 2 );
+        const wisp_implicit_integrator integrator = n % 2 == 0 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
+        const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n / 2], integrator );
+        run_steps( h.world, 180, FRAME );
+        const double strain = largest_strain( h.world, e );
+        if ( !( strain < strain_of_a_cable( h.world, e, (double)STIFFNESSES[n / 2] ) + 1e-4 ) )
+        {
+            fail_msg( "%g N/m, integrator %d: a strain of %g", (double)STIFFNESSES[n / 2], (int)integrator, strain );
+        }
+        assert_int_equal( count_of( h.world, WISP_COUNT_HALTED ), 0 );
+        close_world( &h );
+    }
+}
+
+// A sheet that begins with all vertices within a centimetre of where they belong.
+static void stiff_links_give_no_more_than_they_had( void** state )
+{
+    (void)state;
+    static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
+    for ( int n = 0; n < WISP_COUNT( STIFFNESSES ); ++n )
+    {
+        hosted h;
+        open_implicit( &h, 2 );
+        const wisp_entity e = add_hard_sheet( h.world, STIFFNESSES[n], WISP_IMPLICIT_EULER );
+        crumple_sheet( h.world, e, 0.01f, 0.5f );
+        run_steps( h.world, 1, FRAME );
+        const double first = energy_of( h.world, e );
+        double most = first;
+        for ( int i = 0; i < 120; ++i )
+        {
+            run_steps( h.world, 1, FRAME );
+            most = fmax( most, energy_of( h.world, e ) );
+        }
+        // what a substep does not resolve of the fall
+        if ( !( most <= first + 1e-3 ) )
+        {
+            fail_msg( "%g N/m: %g J, %g J at first", (double)STIFFNESSES[n], most, first );
+        }
+        close_world( &h );
+    }
+}
+
+static void what_floats_carry_is_left_as_it_is( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 2; ++n )
+    {
+        hosted h;
+        open_implicit( &h, 2 );
+        const wisp_entity e = add_hard_sheet( h.world, n == 0 ? 200.0f : 1e8f, WISP_IMPLICIT_BDF2 );
+        run_steps( h.world, 10, FRAME );
+        assert_int_equal( count_of( h.world, WISP_COUNT_LOWERED ), n == 0 ? 0 : 20 );
+        assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), n == 0 ? 0 : 20 );
+        assert_int_equal( figures_of( h.world, e ).repeats > 1, n == 1 );
+        close_world( &h );
+    }
+}
+
+// ---- BDF2 ----
+
+static void bdf2_hangs_in_long_steps( void** state )
+{
+    (void)state;
+    static const float STEPS[] = { 1.0f / 15.0f, 0.2f };
+    for ( int n = 0; n < WISP_COUNT( STEPS ); ++n )
+    {
+        hosted h;
+        open_implicit( &h, 2 );
+        const wisp_entity e = add_hard_sheet( h.world, 200.0f, WISP_IMPLICIT_BDF2 );
+        run_steps( h.world, (int)( 5.0f / STEPS[n] ), STEPS[n] );
+        const double strain = largest_strain( h.world, e );
+        if ( !( strain < 0.045 ) )
+        {
+            fail_msg( "steps of %g s: a strain of %g", (double)STEPS[n], strain );
+        }
+        close_world( &h );
+    }
+}
+
+// A mass on a link that is always taut, behind a quarter of a second.
+static double oscillator_error( int steps )
+{
+    hosted h;
+    open_implicit( &h, 1 );
+    const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, seconds = 0.25;
+    wisp_implicit_cloth_def def = exact_def();
+    def.integrator = WISP_IMPLICIT_BDF2;
+    def.stretch_stiffness = (float)stiffness;
+    def.damping = 0.0f;
+    test_mesh mesh = chain_mesh();
+    mesh.points[1].y = -CHAIN_LINK - (float)( 1.5 * rest );
+    const wisp_entity e = add_chain( h.world, &def, 1, (float)mass, mesh.points );
+    test_mesh_free( &mesh );
+    assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
+    run_steps( h.world, steps, (float)( seconds / steps ) );
+    const double y = (double)point_of( h.world, e, 1 ).y;
+    const double exact = -(double)CHAIN_LINK - rest - 0.5 * rest * cos( sqrt( stiffness / mass ) * seconds );
+    assert_int_equal( count_of( h.world, WISP_COUNT_FIRST_ORDER ), 0 );
+    close_world( &h );
+    return fabs( y - exact );
+}
+
+static void bdf2_is_of_second_order_in_smooth_motion( void** state )
+{
+    (void)state;
+    const double order = log2( oscillator_error( 64 ) / oscillator_error( 128 ) );
+    assert_near( order, 2.0, 0.2 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( stiff_links_hang_at_their_length ),
+        cmocka_unit_test( stiff_links_give_no_more_than_they_had ),
+        cmocka_unit_test( what_floats_carry_is_left_as_it_is ),
+        cmocka_unit_test( bdf2_hangs_in_long_steps ),
+        cmocka_unit_test( bdf2_is_of_second_order_in_smooth_motion ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
