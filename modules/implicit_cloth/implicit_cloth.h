@@ -44,7 +44,8 @@ typedef enum wisp_implicit_jacobian
 typedef enum wisp_implicit_integrator
 {
     WISP_IMPLICIT_EULER, ///< implicit Euler (TRI eq. 16-18): first order, damps oscillation
-    WISP_IMPLICIT_BDF2,  ///< second order from the last two substeps (TRI-X4); the first substep is Euler's
+    WISP_IMPLICIT_BDF2, ///< second order from the last two substeps (TRI-X4); the first substep is Euler's, and so are
+                        ///< those with k h^2 / m beyond 512 (WISP_COUNT_FIRST_ORDER)
     WISP_IMPLICIT_INTEGRATOR_COUNT,
 } wisp_implicit_integrator;
 
@@ -65,7 +66,8 @@ typedef struct wisp_implicit_cloth_def
     wisp_implicit_jacobian jacobian;     ///< default dropped
     wisp_implicit_integrator integrator; ///< default Euler
 
-    int newton_repeats; ///< linear solves a substep, 1 .. 64, default 1: as the source; more approach Euler's nonlinear step
+    int newton_repeats; ///< linear solves a substep, 1 .. 64, default 1: as the source; more approach Euler's nonlinear step.
+                        ///< With k h^2 / m beyond 1024 as many as it takes, up to 16
     float tolerance;    ///< of a solve: its residual over that of standing still, in [1e-7, 0.1], default 1e-4
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three a vertex
     bool warm_start;    ///< start a solve from the last one's answer, default true
