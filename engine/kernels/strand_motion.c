@@ -23,9 +23,11 @@ void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int
 {
     const wisp_strand_motion_job mine = *job;
     const lane16 dt = lane16_set1( mine.dt ), zero = lane16_zero();
-    const lane16v gain = lane16v_scale( lane16v_set1( mine.acceleration ), dt ), none = { zero, zero, zero };
+    const lane16v whole = lane16v_scale( lane16v_set1( mine.acceleration ), dt ), none = { zero, zero, zero };
     for ( int g = begin; g < end; ++g )
     {
+        const lane16v gain =
+            mine.share != NULL ? lane16v_scale( whole, lane16_load( mine.share + (size_t)g * WISP_LANES ) ) : whole;
         predict_roots( &mine, g, gain );
         for ( int row = mine.group_row[g] + 1; row < mine.group_row[g + 1]; ++row )
         {

@@ -27,26 +27,33 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
 }
 
 // Where a vertex goes by itself, without what accelerates it in this substep: at rest that is where it is.
-LANE_INLINE lane16v coasting( const wisp_strand_rod_job* job, int row )
+LANE_INLINE lane16v coasting( const wisp_strand_rod_job* job, int row, lane16 minus_dt2 )
 {
-    const lane16 minus_dt2 = lane16_set1( -job->dt * job->dt ), zero = lane16_zero();
     const lane16v p = lane16v_load( job->position + (size_t)row * STRIDE );
     const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( job->acceleration ) );
-    return lane16v_select( lane16_lt( zero, lanes_of( job->weight, row ) ), before, p );
+    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( job->weight, row ) ), before, p );
+}
+
+// What turns the acceleration into the way that it took, for that share of it which each strand feels.
+LANE_INLINE lane16 way_back( const wisp_strand_rod_job* job, int group )
+{
+    const lane16 minus_dt2 = lane16_set1( -job->dt * job->dt );
+    return job->share != NULL ? lane16_mul( minus_dt2, lanes_of( job->share, group ) ) : minus_dt2;
 }
 
 // ---- tension first ----
 
-static void pull( const wisp_strand_rod_job* job, int first, int last )
+static void pull( const wisp_strand_rod_job* job, int group, int first, int last )
 {
     const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -job->dt * job->dt );
-    lane16v p = coasting( job, first ), before = { zero, zero, zero };
+    const lane16 back = way_back( job, group );
+    lane16v p = coasting( job, first, back ), before = { zero, zero, zero };
     for ( int row = first; row < last; ++row )
     {
         lane16v behind = { zero, zero, zero }, next = p;
         if ( row + 1 < last )
         {
-            next = coasting( job, row + 1 );
+            next = coasting( job, row + 1, back );
             const lane16 most = lanes_of( job->most_tension, row );
             float* at = job->tension + (size_t)row * WISP_LANES;
             const lane16 tension = lane16_max( lane16_neg( most ), lane16_min( most, lane16_load( at ) ) );
@@ -124,11 +131,12 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
 static void measure_frames( const wisp_strand_rod_job* job, int group, int first, int last )
 {
     frame16 before = clamp_frame( job, group );
-    lane16v p = coasting( job, first ), t_before = frame16_z( before );
+    const lane16 back = way_back( job, group );
+    lane16v p = coasting( job, first, back ), t_before = frame16_z( before );
     float* out = job->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v next = coasting( job, row + 1 );
+        const lane16v next = coasting( job, row + 1, back );
         const lane16v e = lane16v_sub( next, p ), t = lane16v_scale( e, lanes_of( job->inverse_length, row ) );
         const frame16 q = carry_frame( job, row, e );
         frame16_store( job->frame + (size_t)row * QUATERNION, q );
@@ -323,7 +331,7 @@ void KERNEL( strand_rod )( const wisp_strand_rod_job* job, int begin, int end )
             balance_twist( &mine, first, last );
             turn_segments( &mine, first, last );
         }
-        pull( &mine, first, last );
+        pull( &mine, g, first, last );
         load_and_eliminate( &mine, g, first, last );
         substitute( &mine, first, last );
     }

@@ -275,6 +275,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "links without direction",
         "substeps with lowered stiffness",
         "substeps of first order",
+        "strands lightened",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

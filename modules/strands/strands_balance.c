@@ -158,11 +158,21 @@ static double twist_stiffness_of( const curve_job* job, const strand_shape* shap
     return rigidity > 0.0 ? bend * (double)job->settings->twist_rigidity / rigidity : 0.0;
 }
 
+// How much a moment bends or twists a vertex: with its stiffness, which was lowered to what a substep bears, and what the
+// rest shape may do against it.
+typedef struct hold
+{
+    double needed, most; // rad
+} hold;
+
 // Where the stiffness had to be lowered, more curvature holds the shape; but not so much that the rod becomes another one,
 // which it would flail against: 30 % of its turn.
-static double at_most( double needed, double given, double turn )
+static hold hold_of( const strand_shape* shape, int s, double moment, double stiffness, double rigidity )
 {
-    return fmin( needed, fmax( given, 0.3 * turn ) );
+    const double reach = strands_reach( shape->rows, shape->row, s, shape->lane );
+    const double turn = strands_sharpest_turn( shape->rows, shape->row, s, shape->count, shape->lane );
+    return ( hold ){ .needed = stiffness > 0.0 ? moment / stiffness : 0.0,
+                     .most = fmax( moment * reach / fmax( rigidity, 1e-300 ), 0.3 * turn ) };
 }
 
 // A tension that moves a vertex by more than the length of its segment in a substep pulls it to and fro.
@@ -174,30 +184,67 @@ static double tension_of( const curve_job* job, const strand_shape* shape, int s
     return fmax( -most, fmin( most, tension ) );
 }
 
-// k_i and the twist of every vertex, k_i still in the world. The twist that is there at rest is 0, because frames are laid
-// from the clamp without any: so the rest twist is what gives T.
-static void curve_vertices( const curve_job* job, const strand_shape* shape )
+// M_s and T_s bend and twist a vertex by so much.
+static hold bend_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
 {
-    const bool balanced = job->settings->rest == WISP_STRAND_REST_BALANCED;
+    const double stiffness = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
+    return hold_of( shape, s, sqrt( dot( now->moment, now->moment ) ), stiffness,
+                    (double)job->settings->bend_rigidity );
+}
+
+static hold twist_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
+{
+    return hold_of( shape, s, fabs( now->twist ), twist_stiffness_of( job, shape, s ),
+                    (double)job->settings->twist_rigidity );
+}
+
+// Rounding of the stiffness is no lack of it.
+static double share_of( hold h )
+{
+    return h.needed > 1.001 * h.most ? h.most / h.needed : 1.0;
+}
+
+// Of its weight, what the strand can hold in this shape: all that the recursion hands on is in proportion to gravity. What it
+// cannot hold it must not feel, because it would fall into a shape in which neither its curvature nor its tension is in balance,
+// and they would throw it about (README). Only curls ask for so much.
+static double share_of_weight( const curve_job* job, const strand_shape* shape )
+{
     balance now = { .mass = 0.0 };
+    double share = 1.0;
     for ( int s = shape->count - 2; s >= 0; --s )
     {
         now = step( shape, s, job->settings->gravity, now );
-        const double stiffness = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
+        const double turn = strands_sharpest_turn( shape->rows, shape->row, s, shape->count, shape->lane );
+        if ( strands_is_curl( turn ) )
+        {
+            share = fmin( share, share_of( bend_of( job, shape, s, &now ) ) );
+            share = fmin( share, share_of( twist_of( job, shape, s, &now ) ) );
+        }
+    }
+    return share;
+}
+
+// k_i and the twist of every vertex, k_i still in the world. The twist that is there at rest is 0, because frames are laid
+// from the clamp without any: so the rest twist is what gives T.
+static void curve_vertices( const curve_job* job, const strand_shape* shape, double share )
+{
+    const bool balanced = job->settings->rest == WISP_STRAND_REST_BALANCED;
+    const wisp_vec3 whole = job->settings->gravity;
+    const float part = (float)share;
+    const wisp_vec3 gravity = { part * whole.x, part * whole.y, part * whole.z };
+    balance now = { .mass = 0.0 };
+    for ( int s = shape->count - 2; s >= 0; --s )
+    {
+        now = step( shape, s, gravity, now );
         const double twist_stiffness = twist_stiffness_of( job, shape, s );
         vec k = sub( direction( shape, s ), direction( shape, s - 1 ) );
         double half_twist = 0.0;
-        if ( balanced && stiffness > 0.0 )
+        if ( balanced && job->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
-            const double reach = strands_reach( shape->rows, shape->row, s, shape->lane );
-            const double turn = sqrt( dot( k, k ) ), moment = sqrt( dot( now.moment, now.moment ) );
-            const double given = moment * reach / (double)job->settings->bend_rigidity;
-            const double held = at_most( moment / stiffness, given, turn );
-            k = sub( k, scale( now.moment, moment > 0.0 ? held / moment : 0.0 ) );
-            const double twist = twist_stiffness > 0.0 ? fabs( now.twist ) / twist_stiffness : 0.0;
-            const double given_twist =
-                fabs( now.twist ) * reach / fmax( (double)job->settings->twist_rigidity, 1e-300 );
-            half_twist = -copysign( atan( 0.5 * at_most( twist, given_twist, turn ) ), now.twist );
+            const double moment = sqrt( dot( now.moment, now.moment ) );
+            const hold bend = bend_of( job, shape, s, &now ), twist = twist_of( job, shape, s, &now );
+            k = sub( k, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
+            half_twist = -copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
         }
         job->rest_tension[strands_scalar( shape->row + s, shape->lane )] =
             balanced ? (float)tension_of( job, shape, s, now.tension ) : 0.0f;
@@ -206,10 +253,12 @@ static void curve_vertices( const curve_job* job, const strand_shape* shape )
     }
 }
 
-static void curve_strand( const curve_job* job, int group, int row, int count, int lane )
+// @return the share of its weight that the strand feels
+static double curve_strand( const curve_job* job, int group, int row, int count, int lane )
 {
     const strand_shape shape = shape_of( job->rows, row, count, lane );
-    curve_vertices( job, &shape );
+    const double share = job->settings->rest == WISP_STRAND_REST_BALANCED ? share_of_weight( job, &shape ) : 1.0;
+    curve_vertices( job, &shape, share );
     wisp_quat before = strands_get_quat( job->clamp, group, lane );
     for ( int s = 0; s + 1 < count; ++s )
     {
@@ -220,6 +269,7 @@ static void curve_strand( const curve_job* job, int group, int row, int count, i
         strands_put( job->rest, row + s, lane, into_middle( before, frame, k ) );
         before = frame;
     }
+    return share;
 }
 
 bool strands_balance_is_due( wisp_frame* frame, wisp_entity entity, void* user )
@@ -246,13 +296,21 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
         .dt = (double)wisp_frame_seconds( frame ),
     };
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
+    float* shares = wisp_frame_column( frame, span->entity, state->balance, 1 );
+    uint64_t lightened = 0;
     for ( int g = span->begin; g < span->end; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            curve_strand( &job, g, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
-                          lane );
+            const int count = rows.topology->lane_count[g * WISP_LANES + lane];
+            const double share = curve_strand( &job, g, rows.topology->group_row[g], count, lane );
+            shares[g * WISP_LANES + lane] = (float)share;
+            lightened += share < 1.0 ? 1 : 0;
         }
         balanced[g] = wisp_frame_seconds( frame );
+    }
+    if ( lightened > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_LIGHTENED, lightened );
     }
 }

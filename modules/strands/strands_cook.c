@@ -370,13 +370,24 @@ static double turn_at_rest( const strands_rows* rows, int row, int i, int count,
     return (double)strands_norm( ( wisp_vec3 ){ t * b.x - s * a.x, t * b.y - s * a.y, t * b.z - s * a.z } );
 }
 
-static double most_stiffness( const factor_job* job, int row, int i, int count, int lane )
+double strands_sharpest_turn( const strands_rows* rows, int row, int i, int count, int lane )
 {
     double turn = 0.0;
-    for ( int k = i - 1; k <= i + 1 && job->curled; ++k )
+    for ( int k = i - 1; k <= i + 1; ++k )
     {
-        turn = fmax( turn, turn_at_rest( job->rows, row, k, count, lane ) );
+        turn = fmax( turn, turn_at_rest( rows, row, k, count, lane ) );
     }
+    return turn;
+}
+
+bool strands_is_curl( double turn )
+{
+    return turn * turn * turn * turn * MOST_STIFFNESS > MOST_CURLED;
+}
+
+static double most_stiffness( const factor_job* job, int row, int i, int count, int lane )
+{
+    const double turn = job->curled ? strands_sharpest_turn( job->rows, row, i, count, lane ) : 0.0;
     return fmin( MOST_STIFFNESS, MOST_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
 }
 

@@ -87,7 +87,9 @@ typedef struct strands_grid
     X( float, twist_stiffness, 16 )                     /* N m, GJ / L_i */                                          \
     X( float, rest_tension, 16 )                        /* N, of the segment to the next row, in balance */
 #define STRANDS_STRAIGHT( X ) X( int32_t, straight, 1 ) /* the rod does without frames */
-#define STRANDS_BALANCE( X ) X( float, balanced, 1 )    /* s, the substep that the rest curvature is for; 0: none */
+#define STRANDS_BALANCE( X )                                                                                         \
+    X( float, balanced, 1 ) /* s, the substep that the rest curvature is for; 0: none */                             \
+    X( float, share, 16 )   /* of its weight that a strand holds, and feels */
 #define STRANDS_GOOD( X )                                                                                            \
     X( float, position, 48 ) /* at the end of the last step that was finite and within bounds */                     \
     X( float, velocity, 48 )
@@ -243,6 +245,10 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user );
 
 /// L_i, m: what bends at vertex i.
 double strands_reach( const strands_rows* rows, int row, int i, int lane );
+/// The sharpest turn |t_k - t_{k-1}| of the rest shape at vertex i and its neighbours, which bounds the stiffness of a curled rod.
+double strands_sharpest_turn( const strands_rows* rows, int row, int i, int count, int lane );
+/// Is the bound on a curl below the one of single precision?
+bool strands_is_curl( double turn );
 
 // ---- rest shapes (strands_balance.c) ----
 

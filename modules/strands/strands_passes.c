@@ -118,6 +118,12 @@ void strands_blow( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- prediction ----
 
+// Of gravity: what is not in balance, or holds all of its weight, feels all of it.
+static const float* share_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;
+}
+
 static wisp_strand_motion_job motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
@@ -129,6 +135,7 @@ static wisp_strand_motion_job motion_job( wisp_frame* frame, const wisp_span* sp
         .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
         .root = column_of( frame, span, WISP_STRAND_ROOT, 0 ),
         .acceleration = settings->gravity,
+        .share = share_of( frame, span, state ),
         .dt = wisp_frame_seconds( frame ),
     };
 }
@@ -162,6 +169,7 @@ static wisp_strand_rod_job rod_job( wisp_frame* frame, const wisp_span* span, co
         .clamp = column_of( frame, span, state->clamp, 0 ),
         .damping = settings->bend_damping,
         .acceleration = settings->gravity,
+        .share = share_of( frame, span, state ),
         .dt = wisp_frame_seconds( frame ),
         .scratch = scratch_of( frame, span ),
     };

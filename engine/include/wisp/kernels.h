@@ -305,7 +305,8 @@ typedef struct wisp_strand_motion_job
     const float* weight; ///< [row][16] inverse mass in 1/kg; 0: pinned, behind the tip, or no strand
     const float* root;   ///< [group][3][16] m, where pinned vertices of row 0 go; null: they stay
     wisp_vec3 acceleration;
-    float dt; ///< s
+    const float* share; ///< [group][16] of the acceleration that a strand feels; null: all of it
+    float dt;           ///< s
 } wisp_strand_motion_job;
 
 /// Damping of what moves against a rigid motion: v <- u + keep (v - u) with u = linear + angular x (p - centre).
@@ -406,6 +407,7 @@ typedef struct wisp_strand_rod_job
     const float* twist_stiffness; ///< [row][16] N m, GJ / L_i; with frames only
     float damping;                ///< s, of the bending's rate
     wisp_vec3 acceleration;       ///< m/s^2, of the prediction
+    const float* share;           ///< [group][16] of it that a strand feels; null: all of it
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
 } wisp_strand_rod_job;
