@@ -165,7 +165,7 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .needs = { s->settings },
-            .reads = { s->settings, s->balance, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
+            .reads = { s->settings, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
             .run = strands_predict,

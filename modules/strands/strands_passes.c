@@ -118,7 +118,8 @@ void strands_blow( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- prediction ----
 
-// Of gravity: what is not in balance, or holds all of its weight, feels all of it.
+// Of gravity, found at the start of a step. What has no rest curvature feels all of it; predict runs for both, and so does not
+// declare what only one has.
 static const float* share_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;

@@ -20,6 +20,7 @@ typedef struct strands_state
     float frame[STRAND_ROWS][4][16], rest[STRAND_ROWS][3][16], rest_twist[STRAND_ROWS][2][16];
     float twist_stiffness[STRAND_ROWS][16];
     float root[STRAND_GROUPS][3][16], turn[STRAND_GROUPS][4][16], clamp[STRAND_GROUPS][4][16];
+    float share[STRAND_GROUPS][16];
     float scratch[20 * WISP_STRAND_SCRATCH];
     int32_t group_row[STRAND_GROUPS + 1];
     int count[STRAND_GROUPS][16]; // vertices of a lane's strand
@@ -54,6 +55,7 @@ static inline void make_strands( strands_state* s )
         {
             s->count[g][lane] = LONGEST[g] - lane / 4 > 0 ? LONGEST[g] - lane / 4 : ( lane == 15 ? 0 : 1 );
             s->turn[g][3][lane] = s->clamp[g][3][lane] = 1.0f;
+            s->share[g][lane] = strand_random( g, lane, 18, 0.2f, 1.0f );
             float at[3] = { 0.02f * (float)lane, 0.01f * (float)g, 0.0f };
             for ( int row = s->group_row[g]; row < s->group_row[g + 1]; ++row )
             {
@@ -97,7 +99,8 @@ static inline void make_strands( strands_state* s )
 static inline wisp_strand_motion_job motion_job( strands_state* s, float dt )
 {
     return ( wisp_strand_motion_job ){ s->group_row, s->position[0][0], s->previous[0][0],       s->velocity[0][0],
-                                       s->weight[0], s->root[0][0],     { 0.5f, -9.81f, 0.25f }, dt };
+                                       s->weight[0], s->root[0][0],     { 0.5f, -9.81f, 0.25f }, s->share[0],
+                                       dt };
 }
 
 static inline wisp_strand_stretch_job stretch_job( strands_state* s, float dt, int passes )
@@ -140,6 +143,7 @@ static inline wisp_strand_rod_job rod_job( strands_state* s, float dt, bool curv
                                     .tension = s->tension[0],
                                     .most_tension = s->most_tension[0],
                                     .acceleration = { 0.5f, -9.81f, 0.25f },
+                                    .share = s->share[0],
                                     .root = s->turn[0][0],
                                     .clamp = s->clamp[0][0],
                                     .frame = curved ? s->frame[0][0] : NULL,
