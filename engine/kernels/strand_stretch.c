@@ -146,6 +146,24 @@ static lane16 whole_length( const wisp_strand_stretch_job* job, int first, int l
     return sum;
 }
 
+// Where a vertex comes from that is laid out: being put in order makes it no faster than it was predicted to be, and it stands
+// still if it is put farther away than the strand is long.
+static lane16v start_of( const wisp_strand_stretch_job* job, int row, lane16v put, lane16 reach2 )
+{
+    lane16v start = lane16v_load( job->previous + (size_t)row * STRIDE );
+    const lane16v way = lane16v_sub( put, start );
+    const lane16 squared = lane16v_dot( way, way );
+    if ( job->velocity != NULL )
+    {
+        const lane16v v = lane16v_load( job->velocity + (size_t)row * STRIDE );
+        const lane16 predicted = lane16_mul( lane16v_dot( v, v ), lane16_set1( job->dt * job->dt ) );
+        const lane16 share = lane16_sqrt( lane16_div( predicted, squared ) );
+        start =
+            lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( way, share ) ), start );
+    }
+    return lane16v_select( lane16_le( squared, reach2 ), start, put );
+}
+
 static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int first, int last )
 {
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
@@ -167,9 +185,7 @@ static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int firs
         const lane16 weight = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
         const lane16m moves = lane16m_and( lanes, lane16_lt( zero, weight ) );
         lane16v_store( at, lane16v_select( moves, put, p ) );
-        const lane16v start = lane16v_load( from ), way = lane16v_sub( put, start );
-        const lane16m far_away = lane16m_not( lane16_le( lane16v_dot( way, way ), reach2 ) );
-        lane16v_store( from, lane16v_select( lane16m_and( moves, far_away ), put, start ) );
+        lane16v_store( from, lane16v_select( moves, start_of( job, row + 1, put, reach2 ), lane16v_load( from ) ) );
         before = p;
     }
     // the multipliers of passes that came to nothing are no tensions

@@ -235,7 +235,7 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .needs = { s->direct, s->tension },
             .reads = { s->direct, s->tension, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
-                       WISP_STRAND_POSITION },
+                       WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->tension, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
             .run = strands_stretch,
         },

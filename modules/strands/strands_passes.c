@@ -280,6 +280,7 @@ void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .tension = column_of( frame, span, state->tension, 0 ),
         .keeps_tension = direct->has_rod != 0 || span->iteration > 0,
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .passes = direct->passes,
         .tolerance = direct->tolerance,
         .dt = wisp_frame_seconds( frame ),

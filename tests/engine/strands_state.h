@@ -98,8 +98,14 @@ static inline void make_strands( strands_state* s )
 
 static inline wisp_strand_motion_job motion_job( strands_state* s, float dt )
 {
-    return ( wisp_strand_motion_job ){ s->group_row, s->position[0][0], s->previous[0][0],       s->velocity[0][0],
-                                       s->weight[0], s->root[0][0],     { 0.5f, -9.81f, 0.25f }, s->share[0],
+    return ( wisp_strand_motion_job ){ s->group_row,
+                                       s->position[0][0],
+                                       s->previous[0][0],
+                                       s->velocity[0][0],
+                                       s->weight[0],
+                                       s->root[0][0],
+                                       { 0.5f, -9.81f, 0.25f },
+                                       s->share[0],
                                        dt };
 }
 

@@ -254,7 +254,7 @@ static bool is_held_beyond_its_root( const strand_oracle* strand )
     return held;
 }
 
-static void lay_out( strand_oracle* strand )
+static void lay_out( strand_oracle* strand, double dt )
 {
     double3 direction[STRAND_ORACLE_MOST];
     double reach = 0.0;
@@ -267,9 +267,11 @@ static void lay_out( strand_oracle* strand )
     {
         double3* put = &strand->position[s + 1];
         *put = add_scaled( strand->position[s], strand->length[s], direction[s] );
-        if ( !( double3_distance( *put, strand->previous[s + 1] ) <= reach ) )
+        const double3 way = double3_sub( *put, strand->previous[s + 1] );
+        const double length = double3_length( way ), predicted = dt * double3_length( strand->velocity[s + 1] );
+        if ( !( length <= reach ) || predicted < length )
         {
-            strand->previous[s + 1] = *put;
+            strand->previous[s + 1] = add_scaled( *put, length <= reach ? -predicted / length : 0.0, way );
         }
         strand->tension[s] = 0.0;
     }
@@ -289,7 +291,7 @@ bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure
     const bool lost = !( strand_oracle_strain( strand ) <= tolerance ) && is_held_beyond_its_root( strand ) == false;
     if ( lost )
     {
-        lay_out( strand );
+        lay_out( strand, dt );
     }
     return lost;
 }

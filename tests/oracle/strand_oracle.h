@@ -108,7 +108,8 @@ void strand_oracle_directions( const strand_oracle* strand, double3* direction )
 ///
 /// A strand that is not within tolerance afterwards and is held at most at its root is laid out: p_0 stays, p_{s+1} = p_s + l_s
 /// d_s with the directions of the segments as Newton left them. Its tension is 0, and a vertex that is put farther from
-/// `previous` than the strand is long loses its velocity: previous = p.
+/// `previous` than the strand is long loses its velocity: previous = p. None gets faster than its predicted velocity: previous
+/// moves towards p until it is dt |v| away.
 /// @return whether it was laid out
 bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure, int passes, double tolerance,
                             bool keeps_tension, double dt );

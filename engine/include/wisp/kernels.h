@@ -341,14 +341,15 @@ typedef struct wisp_strand_air_job
 typedef struct wisp_strand_stretch_job
 {
     const int32_t* group_row;
-    float* position;     ///< [row][3][16]
-    const float* weight; ///< [row][16]
-    const float* length; ///< [row][16] m, > 0: of the segment from this row to the next; 0 behind the tip
-    float* tension;      ///< [row][16] N, of that segment; null: not wanted
-    bool keeps_tension;  ///< add to what is there instead of beginning at 0
-    int passes;          ///< >= 1
-    float tolerance;     ///< of |l/l0 - 1|
-    float* previous;     ///< [row][3][16], moved along where a vertex loses its velocity
+    float* position;       ///< [row][3][16]
+    const float* weight;   ///< [row][16]
+    const float* length;   ///< [row][16] m, > 0: of the segment from this row to the next; 0 behind the tip
+    float* tension;        ///< [row][16] N, of that segment; null: not wanted
+    bool keeps_tension;    ///< add to what is there instead of beginning at 0
+    int passes;            ///< >= 1
+    float tolerance;       ///< of |l/l0 - 1|
+    float* previous;       ///< [row][3][16], moved along where a vertex loses velocity
+    const float* velocity; ///< [row][3][16] m/s, predicted: what is laid out gets no faster; null: it may
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
 } wisp_strand_stretch_job;
