@@ -29,7 +29,8 @@ typedef enum wisp_strand_bend
 /// Which shape a rod has where nothing acts on it.
 typedef enum wisp_strand_rest
 {
-    WISP_STRAND_REST_BALANCED, ///< such that the given shape is in balance under gravity: nothing sags at the start
+    WISP_STRAND_REST_BALANCED, ///< such that the given shape is in balance under gravity: nothing sags at the start. What
+                               ///< substeps are too long to hold feels a share of its weight (WISP_COUNT_LIGHTENED)
     WISP_STRAND_REST_SHAPE,    ///< the given shape itself
     WISP_STRAND_REST_STRAIGHT, ///< straight, without twist
     WISP_STRAND_REST_COUNT,
