@@ -236,9 +236,9 @@ typedef enum wisp_counter
     WISP_COUNT_UNSOLVED,     ///< linear solves that ended at their limit of iterations
     WISP_COUNT_INDEFINITE,   ///< linear solves that met negative curvature
     WISP_COUNT_UNDIRECTED,   ///< links between coincident vertices, which pull nowhere, each time they were met
-    WISP_COUNT_LOWERED,      ///< substeps of implicit cloth whose links were too stiff for floats, and were lowered
+    WISP_COUNT_LOWERED,      ///< substeps whose links were too stiff for floats to solve for, and were lowered
     WISP_COUNT_FIRST_ORDER,  ///< substeps that BDF2 left to implicit Euler
-    WISP_COUNT_LIGHTENED,    ///< strands that feel a share of their weight only: a substep holds no more in their curls
+    WISP_COUNT_LIGHTENED, ///< strands that feel a share of their weight only: a substep holds no more in their curls
     WISP_COUNTER_COUNT,
 } wisp_counter;
 
