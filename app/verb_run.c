@@ -312,7 +312,8 @@ static void add_warnings( results* out, const wisp_world* world )
         { WISP_COUNT_UNDIRECTED, "times a link between coincident vertices had no direction and gave no force" },
         { WISP_COUNT_LOWERED, "substeps had links that are stiffer than floats can solve for, and lowered them" },
         { WISP_COUNT_FIRST_ORDER, "substeps were too long for BDF2 and went by implicit Euler" },
-        { WISP_COUNT_LIGHTENED, "strands feel a share of their weight only, because substeps are too long for their curls" },
+        { WISP_COUNT_LIGHTENED,
+          "strands feel a share of their weight only, because substeps are too long for their curls" },
     };
     for ( int i = 0; i < WISP_COUNT( warnings ); ++i )
     {

@@ -212,9 +212,8 @@ static wisp_status set_contact( scene_world* out, wisp_error* error )
     {
         status = wisp_want_contact_figures( out->world, true, scene->want_crossings );
     }
-    return status == WISP_OK
-               ? WISP_OK
-               : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( out->world ) );
+    return status == WISP_OK ? WISP_OK
+                             : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( out->world ) );
 }
 
 static wisp_status wish_all( scene_world* out, int strands )

@@ -70,8 +70,8 @@ static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** sta
 static void usage_of_every_verb_is_told( void** state )
 {
     (void)state;
-    static const char* const commands[] = { "--usage",       "run --usage",  "plan --usage",
-                                            "bench --usage", "info --usage", "render --usage", "tune --usage" };
+    static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
+                                            "info --usage", "render --usage", "tune --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
         run( commands[i] );
@@ -137,7 +137,8 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
     assert_usage( "bench accuracy --scene cloth_on_bal", "did you mean 'cloth_on_ball'?" );
     assert_usage( "bench accuracy --scene flag,volcano", "--scene: there is no 'volcano', only hanging_cloth, " );
     assert_usage( "bench paper --scene flag", "--scene is an option of the case 'accuracy'" );
-    assert_usage( "bench cloth --pictures here", "--pictures is an option of the cases 'figures', 'boundary' and 'contact'" );
+    assert_usage( "bench cloth --pictures here",
+                  "--pictures is an option of the cases 'figures', 'boundary' and 'contact'" );
 }
 
 // ---- files ----

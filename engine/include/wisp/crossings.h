@@ -34,7 +34,8 @@ typedef struct wisp_crossing_job
 typedef struct wisp_crossings
 {
     int count;
-    const wisp_crossing* list; ///< [count] by edge, then by triangle. An edge and a triangle that share a point do not count
+    const wisp_crossing*
+        list; ///< [count] by edge, then by triangle. An edge and a triangle that share a point do not count
     wisp_box_pairs pairs;
     wisp_buffer buffers[4];
 } wisp_crossings;
