@@ -20,10 +20,10 @@ static const double RATIO_MOST = 1e6;     // beyond, floats lose a mass beside i
 
 // Of a stiff substep, by the same case. REACH: the share of its length that a link may lack and still count as stiff. With
 // none, what was slack is found stretched by the solve after, and so on in turns; with all, cloth that is slack hardly moves.
+// SETTLED: it ends where a solve gains less than this share of the motion. PAST: an answer whose end goes up by this share of what
+// its beginning goes down is too long.
 static const float REACH = 0.01f;
-static const double SETTLED = 1e-4; // it ends where a solve gains less than this share of the motion
-static const double PAST =
-    0.5; // an answer whose end goes up by this share of what its beginning goes down is too long
+static const double SETTLED = 1e-4, PAST = 0.5;
 
 // The surface's columns, all by slot.
 typedef struct step_columns
