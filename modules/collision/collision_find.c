@@ -13,132 +13,88 @@
 
 #include <math.h>
 
-enum
-{
-    CHUNK = WISP_PARTICLE_BLOCK,
-};
-
-typedef struct find_loop
-{
-    float *position, *previous;
-    int32_t* count;
-    float* found;
-    collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    float recovery;      // m in this substep
-    wisp_vec3 low, high; // m, of all paths of the chunk
-    int slots[CHUNK];    // that move, and are finite
-    int slot_count;
-    // of one body
-    int asked[CHUNK]; // slots
-    wisp_vec3 from[CHUNK];
-    wisp_mesh_query queries[CHUNK];
-    wisp_surface_point nearest[CHUNK];
-    bool is_near[CHUNK];
-} find_loop;
-
-static void begin_chunk( find_loop* loop, int begin, int end )
-{
-    loop->slot_count = 0;
-    loop->low = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
-    loop->high = ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY };
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        const float* quad = loop->position + (size_t)slot * 4;
-        const wisp_vec3 p = collision_load( quad ), old = collision_load( loop->previous + (size_t)slot * 4 );
-        float* found = loop->found + (size_t)slot * 4;
-        loop->count[slot] = 0;
-        collision_store( found, p );
-        found[3] = INFINITY;
-        if ( quad[3] > 0.0f && collision_is_finite( p ) && collision_is_finite( old ) )
-        {
-            loop->slots[loop->slot_count++] = slot;
-            collision_widen( &loop->low, &loop->high, p );
-            collision_widen( &loop->low, &loop->high, old );
-        }
-    }
-}
-
-static void lower_clear( find_loop* loop, int slot, float clear )
-{
-    float* found = loop->found + (size_t)slot * 4;
-    found[3] = clear < found[3] ? clear : found[3];
-}
-
-// ---- what is too far away ----
-
-static float reach_of( const collision_view* view, wisp_vec3 from, wisp_vec3 to )
-{
-    return 2.0f * view->thickness + collision_length( collision_sub( to, from ) );
-}
-
-static int ask( find_loop* loop, const collision_view* view )
-{
-    int n = 0;
-    for ( int i = 0; i < loop->slot_count; ++i )
-    {
-        int slot = loop->slots[i];
-        const wisp_vec3 from =
-            wisp_rigid_to_body( view->before, collision_load( loop->previous + (size_t)slot * 4 ) );
-        const wisp_vec3 to = wisp_rigid_to_body( view->after, collision_load( loop->position + (size_t)slot * 4 ) );
-        float reach = reach_of( view, from, to );
-        if ( collision_box_distance( view->body, to ) > reach )
-        {
-            lower_clear( loop, slot, reach );
-            continue;
-        }
-        loop->asked[n] = slot;
-        loop->from[n] = from;
-        loop->queries[n++] = ( wisp_mesh_query ){ to, reach };
-    }
-    collision_closest( view->body, loop->queries, n, loop->nearest, loop->is_near );
-    return n;
-}
-
 // ---- one particle, one body ----
+
+static float gap_at( wisp_vec3 p, wisp_vec3 point, wisp_vec3 normal, float gap )
+{
+    return collision_dot( normal, collision_sub( p, point ) ) - gap;
+}
 
 static float contact_gap( const collision_contact* c, wisp_vec3 p )
 {
-    return collision_dot( collision_load( c->normal ), collision_sub( p, collision_load( c->point ) ) ) - c->gap;
+    return gap_at( p, collision_load( c->point ), collision_load( c->normal ), c->gap );
 }
 
-// Room for one more, or the place of the farthest if it is farther than the new one.
-static void keep( find_loop* loop, int slot, const collision_contact* c )
+// Room for one more, or the place of the farthest if it is farther than the new one, else null.
+static collision_contact* find_room( const collision_find_job* job, int slot, wisp_vec3 p, float gap )
 {
-    collision_contact* all = loop->contact[slot];
-    const wisp_vec3 p = collision_load( loop->position + (size_t)slot * 4 );
-    int place = loop->count[slot]++;
-    if ( place >= WISP_COLLISION_CONTACTS )
+    collision_contact* all = job->contact[slot];
+    int place = job->count[slot]++;
+    if ( place < WISP_COLLISION_CONTACTS )
     {
-        place = 0;
-        for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )
-        {
-            place = contact_gap( all + i, p ) > contact_gap( all + place, p ) ? i : place;
-        }
-        if ( contact_gap( c, p ) >= contact_gap( all + place, p ) )
-        {
-            return;
-        }
+        return all + place;
     }
-    all[place] = *c;
+    place = 0;
+    for ( int i = 1; i < WISP_COLLISION_CONTACTS; ++i )
+    {
+        place = contact_gap( all + i, p ) > contact_gap( all + place, p ) ? i : place;
+    }
+    return gap >= contact_gap( all + place, p ) ? NULL : all + place;
 }
 
-static void move_out( find_loop* loop, int slot, wisp_vec3 normal, float healed, float calmed )
+static wisp_vec3 load_one( float ( *from )[COLLISION_BLOCK], int i )
 {
-    float *p = loop->position + (size_t)slot * 4, *old = loop->previous + (size_t)slot * 4;
-    collision_store( p, collision_add_scaled( collision_load( p ), healed, normal ) );
-    collision_store( old, collision_add_scaled( collision_load( old ), healed + calmed, normal ) );
+    return ( wisp_vec3 ){ from[0][i], from[1][i], from[2][i] };
 }
 
-static void touch( find_loop* loop, const collision_view* view, int slot, wisp_vec3 from, wisp_vec3 to,
+static void store_one( float ( *to )[COLLISION_BLOCK], int i, wisp_vec3 v )
+{
+    to[0][i] = v.x;
+    to[1][i] = v.y;
+    to[2][i] = v.z;
+}
+
+static void lower_clear( collision_block* block, int i, float clear )
+{
+    block->clear[i] = clear < block->clear[i] ? clear : block->clear[i];
+}
+
+// In the block too: the next body meets the particle where it is now.
+static void move_out( const collision_find_job* job, collision_block* block, int i, wisp_vec3 normal, float healed,
+                      float calmed )
+{
+    const size_t quad = (size_t)block->slot[i] * 4;
+    store_one( block->now, i, collision_add_scaled( load_one( block->now, i ), healed, normal ) );
+    store_one( block->old, i, collision_add_scaled( load_one( block->old, i ), healed + calmed, normal ) );
+    collision_store( job->position + quad, load_one( block->now, i ) );
+    collision_store( job->previous + quad, load_one( block->old, i ) );
+}
+
+// Number by number: a copy of a whole contact would wait for all of them to be written.
+static void fill_contact( collision_contact* c, const collision_view* view, wisp_vec3 point, wisp_vec3 normal,
+                          wisp_vec3 motion, float gap )
+{
+    collision_store( c->point, point );
+    collision_store( c->normal, normal );
+    collision_store( c->motion, motion );
+    c->gap = gap;
+    c->pushed = 0.0f;
+    collision_store( c->rubbed, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    c->static_friction = view->static_friction;
+    c->kinetic_friction = view->kinetic_friction;
+}
+
+static void touch( const collision_find_job* job, const collision_view* view, collision_block* block, int i,
                    const wisp_surface_point* nearest )
 {
-    float path = collision_length( collision_sub( to, from ) );
+    const wisp_vec3 from = load_one( block->from, i ), to = load_one( block->to, i );
+    float path = block->path[i];
     wisp_surface_point plane;
     bool swept = fabsf( nearest->distance ) <= path && collision_sweep( view->body, from, to, &plane );
     plane = swept ? plane : *nearest;
-    lower_clear( loop, slot, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
+    lower_clear( block, i, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
     float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
-    if ( now > 2.0f * view->thickness + path )
+    if ( now > block->reach[i] )
     {
         return;
     }
@@ -146,45 +102,69 @@ static void touch( find_loop* loop, const collision_view* view, int slot, wisp_v
     float outward = fmaxf( 0.0f, now - view->thickness - start ), healed = 0.0f;
     if ( start + outward < 0.0f )
     {
-        healed = fminf( -start - outward, fmaxf( 0.0f, loop->recovery - outward ) );
+        healed = fminf( -start - outward, fmaxf( 0.0f, job->recovery - outward ) );
     }
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
     const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );
     const wisp_vec3 was = wisp_rigid_to_world( view->before, plane.point );
-    collision_contact c = {
-        .gap = start < 0.0f ? view->thickness + start + healed : view->thickness,
-        .static_friction = view->static_friction,
-        .kinetic_friction = view->kinetic_friction,
-    };
-    collision_store( c.point, point );
-    collision_store( c.normal, normal );
-    collision_store( c.motion, collision_sub( point, was ) );
-    move_out( loop, slot, normal, healed, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
-    keep( loop, slot, &c );
+    move_out( job, block, i, normal, healed, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
+
+    const float gap = start < 0.0f ? view->thickness + start + healed : view->thickness;
+    const wisp_vec3 p = load_one( block->now, i );
+    collision_contact* c = find_room( job, block->slot[i], p, gap_at( p, point, normal, gap ) );
+    if ( c != NULL )
+    {
+        fill_contact( c, view, point, normal, collision_sub( point, was ), gap );
+    }
 }
 
-static void meet( find_loop* loop, const collision_view* view )
+// ---- a block and its bodies ----
+
+static void ask( const collision_find_job* job, const collision_view* view, collision_block* block )
 {
-    float apart = collision_ball_distance( view, loop->low, loop->high );
-    if ( apart > 2.0f * view->thickness )
+    wisp_mesh_query queries[COLLISION_BLOCK];
+    wisp_surface_point nearest[COLLISION_BLOCK];
+    bool is_near[COLLISION_BLOCK];
+    for ( int n = 0; n < block->asked_count; ++n )
     {
-        for ( int i = 0; i < loop->slot_count; ++i )
-        {
-            lower_clear( loop, loop->slots[i], apart );
-        }
-        return;
+        const int i = block->asked[n];
+        queries[n] = ( wisp_mesh_query ){ load_one( block->to, i ), block->reach[i] };
     }
-    int n = ask( loop, view );
-    for ( int i = 0; i < n; ++i )
+    collision_closest( view->body, queries, block->asked_count, nearest, is_near );
+    for ( int n = 0; n < block->asked_count; ++n )
     {
-        if ( loop->is_near[i] )
+        const int i = block->asked[n];
+        if ( is_near[n] )
         {
-            touch( loop, view, loop->asked[i], loop->from[i], loop->queries[i].point, loop->nearest + i );
+            touch( job, view, block, i, nearest + n );
         }
         else
         {
-            lower_clear( loop, loop->asked[i], loop->queries[i].radius );
+            lower_clear( block, i, block->reach[i] );
         }
+    }
+}
+
+void collision_meet( const collision_find_job* job, const collision_view* view, collision_block* block )
+{
+    float apart = collision_ball_distance( view, block->low, block->high );
+    if ( apart > 2.0f * view->thickness )
+    {
+        for ( int i = 0; i < block->count; ++i )
+        {
+            block->clear[i] = apart < block->clear[i] ? apart : block->clear[i];
+        }
+        return;
+    }
+    collision_see_block( view, block );
+    ask( job, view, block );
+}
+
+void collision_end_block( const collision_find_job* job, const collision_block* block )
+{
+    for ( int i = 0; i < block->count; ++i )
+    {
+        job->found[(size_t)block->slot[i] * 4 + 3] = block->clear[i];
     }
 }
 
@@ -192,21 +172,25 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    find_loop loop;
-    loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    loop.previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 );
-    loop.count = wisp_frame_column( frame, span->entity, state->contact, 0 );
-    loop.found = wisp_frame_column( frame, span->entity, state->contact, 1 );
-    loop.contact = wisp_frame_column( frame, span->entity, state->contact, 2 );
-    loop.recovery = settings->recovery_speed * wisp_frame_seconds( frame );
+    const collision_find_job job = {
+        .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+        .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
+        .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
+        .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
+        .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
+        .recovery = settings->recovery_speed * wisp_frame_seconds( frame ),
+    };
     const wisp_span particles = wisp_frame_particles( frame, span );
-    for ( int begin = particles.begin; begin < particles.end; begin += CHUNK )
+    collision_block block;
+    for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_BLOCK )
     {
-        begin_chunk( &loop, begin, particles.end - begin < CHUNK ? particles.end : begin + CHUNK );
+        const int left = particles.end - begin;
+        collision_begin_block( &job, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK, &block );
         collision_view view;
-        for ( int next = 0; loop.slot_count > 0 && collision_next( frame, span, state, &next, &view ); )
+        for ( int next = 0; block.count > 0 && collision_next( frame, span, state, &next, &view ); )
         {
-            meet( &loop, &view );
+            collision_meet( &job, &view, &block );
         }
+        collision_end_block( &job, &block );
     }
 }

@@ -59,6 +59,11 @@ typedef struct collision_collider
 /// Of the thickness: so deep, a start is as good as on the surface.
 static const float COLLISION_SHALLOW = 0.1f;
 
+enum
+{
+    COLLISION_BLOCK = WISP_PARTICLE_BLOCK,
+};
+
 /// A half space that a particle must stay in for a substep, and what keeping it there has cost so far.
 typedef struct collision_contact
 {
@@ -80,14 +85,38 @@ typedef struct collision_view
     float static_friction, kinetic_friction;
 } collision_view;
 
+/// A block of particles as arrays, so that who is far away from a body is found for many of them at once.
+typedef struct collision_block
+{
+    int count;                               // of those that move, and are finite
+    int slot[COLLISION_BLOCK];               // of each of them
+    float now[3][COLLISION_BLOCK];           // m, in the world
+    float old[3][COLLISION_BLOCK];           // m, likewise, when the substep began
+    wisp_vec3 low, high;                     // m, of all paths, before a body moved anything
+    float clear[COLLISION_BLOCK];            // m, how far away nothing is met that has no contact
+    // of one body, in its frame
+    float from[3][COLLISION_BLOCK], to[3][COLLISION_BLOCK];
+    float path[COLLISION_BLOCK], reach[COLLISION_BLOCK]; // m
+    int asked[COLLISION_BLOCK];                          // in the block: who may be within reach
+    int asked_count;
+} collision_block;
+
+/// What contacts are found for.
+typedef struct collision_find_job
+{
+    float *position, *previous; // quads
+    int32_t* count;             // contacts met
+    float* found;               // quads
+    collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
+    float recovery; // m in this substep
+} collision_find_job;
+
 /// The bodies that the span's entity collides with in its substep, one after another: start with *next = 0.
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
                      collision_view* out );
 
 // ---- collision_query.c: closed forms and meshes alike, in the body's frame ----
 
-/// How far a point is from the box around the body, m; 0 inside.
-float collision_box_distance( const collision_body* body, wisp_vec3 p );
 /// How far a box in the world at least stays from the ball around the body in the substep, m; 0 for a body that turns.
 float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high );
 /// The surface near each point: false where nothing is within its radius, or the point is not finite. Inside a body
@@ -98,6 +127,19 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
 bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
 /// Signed distance at the start of a path whose end has met a plane, less the thickness.
 float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept );
+
+// ---- collision_block.c: what is too far away ----
+
+/// Take the slots that move and are finite; all lose their contacts and are found where they are.
+void collision_begin_block( const collision_find_job* job, int begin, int end, collision_block* block );
+/// Seen from the body: where each particle comes from and gets to, and who is asked for the closest point. Who is not
+/// is surely beyond its reach, and is clear so far.
+void collision_see_block( const collision_view* view, collision_block* block );
+
+// ---- collision_find.c: one block and its bodies, which are met in their order ----
+
+void collision_meet( const collision_find_job* job, const collision_view* view, collision_block* block );
+void collision_end_block( const collision_find_job* job, const collision_block* block );
 
 // ---- passes ----
 
@@ -156,6 +198,20 @@ static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
 static inline float collision_length( wisp_vec3 a )
 {
     return sqrtf( collision_dot( a, a ) );
+}
+
+static inline float collision_outside( float distance, float half )
+{
+    float out = fabsf( distance ) - half;
+    return out > 0.0f ? out : 0.0f;
+}
+
+/// How far a point is from the box around the body, m; 0 inside.
+static inline float collision_box_distance( const collision_body* body, wisp_vec3 p )
+{
+    const wisp_vec3 d = collision_sub( p, body->centre ), half = body->half;
+    return collision_length( ( wisp_vec3 ){ collision_outside( d.x, half.x ), collision_outside( d.y, half.y ),
+                                            collision_outside( d.z, half.z ) } );
 }
 
 /// Within what bodies can be asked about.

@@ -13,18 +13,6 @@ static void turn_to_point( wisp_surface_point* nearest )
     }
 }
 
-static float outside( float distance, float half )
-{
-    return fmaxf( 0.0f, fabsf( distance ) - half );
-}
-
-float collision_box_distance( const collision_body* body, wisp_vec3 p )
-{
-    const wisp_vec3 d = collision_sub( p, body->centre );
-    return collision_length(
-        ( wisp_vec3 ){ outside( d.x, body->half.x ), outside( d.y, body->half.y ), outside( d.z, body->half.z ) } );
-}
-
 static float apart( float low, float high, float other_low, float other_high )
 {
     return fmaxf( 0.0f, fmaxf( low - other_high, other_low - high ) );
