@@ -102,7 +102,8 @@ static void measure_paths( float thickness, collision_block* b )
 {
     for ( int i = 0; i < b->count; ++i )
     {
-        const wisp_vec3 way = { b->to[0][i] - b->from[0][i], b->to[1][i] - b->from[1][i], b->to[2][i] - b->from[2][i] };
+        const wisp_vec3 way = { b->to[0][i] - b->from[0][i], b->to[1][i] - b->from[1][i],
+                                b->to[2][i] - b->from[2][i] };
         b->path[i] = collision_length( way );
         b->reach[i] = 2.0f * thickness + b->path[i];
     }

@@ -185,7 +185,8 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
     for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_BLOCK )
     {
         const int left = particles.end - begin;
-        collision_begin_block( &job, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK, &block );
+        collision_begin_block( &job, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
+                               &block );
         collision_view view;
         for ( int next = 0; block.count > 0 && collision_next( frame, span, state, &next, &view ); )
         {

@@ -88,12 +88,12 @@ typedef struct collision_view
 /// A block of particles as arrays, so that who is far away from a body is found for many of them at once.
 typedef struct collision_block
 {
-    int count;                               // of those that move, and are finite
-    int slot[COLLISION_BLOCK];               // of each of them
-    float now[3][COLLISION_BLOCK];           // m, in the world
-    float old[3][COLLISION_BLOCK];           // m, likewise, when the substep began
-    wisp_vec3 low, high;                     // m, of all paths, before a body moved anything
-    float clear[COLLISION_BLOCK];            // m, how far away nothing is met that has no contact
+    int count;                     // of those that move, and are finite
+    int slot[COLLISION_BLOCK];     // of each of them
+    float now[3][COLLISION_BLOCK]; // m, in the world
+    float old[3][COLLISION_BLOCK]; // m, likewise, when the substep began
+    wisp_vec3 low, high;           // m, of all paths, before a body moved anything
+    float clear[COLLISION_BLOCK];  // m, how far away nothing is met that has no contact
     // of one body, in its frame
     float from[3][COLLISION_BLOCK], to[3][COLLISION_BLOCK];
     float path[COLLISION_BLOCK], reach[COLLISION_BLOCK]; // m

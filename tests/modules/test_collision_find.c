@@ -1,0 +1,358 @@
+// Contacts of a block of particles against contacts found one by one: who is left out early has nothing to meet. Every kind
+// of body, at rest, carried along and turning; particles around them, in them, and at the very limit of what is asked.
+#include "collision_find_one.h"
+#include "collision_fixture.h"
+
+#include <float.h>
+
+enum
+{
+    PARTICLES = 3 * COLLISION_BLOCK + 77, // the last block is not full
+    BODIES = 7,
+    TRIALS = 12,
+    MOTIONS = 3,
+};
+
+static const float THICKNESS = 0.0125f;
+
+typedef struct particles
+{
+    float position[PARTICLES][4], previous[PARTICLES][4], found[PARTICLES][4];
+    int32_t count[PARTICLES];
+    collision_contact contact[PARTICLES][WISP_COLLISION_CONTACTS];
+} particles;
+
+typedef struct meeting
+{
+    hosted* h;
+    collision_state* state;
+    particles *blocks, *singly; // found in blocks, and one by one
+    collision_view views[BODIES];
+} meeting;
+
+// ---- bodies ----
+
+static void add_shape( wisp_world* world, wisp_collider_kind kind, float radius, wisp_vec3 half )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = kind;
+    def.radius = radius;
+    def.half_length = 0.25f;
+    def.half_extent = half;
+    add_collider( world, &def );
+}
+
+static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 by, bool sheet )
+{
+    move_mesh( &mesh, scale, by );
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_MESH;
+    def.points = mesh.points;
+    def.triangles = mesh.triangles;
+    def.point_count = mesh.vertex_count;
+    def.triangle_count = mesh.triangle_count;
+    def.search = WISP_MESH_SEARCH_VOXELS;
+    def.sheet = sheet;
+    add_collider( world, &def );
+    test_mesh_free( &mesh );
+}
+
+// The last is a small ball that blocks are far away from.
+static meeting* new_meeting( void )
+{
+    meeting* m = calloc( 1, sizeof( *m ) );
+    assert_non_null( m );
+    m->h = new_colliding( 1, 1, 1 );
+    m->blocks = calloc( 1, sizeof( particles ) );
+    m->singly = calloc( 1, sizeof( particles ) );
+    assert_true( m->blocks != NULL && m->singly != NULL );
+    wisp_world* world = m->h->world;
+    const wisp_vec3 none = { 1.0f, 1.0f, 1.0f }, half = { 0.4f, 0.15f, 0.3f };
+    add_shape( world, WISP_COLLIDER_PLANE, 1.0f, none );
+    add_shape( world, WISP_COLLIDER_SPHERE, 0.35f, none );
+    add_shape( world, WISP_COLLIDER_CAPSULE, 0.2f, none );
+    add_shape( world, WISP_COLLIDER_BOX, 1.0f, half );
+    add_mesh( world, test_ball( 2 ), 0.3f, ( wisp_vec3 ){ 0.1f, 0.0f, 0.0f }, false );
+    add_mesh( world, test_plane( 3, 0.4f ), 1.0f, ( wisp_vec3 ){ -0.4f, 0.1f, -0.4f }, true );
+    add_shape( world, WISP_COLLIDER_SPHERE, 0.05f, none );
+    assert_int_equal( collision_find_state( world, &m->state ), WISP_OK );
+    assert_int_equal( m->state->body_count, BODIES );
+    return m;
+}
+
+static void free_meeting( meeting* m )
+{
+    free_colliding( m->h );
+    free( m->blocks );
+    free( m->singly );
+    free( m );
+}
+
+// A body stands, is carried, or is carried and turned; every fourth has the axes of the world and no place, so that
+// nothing is rounded on the way into its frame.
+static void place_bodies( meeting* m, int trial )
+{
+    for ( int b = 0; b < BODIES; ++b )
+    {
+        const int key = trial * BODIES + b, motion = ( trial + b ) % MOTIONS;
+        const float far = b == BODIES - 1 ? 4.0f : 0.0f;
+        const bool plain = ( trial / MOTIONS + b ) % 4 == 0;
+        float r[8];
+        for ( int k = 0; k < 8; ++k )
+        {
+            r[k] = test_random_float( key, 100 + k, -0.5f, 0.5f );
+        }
+        wisp_rigid before = wisp_rigid_make( ( wisp_quat ){ r[0], r[1], r[2], 1.0f },
+                                             ( wisp_vec3 ){ far + 0.4f * r[3], 0.4f * r[4], 0.4f * r[5] } );
+        before = plain ? wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ far, 0.0f, 0.0f } )
+                       : before;
+        wisp_rigid after = before;
+        after.translation.x += motion > 0 ? 0.05f * r[6] : 0.0f;
+        after.translation.y += motion > 0 ? 0.05f * r[7] : 0.0f;
+        const wisp_quat q = before.rotation;
+        after =
+            motion < 2 ? after : wisp_rigid_make( ( wisp_quat ){ q.x, q.y + 0.05f, q.z, q.w }, after.translation );
+        m->views[b] = ( collision_view ){ m->state->bodies + b, before, after, THICKNESS, 0.5f, 0.3f };
+    }
+}
+
+// ---- particles ----
+
+// Where the closest point is as far as contacts are looked for, give or take the last bits of it.
+static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, wisp_vec3* now )
+{
+    const wisp_vec3 q = wisp_rigid_to_body( view->after, *now ), way = collision_sub( *now, *old );
+    const wisp_mesh_query query = { q, 2.0f };
+    wisp_surface_point s;
+    bool is_near;
+    collision_closest( view->body, &query, 1, &s, &is_near );
+    if ( is_near == false )
+    {
+        return false;
+    }
+    const float bits = (float)( test_random( i, 20, 9 ) - 4 ) * FLT_EPSILON;
+    const float limit = ( 2.0f * view->thickness + collision_length( way ) ) * ( 1.0f + bits );
+    const wisp_vec3 to = collision_add_scaled( s.point, limit, s.normal );
+    *now = wisp_rigid_to_world( view->after, to );
+    *old = wisp_rigid_to_world( view->before, collision_sub( to, way ) );
+    return true;
+}
+
+// How many of them are at the limit.
+static int place_particle( const meeting* m, int trial, int slot, float quad[4], float old_quad[4] )
+{
+    const int key = trial * PARTICLES + slot, manner = slot % 6;
+    const float size = manner == 0 ? 1.2f : 0.5f, span = manner == 1 ? 0.5f : ( manner == 2 ? 0.0f : 0.02f );
+    float r[6];
+    for ( int k = 0; k < 6; ++k )
+    {
+        r[k] = test_random_float( key, k, -1.0f, 1.0f );
+    }
+    wisp_vec3 now = { size * r[0], size * r[1], size * r[2] };
+    wisp_vec3 old = { now.x + span * r[3], now.y + span * r[4], now.z + span * r[5] };
+    const int at_limit =
+        manner >= 4 && place_at_limit( m->views + slot / 6 % ( BODIES - 1 ), key, &old, &now ) ? 1 : 0;
+    collision_store( quad, now );
+    collision_store( old_quad, old );
+    quad[3] = slot % 19 == 0 ? 0.0f : 2.0f;
+    old_quad[3] = 0.0f;
+    quad[slot % 3] = slot % 29 == 0 ? NAN : quad[slot % 3];
+    old_quad[slot % 3] = slot % 31 == 0 ? ( slot % 2 == 0 ? INFINITY : 2e9f ) : old_quad[slot % 3];
+    return at_limit;
+}
+
+static int place_particles( meeting* m, int trial )
+{
+    int at_limit = 0;
+    memset( m->blocks, 0, sizeof( particles ) );
+    for ( int slot = 0; slot < PARTICLES; ++slot )
+    {
+        at_limit += place_particle( m, trial, slot, m->blocks->position[slot], m->blocks->previous[slot] );
+    }
+    memcpy( m->singly, m->blocks, sizeof( particles ) );
+    return at_limit;
+}
+
+static collision_find_job job_on( particles* p )
+{
+    return ( collision_find_job ){ p->position[0], p->previous[0], p->count, p->found[0], p->contact, 0.002f };
+}
+
+// ---- both ways ----
+
+// @return how many particles were not asked, over all bodies
+static int find_in_blocks( const meeting* m, particles* p, int first_body, int size )
+{
+    const collision_find_job job = job_on( p );
+    int spared = 0;
+    for ( int begin = 0; begin < PARTICLES; begin += size )
+    {
+        collision_block block;
+        collision_begin_block( &job, begin, begin + size < PARTICLES ? begin + size : PARTICLES, &block );
+        for ( int b = first_body; b < BODIES; ++b )
+        {
+            block.asked_count = 0;
+            collision_meet( &job, m->views + b, &block );
+            spared += block.count - block.asked_count;
+        }
+        collision_end_block( &job, &block );
+    }
+    return spared;
+}
+
+static void find_singly( const meeting* m, particles* p, int first_body )
+{
+    const collision_find_job job = job_on( p );
+    for ( int begin = 0; begin < PARTICLES; begin += COLLISION_BLOCK )
+    {
+        const int end = begin + COLLISION_BLOCK < PARTICLES ? begin + COLLISION_BLOCK : PARTICLES;
+        find_one_by_one( &job, m->views + first_body, BODIES - first_body, begin, end );
+    }
+}
+
+static void assert_same( const particles* a, const particles* b, int trial )
+{
+    for ( int i = 0; i < PARTICLES; ++i )
+    {
+        if ( a->count[i] != b->count[i] || memcmp( a->position[i], b->position[i], sizeof( a->position[i] ) ) != 0 ||
+             memcmp( a->previous[i], b->previous[i], sizeof( a->previous[i] ) ) != 0 ||
+             memcmp( a->found[i], b->found[i], sizeof( a->found[i] ) ) != 0 ||
+             memcmp( a->contact[i], b->contact[i], sizeof( a->contact[i] ) ) != 0 )
+        {
+            fail_msg( "trial %d: particle %d has %d contacts and is clear for %.9g, one by one %d and %.9g", trial, i,
+                      a->count[i], (double)a->found[i][3], b->count[i], (double)b->found[i][3] );
+        }
+    }
+}
+
+static void a_block_finds_what_is_found_one_by_one( void** state )
+{
+    (void)state;
+    meeting* m = new_meeting();
+    int at_limit = 0, spared = 0, met = 0, crowded = 0;
+    for ( int trial = 0; trial < TRIALS; ++trial )
+    {
+        place_bodies( m, trial );
+        at_limit += place_particles( m, trial );
+        spared += find_in_blocks( m, m->blocks, 0, COLLISION_BLOCK );
+        find_singly( m, m->singly, 0 );
+        assert_same( m->blocks, m->singly, trial );
+        for ( int i = 0; i < PARTICLES; ++i )
+        {
+            met += m->blocks->count[i] > 0 ? 1 : 0;
+            crowded += m->blocks->count[i] > WISP_COLLISION_CONTACTS ? 1 : 0;
+        }
+    }
+    // of 10 140 particles, which means 70 980 questions
+    assert_true( at_limit > 2000 && spared > 20000 && met > 2000 && crowded > 20 );
+    free_meeting( m );
+}
+
+// Alone, so that at a limit nothing else is met; on both sides of it, or it would not be one.
+static void each_kind_of_body_is_exact_at_its_limit( void** state )
+{
+    (void)state;
+    meeting* m = new_meeting();
+    for ( int b = 0; b + 1 < BODIES; ++b )
+    {
+        int met = 0, missed = 0;
+        for ( int trial = 0; trial < TRIALS; ++trial )
+        {
+            place_bodies( m, trial );
+            m->views[BODIES - 1] = m->views[b];
+            place_particles( m, trial );
+            find_in_blocks( m, m->blocks, BODIES - 1, COLLISION_BLOCK );
+            find_singly( m, m->singly, BODIES - 1 );
+            assert_same( m->blocks, m->singly, trial );
+            for ( int i = 0; i < PARTICLES; ++i )
+            {
+                const bool at_limit = i % 6 >= 4 && i / 6 % ( BODIES - 1 ) == b && m->blocks->position[i][3] > 0.0f;
+                met += at_limit && m->blocks->count[i] > 0 ? 1 : 0;
+                missed += at_limit && m->blocks->count[i] == 0 ? 1 : 0;
+            }
+        }
+        assert_true( met > 50 && missed > 50 );
+    }
+    free_meeting( m );
+}
+
+// A body that turns is asked for particle by particle, wherever the block is, so that no border can show.
+static void contacts_do_not_depend_on_where_blocks_begin( void** state )
+{
+    (void)state;
+    static const int SIZES[] = { 1, 7, 64, 255 };
+    meeting* m = new_meeting();
+    place_bodies( m, 1 );
+    for ( int b = 0; b < BODIES; ++b )
+    {
+        const wisp_rigid to = m->views[b].after;
+        m->views[b].after = wisp_rigid_make( ( wisp_quat ){ 0.1f, 0.2f, (float)b, 1.0f }, to.translation );
+    }
+    for ( int k = 0; k < WISP_COUNT( SIZES ); ++k )
+    {
+        place_particles( m, 1 );
+        find_in_blocks( m, m->blocks, 0, COLLISION_BLOCK );
+        find_in_blocks( m, m->singly, 0, SIZES[k] );
+        assert_same( m->blocks, m->singly, SIZES[k] );
+    }
+    free_meeting( m );
+}
+
+// ---- what is clear ----
+
+// Asked without any box or ball: the closest point of every body, and the path to it.
+static void assert_clear( const meeting* m, const particles* before, const particles* p, int i )
+{
+    const wisp_vec3 now = collision_load( before->position[i] ), old = collision_load( before->previous[i] );
+    for ( int b = 0; b < BODIES; ++b )
+    {
+        const collision_view* view = m->views + b;
+        const wisp_mesh_query query = { wisp_rigid_to_body( view->after, now ), INFINITY };
+        wisp_surface_point nearest, hit;
+        bool is_near;
+        collision_closest( view->body, &query, 1, &nearest, &is_near );
+        const wisp_vec3 from = wisp_rigid_to_body( view->before, old );
+        // 1e-6 of the metre that places are apart: rounding of two poses
+        if ( ( is_near && nearest.distance < p->found[i][3] - 1e-6f ) ||
+             ( nearest.distance > 1e-6f && collision_sweep( view->body, from, query.point, &hit ) ) )
+        {
+            fail_msg( "particle %d is said to be clear for %.9g, but body %d is at %.9g", i, (double)p->found[i][3],
+                      b, (double)nearest.distance );
+        }
+    }
+}
+
+static void who_has_no_contact_is_as_clear_as_it_says( void** state )
+{
+    (void)state;
+    meeting* m = new_meeting();
+    int clear = 0;
+    for ( int trial = 0; trial < TRIALS; ++trial )
+    {
+        place_bodies( m, trial );
+        place_particles( m, trial );
+        find_in_blocks( m, m->blocks, 0, COLLISION_BLOCK );
+        const collision_find_job job = job_on( m->singly );
+        for ( int i = 0; i < PARTICLES; ++i )
+        {
+            if ( one_moves( &job, i ) && m->blocks->count[i] == 0 )
+            {
+                assert_clear( m, m->singly, m->blocks, i );
+                ++clear;
+            }
+        }
+    }
+    assert_true( clear > 1000 );
+    free_meeting( m );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_block_finds_what_is_found_one_by_one ),
+        cmocka_unit_test( each_kind_of_body_is_exact_at_its_limit ),
+        cmocka_unit_test( contacts_do_not_depend_on_where_blocks_begin ),
+        cmocka_unit_test( who_has_no_contact_is_as_clear_as_it_says ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
