@@ -331,7 +331,8 @@ static void who_has_no_contact_is_as_clear_as_it_says( void** state )
     {
         place_bodies( m, trial );
         place_particles( m, trial );
-        find_in_blocks( m, m->blocks, 0, COLLISION_BLOCK );
+        // a block of one is as near to a body as its particle is
+        find_in_blocks( m, m->blocks, 0, trial % 2 == 0 ? 1 : COLLISION_BLOCK );
         const collision_find_job job = job_on( m->singly );
         for ( int i = 0; i < PARTICLES; ++i )
         {
