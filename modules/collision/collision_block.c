@@ -19,63 +19,66 @@ static bool is_movable( const float* quad, const float* old )
     return ( quad[3] > 0.0f ) & place & start;
 }
 
-// The smallest and the largest of both arrays, in lanes; `count` > 0.
-static void find_range( const float* restrict a, const float* restrict b, int count, float* low, float* high )
+static void keep_smaller( float* restrict x, const float* restrict other, int count )
 {
-    enum
+    for ( int i = 0; i < count; ++i )
     {
-        LANES = 8,
-    };
-    float least[LANES], most[LANES];
-    for ( int l = 0; l < LANES; ++l )
-    {
-        least[l] = INFINITY;
-        most[l] = -INFINITY;
+        x[i] = other[i] < x[i] ? other[i] : x[i];
     }
-    for ( int i = 0; i + LANES <= count; i += LANES )
+}
+
+static void keep_larger( float* restrict x, const float* restrict other, int count )
+{
+    for ( int i = 0; i < count; ++i )
     {
-        for ( int l = 0; l < LANES; ++l )
-        {
-            float x = a[i + l], y = b[i + l], small = x < y ? x : y, large = x < y ? y : x;
-            least[l] = small < least[l] ? small : least[l];
-            most[l] = large > most[l] ? large : most[l];
-        }
+        x[i] = other[i] > x[i] ? other[i] : x[i];
     }
-    *low = INFINITY;
-    *high = -INFINITY;
-    for ( int l = 0; l < LANES; ++l )
+}
+
+// The smallest and the largest of two arrays: one against the other, then always the upper half against the lower.
+static void find_range( const float* a, const float* b, int count, float* low, float* high )
+{
+    const size_t bytes = (size_t)count * sizeof( float );
+    float least[COLLISION_BLOCK], most[COLLISION_BLOCK];
+    memcpy( least, a, bytes );
+    memcpy( most, a, bytes );
+    keep_smaller( least, b, count );
+    keep_larger( most, b, count );
+    for ( int half = count / 2; count > 1; half = count / 2 )
     {
-        *low = fminf( *low, least[l] );
-        *high = fmaxf( *high, most[l] );
+        count -= half;
+        keep_smaller( least, least + count, half );
+        keep_larger( most, most + count, half );
     }
-    for ( int i = count / LANES * LANES; i < count; ++i )
-    {
-        *low = fminf( *low, fminf( a[i], b[i] ) );
-        *high = fmaxf( *high, fmaxf( a[i], b[i] ) );
-    }
+    *low = least[0];
+    *high = most[0];
 }
 
 void collision_begin_block( const collision_find_job* job, int begin, int end, collision_block* block )
 {
     WISP_ASSERT( end - begin <= COLLISION_BLOCK );
+    const float* restrict position = job->position, * restrict previous = job->previous;
+    float* restrict found = job->found;
     int n = 0;
     for ( int slot = begin; slot < end; ++slot )
     {
-        const float *quad = job->position + (size_t)slot * 4, *old = job->previous + (size_t)slot * 4;
-        float* found = job->found + (size_t)slot * 4;
-        job->count[slot] = 0;
-        memcpy( found, quad, 3 * sizeof( float ) );
-        found[3] = INFINITY;
+        const float *quad = position + (size_t)slot * 4, *old = previous + (size_t)slot * 4;
+        memcpy( found + (size_t)slot * 4, quad, 3 * sizeof( float ) );
+        found[(size_t)slot * 4 + 3] = INFINITY;
         block->slot[n] = slot;
         for ( int k = 0; k < 3; ++k )
         {
             block->now[k][n] = quad[k];
             block->old[k][n] = old[k];
         }
-        block->clear[n] = INFINITY;
         n += is_movable( quad, old ) ? 1 : 0;
     }
+    memset( job->count + begin, 0, (size_t)( end - begin ) * sizeof( *job->count ) );
     block->count = n;
+    for ( int i = 0; i < n; ++i )
+    {
+        block->clear[i] = INFINITY;
+    }
     if ( n > 0 )
     {
         find_range( block->now[0], block->old[0], n, &block->low.x, &block->high.x );

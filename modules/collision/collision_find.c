@@ -99,10 +99,10 @@ static void touch( const collision_find_job* job, const collision_view* view, co
         return;
     }
     float start = collision_start_gap( view, &plane, from, swept );
-    float outward = fmaxf( 0.0f, now - view->thickness - start ), healed = 0.0f;
+    float outward = collision_larger( now - view->thickness - start, 0.0f ), healed = 0.0f;
     if ( start + outward < 0.0f )
     {
-        healed = fminf( -start - outward, fmaxf( 0.0f, job->recovery - outward ) );
+        healed = collision_smaller( -start - outward, collision_larger( job->recovery - outward, 0.0f ) );
     }
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
     const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );

@@ -125,8 +125,8 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
                         wisp_surface_point* nearest, bool* found );
 /// The first time a path enters the body, or crosses the sheet from either side.
 bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
-/// Signed distance at the start of a path whose end has met a plane, less the thickness.
-float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept );
+/// Signed distance less the thickness of what starts at `from`, but no less than `gap`.
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
 
 // ---- collision_block.c: what is too far away ----
 
@@ -200,10 +200,20 @@ static inline float collision_length( wisp_vec3 a )
     return sqrtf( collision_dot( a, a ) );
 }
 
+// Of two numbers that are some: fminf() and fmaxf() are calls, because they also have to answer for NaN.
+static inline float collision_smaller( float a, float b )
+{
+    return a < b ? a : b;
+}
+
+static inline float collision_larger( float a, float b )
+{
+    return a > b ? a : b;
+}
+
 static inline float collision_outside( float distance, float half )
 {
-    float out = fabsf( distance ) - half;
-    return out > 0.0f ? out : 0.0f;
+    return collision_larger( fabsf( distance ) - half, 0.0f );
 }
 
 /// How far a point is from the box around the body, m; 0 inside.
@@ -238,4 +248,14 @@ static inline void collision_widen( wisp_vec3* low, wisp_vec3* high, wisp_vec3 p
 {
     *low = ( wisp_vec3 ){ fminf( low->x, p.x ), fminf( low->y, p.y ), fminf( low->z, p.z ) };
     *high = ( wisp_vec3 ){ fmaxf( high->x, p.x ), fmaxf( high->y, p.y ), fmaxf( high->z, p.z ) };
+}
+
+/// Signed distance at the start of a path whose end has met a plane, less the thickness. The plane tells it well enough
+/// near the surface; farther away the surface may be curved between the two places, and is asked.
+static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
+                                         bool swept )
+{
+    float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+    bool is_known = swept || gap >= -COLLISION_SHALLOW * view->thickness;
+    return is_known ? gap : collision_exact_gap( view, from, gap );
 }

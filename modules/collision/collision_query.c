@@ -81,12 +81,28 @@ static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* 
     }
 }
 
+// As wisp_shape_closest() has it, without a call for each of the many that are above a ground.
+static void closest_on_plane( const wisp_mesh_query* queries, int count, wisp_surface_point* nearest, bool* found )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_vec3 p = queries[i].point;
+        nearest[i] = ( wisp_surface_point ){ { p.x, 0.0f, p.z }, { 0.0f, 1.0f, 0.0f }, p.y };
+        found[i] = isfinite( p.x ) && isfinite( p.y ) && isfinite( p.z ) && p.y <= queries[i].radius;
+    }
+}
+
 void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
                         wisp_surface_point* nearest, bool* found )
 {
     if ( body->tree != NULL )
     {
         closest_on_mesh( body, queries, count, nearest, found );
+        return;
+    }
+    if ( body->shape.kind == WISP_SHAPE_PLANE )
+    {
+        closest_on_plane( queries, count, nearest, found );
         return;
     }
     for ( int i = 0; i < count; ++i )
@@ -112,15 +128,8 @@ bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, 
     return h.triangle >= 0 && ( body->sheet || h.side > 0.0f );
 }
 
-// The plane tells it well enough near the surface; farther away the
-// surface may be curved between the two places, and is asked.
-float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from, bool swept )
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap )
 {
-    float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
-    if ( swept || gap >= -COLLISION_SHALLOW * view->thickness )
-    {
-        return gap;
-    }
     const wisp_mesh_query query = { from, view->thickness };
     wisp_surface_point at_start;
     bool is_near;
