@@ -23,7 +23,7 @@ static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previ
 {
     const wisp_vec3 n = collision_load( c->normal );
     float lacks = c->gap - collision_dot( n, collision_sub( *p, collision_load( c->point ) ) );
-    float pushed = fmaxf( 0.0f, c->pushed + lacks );
+    float pushed = collision_larger( c->pushed + lacks, 0.0f );
     *p = collision_add_scaled( *p, pushed - c->pushed, n );
     c->pushed = pushed;
     const wisp_vec3 rubbed = collision_load( c->rubbed );
