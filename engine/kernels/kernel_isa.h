@@ -40,6 +40,7 @@ void KERNEL( hold_edges )( const wisp_hold_job* job, int begin, int end );
 void KERNEL( hold_triangles )( const wisp_hold_job* job, int begin, int end );
 void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end );
 void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end );
+void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end );
 void KERNEL( push )( const wisp_push_job* job, int begin, int end );
 void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end );

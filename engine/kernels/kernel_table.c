@@ -28,6 +28,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .ring_air = KERNEL( ring_air ),
     .closest_triangle = KERNEL( closest_triangle ),
     .closest_segments = KERNEL( closest_segments ),
+    .half_space = KERNEL( half_space ),
     .push = KERNEL( push ),
     .blend_two = KERNEL( blend_two ),
     .blend_three = KERNEL( blend_three ),

@@ -8,11 +8,14 @@
 //   u = tangential part of (p - previous) - motion, without what friction has done so far
 //   rubbed <- -u if |u| <= mu_s pushed, else -mu_k pushed u / |u|
 //
+// Who has one contact, and that is nearly everybody, goes to the kernel half_space, which does the same to the last bit.
+//
 // The push stands for an impulse m pushed / dt and friction for m rubbed / dt, so that with mu_s = mu_k the two are
 // exactly Coulomb's law over the substep, and no velocity relative to the body is ever turned round.
 #include "collision_internal.h"
 
 #include <math.h>
+#include <stddef.h>
 
 enum
 {
@@ -44,7 +47,7 @@ static void project_contacts( collision_contact* contacts, int count, wisp_vec3*
     {
         SWEEPS = 4,
     };
-    for ( int sweep = 0; sweep < ( count > 1 ? SWEEPS : 1 ); ++sweep )
+    for ( int sweep = 0; sweep < SWEEPS; ++sweep )
     {
         for ( int i = 0; i < count; ++i )
         {
@@ -80,7 +83,6 @@ typedef struct project_loop
     const int32_t* count;
     const float* found;
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    bool last;
     int strays[CHUNK]; // slots that left the place that is known
     int stray_count;
 } project_loop;
@@ -110,21 +112,66 @@ static void catch_strays( wisp_frame* frame, const wisp_span* span, const collis
     }
 }
 
-static void project_slot( project_loop* loop, int slot )
+// A contact is a row of the kernel.
+_Static_assert( sizeof( collision_contact ) == 16 * sizeof( float ), "a row of half_space" );
+_Static_assert( offsetof( collision_contact, gap ) == 9 * sizeof( float ), "where half_space has it" );
+_Static_assert( offsetof( collision_contact, rubbed ) == 11 * sizeof( float ), "where half_space has it" );
+_Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( float ), "where half_space has it" );
+
+// Particles with one contact each, of the block that begins at `begin`.
+static void project_singles( const wisp_kernels* kernels, project_loop* loop, int begin, int end )
 {
-    size_t quad = (size_t)slot * 4;
-    wisp_vec3 p = collision_load( loop->position + quad );
-    const int32_t count = loop->count[slot];
-    if ( count > 0 )
+    int32_t particle4[CHUNK], row16[CHUNK];
+    int n = 0;
+    for ( int slot = begin; slot < end; ++slot )
     {
-        int used = count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS;
-        project_contacts( loop->contact[slot], used, &p, collision_load( loop->previous + quad ) );
-        collision_store( loop->position + quad, p );
+        particle4[n] = 4 * ( slot - begin );
+        row16[n] = 16 * WISP_COLLISION_CONTACTS * ( slot - begin );
+        n += loop->count[slot] == 1 ? 1 : 0;
     }
-    const float* found = loop->found + quad;
-    if ( loop->last && collision_length( collision_sub( p, collision_load( found ) ) ) > found[3] )
+    // the last group is filled with its last particle
+    const int padded = ( n + 7 ) / 8 * 8;
+    for ( int i = n; i < padded; ++i )
     {
-        loop->strays[loop->stray_count++] = slot;
+        particle4[i] = particle4[n - 1];
+        row16[i] = row16[n - 1];
+    }
+    const wisp_half_space_job job = {
+        .position = loop->position + (size_t)begin * 4,
+        .previous = loop->previous + (size_t)begin * 4,
+        .rows = loop->contact[begin][0].point,
+        .particle4 = particle4,
+        .row16 = row16,
+    };
+    kernels->half_space( &job, 0, padded );
+}
+
+static void project_crowded( project_loop* loop, int begin, int end )
+{
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const int32_t count = loop->count[slot];
+        if ( count > 1 )
+        {
+            size_t quad = (size_t)slot * 4;
+            wisp_vec3 p = collision_load( loop->position + quad );
+            int used = count < WISP_COLLISION_CONTACTS ? count : WISP_COLLISION_CONTACTS;
+            project_contacts( loop->contact[slot], used, &p, collision_load( loop->previous + quad ) );
+            collision_store( loop->position + quad, p );
+        }
+    }
+}
+
+static void find_strays( project_loop* loop, int begin, int end )
+{
+    loop->stray_count = 0;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        const float *p = loop->position + (size_t)slot * 4, *found = loop->found + (size_t)slot * 4;
+        if ( collision_length( collision_sub( collision_load( p ), collision_load( found ) ) ) > found[3] )
+        {
+            loop->strays[loop->stray_count++] = slot;
+        }
     }
 }
 
@@ -137,16 +184,18 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
         .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
         .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
-        .last = span->iteration + 1 == wisp_frame_iterations( frame ),
     };
+    const bool last = span->iteration + 1 == wisp_frame_iterations( frame );
     const wisp_span s = wisp_frame_particles( frame, span );
     for ( int begin = s.begin; begin < s.end; begin += CHUNK )
     {
-        loop.stray_count = 0;
-        for ( int slot = begin; slot < s.end && slot < begin + CHUNK; ++slot )
+        const int end = s.end - begin < CHUNK ? s.end : begin + CHUNK;
+        project_singles( wisp_frame_kernels( frame ), &loop, begin, end );
+        project_crowded( &loop, begin, end );
+        if ( last )
         {
-            project_slot( &loop, slot );
+            find_strays( &loop, begin, end );
+            catch_strays( frame, span, state, &loop );
         }
-        catch_strays( frame, span, state, &loop );
     }
 }

@@ -285,6 +285,18 @@ typedef struct wisp_prolong_job
     const float* weight;    ///< [slice][4][8]
 } wisp_prolong_job;
 
+/// Half spaces that particles must stay in, one of each, with Coulomb friction: half_space.c tells the law. A row of 16
+/// floats is: a point of the surface, its unit normal away from the body, its motion in the substep, the gap to be kept
+/// (m); what was pushed along the normal and rubbed across it so far (m), in and out; static and kinetic friction.
+typedef struct wisp_half_space_job
+{
+    float* position;          ///< quads, in and out
+    const float* previous;    ///< quads, at the start of the substep
+    float* rows;              ///< [..][16], aligned to 16 bytes
+    const int32_t* particle4; ///< four times the particle. Twice among eight only with the same row, as padding
+    const int32_t* row16;     ///< 16 times its row
+} wisp_half_space_job;
+
 /// Time integration of particles (BAL eq. 1-2). Pinned particles have no velocity of their own and keep their place.
 typedef struct wisp_particle_job
 {
@@ -560,6 +572,8 @@ typedef struct wisp_kernels
     // groups of eight pairs
     void ( *closest_triangle )( const wisp_closest_job* job, int begin, int end );
     void ( *closest_segments )( const wisp_closest_job* job, int begin, int end );
+    // groups of eight particles
+    void ( *half_space )( const wisp_half_space_job* job, int begin, int end );
     // slots, multiples of 8
     void ( *tether )( const wisp_tether_job* job, int begin, int end );
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration

@@ -1,0 +1,68 @@
+// Half spaces that particles must stay in, with Coulomb friction, eight particles at once. With q a point of the surface and
+// n its normal away from the body:
+//
+//   pushed <- max( 0, pushed + gap - n (p - q) )
+//   u = tangential part of (p - previous) - motion, without what friction has done so far
+//   rubbed <- -u if |u| <= mu_s pushed, else -mu_k pushed u / |u|
+//
+// Both sums are corrected, not added to, so calling it again for the same rows is another sweep of projected Gauss-Seidel.
+// A row is 64 bytes, a line of the cache, that four transpositions turn into lanes.
+#include "kernel_isa.h"
+
+typedef struct half_space
+{
+    lane8v point, normal, motion, rubbed;
+    lane8 gap, pushed, static_friction, kinetic_friction;
+} half_space;
+
+static half_space load_rows( const float* rows, const int32_t* row16 )
+{
+    half_space h;
+    lane8_load_xyzw( rows, row16, &h.point.x, &h.point.y, &h.point.z, &h.normal.x );
+    lane8_load_xyzw( rows + 4, row16, &h.normal.y, &h.normal.z, &h.motion.x, &h.motion.y );
+    lane8_load_xyzw( rows + 8, row16, &h.motion.z, &h.gap, &h.pushed, &h.rubbed.x );
+    lane8_load_xyzw( rows + 12, row16, &h.rubbed.y, &h.rubbed.z, &h.static_friction, &h.kinetic_friction );
+    return h;
+}
+
+static void store_rows( float* rows, const int32_t* row16, const half_space* h )
+{
+    lane8_store_xyzw( rows + 8, row16, h->motion.z, h->gap, h->pushed, h->rubbed.x );
+    lane8_store_xyzw( rows + 12, row16, h->rubbed.y, h->rubbed.z, h->static_friction, h->kinetic_friction );
+}
+
+// @return what friction is now, instead of h->rubbed
+static lane8v rub( const half_space* h, lane8v p, lane8v previous )
+{
+    lane8v u = lane8v_sub( lane8v_sub( p, previous ), h->motion );
+    u = lane8v_mul_add( u, lane8_neg( lane8v_dot( h->normal, u ) ), h->normal );
+    u = lane8v_sub( u, h->rubbed );
+    lane8 length = lane8v_length( u );
+    lane8m sticks = lane8_le( length, lane8_mul( h->static_friction, h->pushed ) );
+    lane8 slides = lane8_div( lane8_mul( h->kinetic_friction, h->pushed ), length );
+    return lane8v_scale( u, lane8_neg( lane8_select( sticks, lane8_set1( 1.0f ), slides ) ) );
+}
+
+void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end )
+{
+    for ( int k = begin; k < end; k += 8 )
+    {
+        half_space h = load_rows( job->rows, job->row16 + k );
+        lane8v p, previous;
+        lane8 inverse_mass;
+        lane8_load_xyzw( job->position, job->particle4 + k, &p.x, &p.y, &p.z, &inverse_mass );
+        lane8_load_xyz( job->previous, job->particle4 + k, &previous.x, &previous.y, &previous.z );
+
+        lane8 lacks = lane8_sub( h.gap, lane8v_dot( h.normal, lane8v_sub( p, h.point ) ) );
+        lane8 pushed = lane8_max( lane8_add( h.pushed, lacks ), lane8_zero() );
+        p = lane8v_mul_add( p, lane8_sub( pushed, h.pushed ), h.normal );
+        h.pushed = pushed;
+
+        const lane8v rubbed = rub( &h, p, previous );
+        p = lane8v_add( p, lane8v_sub( rubbed, h.rubbed ) );
+        h.rubbed = rubbed;
+
+        lane8_store_xyzw( job->position, job->particle4 + k, p.x, p.y, p.z, inverse_mass );
+        store_rows( job->rows, job->row16 + k, &h );
+    }
+}
