@@ -1,16 +1,15 @@
 #include "compare_truth.h"
 
-#include <errno.h>
+#include "truth_bytes.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char magic[8] = { 'W', 'I', 'S', 'P', 'T', 'R', 'U', 'T' };
-
 enum
 {
     VERSION = 1,
-    HEAD = 8 + 4 * 4 + 8 + 8 * ( COMPARE_FACTS + 4 ),
+    HEAD = TRUTH_MAGIC_SIZE + 4 * 4 + 8 + 8 * ( COMPARE_FACTS + 4 ),
     LOOK_NUMBERS = 6,
     TAIL = 8,
 };
@@ -53,67 +52,6 @@ void compare_truth_free( compare_truth* truth )
     *truth = ( compare_truth ){ .points = NULL };
 }
 
-static uint64_t checksum( const unsigned char* bytes, size_t size )
-{
-    uint64_t hash = 0xcbf29ce484222325ull;
-    for ( size_t i = 0; i < size; ++i )
-    {
-        hash = ( hash ^ bytes[i] ) * 0x100000001b3ull;
-    }
-    return hash;
-}
-
-// ---- numbers in and out, the lowest byte first ----
-
-static uint64_t take( const unsigned char** at, int size )
-{
-    uint64_t value = 0;
-    for ( int i = 0; i < size; ++i )
-    {
-        value |= (uint64_t)( *at )[i] << ( 8 * i );
-    }
-    *at += size;
-    return value;
-}
-
-static double take_double( const unsigned char** at )
-{
-    const uint64_t bits = take( at, 8 );
-    double value;
-    memcpy( &value, &bits, sizeof( value ) );
-    return value;
-}
-
-static float take_float( const unsigned char** at )
-{
-    const uint32_t bits = (uint32_t)take( at, 4 );
-    float value;
-    memcpy( &value, &bits, sizeof( value ) );
-    return value;
-}
-
-static void put( unsigned char** at, int size, uint64_t value )
-{
-    for ( int i = 0; i < size; ++i )
-    {
-        *( *at )++ = (unsigned char)( value >> ( 8 * i ) );
-    }
-}
-
-static void put_double( unsigned char** at, double value )
-{
-    uint64_t bits;
-    memcpy( &bits, &value, sizeof( bits ) );
-    put( at, 8, bits );
-}
-
-static void put_float( unsigned char** at, float value )
-{
-    uint32_t bits;
-    memcpy( &bits, &value, sizeof( bits ) );
-    put( at, 4, bits );
-}
-
 // ---- reading ----
 
 static wisp_status check_frame( const unsigned char* bytes, size_t size, const char* name, wisp_error* error )
@@ -123,13 +61,13 @@ static wisp_status check_frame( const unsigned char* bytes, size_t size, const c
         return wisp_fail( error, WISP_BAD_INPUT, "%s: %zu bytes are too few for a truth, its head alone has %d", name,
                           size, HEAD );
     }
-    if ( memcmp( bytes, magic, sizeof( magic ) ) != 0 )
+    if ( memcmp( bytes, TRUTH_MAGIC, TRUTH_MAGIC_SIZE ) != 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: this is no truth file", name );
     }
-    const unsigned char* at = bytes + sizeof( magic );
-    const uint32_t version = (uint32_t)take( &at, 4 ), scenario = (uint32_t)take( &at, 4 );
-    const uint32_t vertices = (uint32_t)take( &at, 4 ), looks = (uint32_t)take( &at, 4 );
+    const unsigned char* at = bytes + TRUTH_MAGIC_SIZE;
+    const uint32_t version = (uint32_t)truth_take( &at, 4 ), scenario = (uint32_t)truth_take( &at, 4 );
+    const uint32_t vertices = (uint32_t)truth_take( &at, 4 ), looks = (uint32_t)truth_take( &at, 4 );
     if ( version != VERSION || scenario >= COMPARE_SCENARIO_COUNT )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 8: version %u and scenario %u are not known", name,
@@ -147,7 +85,7 @@ static wisp_status check_frame( const unsigned char* bytes, size_t size, const c
                           looks, vertices, wanted, size );
     }
     at = bytes + size - TAIL;
-    if ( take( &at, TAIL ) != checksum( bytes, size - TAIL ) )
+    if ( truth_take( &at, TAIL ) != truth_checksum( bytes, size - TAIL ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: the checksum is wrong, the file is broken", name,
                           size - TAIL );
@@ -157,19 +95,19 @@ static wisp_status check_frame( const unsigned char* bytes, size_t size, const c
 
 static void take_head( const unsigned char** at, compare_truth* out )
 {
-    *at += sizeof( magic ) + 4;
-    out->scenario = (int)take( at, 4 );
-    out->vertex_count = (int)take( at, 4 );
-    out->look_count = (int)take( at, 4 );
-    out->mesh_hash = take( at, 8 );
+    *at += TRUTH_MAGIC_SIZE + 4;
+    out->scenario = (int)truth_take( at, 4 );
+    out->vertex_count = (int)truth_take( at, 4 );
+    out->look_count = (int)truth_take( at, 4 );
+    out->mesh_hash = truth_take( at, 8 );
     for ( int i = 0; i < COMPARE_FACTS; ++i )
     {
-        out->facts[i] = take_double( at );
+        out->facts[i] = truth_take_double( at );
     }
-    out->rate = take_double( at );
-    out->rest_rate = take_double( at );
-    out->order = take_double( at );
-    out->residual = take_double( at );
+    out->rate = truth_take_double( at );
+    out->rest_rate = truth_take_double( at );
+    out->order = truth_take_double( at );
+    out->residual = truth_take_double( at );
 }
 
 // @return whether all of it is finite, and later than the look before
@@ -181,13 +119,13 @@ static bool take_look( const unsigned char** at, int number, compare_truth* out 
     bool good = true;
     for ( int i = 0; i < LOOK_NUMBERS; ++i )
     {
-        *numbers[i] = take_double( at );
+        *numbers[i] = truth_take_double( at );
         good = good && isfinite( *numbers[i] );
     }
     float* points = out->points + (size_t)number * 3 * (size_t)out->vertex_count;
     for ( int i = 0; i < 3 * out->vertex_count; ++i )
     {
-        points[i] = take_float( at );
+        points[i] = truth_take_float( at );
         good = good && fabsf( points[i] ) < 1e6f;
     }
     return good && to->time <= 1e3 && ( number == 0 || to->time > to[-1].time );
@@ -223,44 +161,14 @@ wisp_status compare_truth_parse( const void* bytes, size_t size, const char* nam
     return status;
 }
 
-// One byte more than the largest truth, so that a longer file is seen to be one.
-static wisp_status read_all( const char* path, unsigned char** bytes, size_t* size, wisp_error* error )
-{
-    const size_t room = file_size( COMPARE_VERTICES_MAX, COMPARE_LOOKS_MAX ) + 1;
-    FILE* file = fopen( path, "rb" );
-    if ( !file )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
-    }
-    wisp_status status = WISP_OK;
-    size_t capacity = 0;
-    *bytes = NULL;
-    for ( *size = 0; status == WISP_OK && *size == capacity && capacity < room; )
-    {
-        capacity = capacity == 0 ? (size_t)1 << 18 : capacity * 2 < room ? capacity * 2 : room;
-        unsigned char* longer = realloc( *bytes, capacity );
-        if ( !longer )
-        {
-            status = wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the file", path );
-            break;
-        }
-        *bytes = longer;
-        *size += fread( *bytes + *size, 1, capacity - *size, file );
-    }
-    if ( status == WISP_OK && ferror( file ) )
-    {
-        status = wisp_fail( error, WISP_IO_ERROR, "%s: could not be read", path );
-    }
-    fclose( file );
-    return status;
-}
-
 wisp_status compare_truth_read( const char* path, compare_truth* out, wisp_error* error )
 {
     unsigned char* bytes = NULL;
     size_t size = 0;
     *out = ( compare_truth ){ .points = NULL };
-    wisp_status status = read_all( path, &bytes, &size, error );
+    // One byte more than the largest truth, so that a longer file is seen to be one.
+    const size_t room = file_size( COMPARE_VERTICES_MAX, COMPARE_LOOKS_MAX ) + 1;
+    wisp_status status = truth_read_bytes( path, room, &bytes, &size, error );
     if ( status == WISP_OK )
     {
         status = compare_truth_parse( bytes, size, path, out, error );
@@ -295,21 +203,21 @@ wisp_status compare_truth_check( const compare_truth* truth, const compare_scene
 static void put_all( const compare_truth* truth, unsigned char* bytes, size_t size )
 {
     unsigned char* at = bytes;
-    memcpy( at, magic, sizeof( magic ) );
-    at += sizeof( magic );
-    put( &at, 4, VERSION );
-    put( &at, 4, (uint64_t)truth->scenario );
-    put( &at, 4, (uint64_t)truth->vertex_count );
-    put( &at, 4, (uint64_t)truth->look_count );
-    put( &at, 8, truth->mesh_hash );
+    memcpy( at, TRUTH_MAGIC, TRUTH_MAGIC_SIZE );
+    at += TRUTH_MAGIC_SIZE;
+    truth_put( &at, 4, VERSION );
+    truth_put( &at, 4, (uint64_t)truth->scenario );
+    truth_put( &at, 4, (uint64_t)truth->vertex_count );
+    truth_put( &at, 4, (uint64_t)truth->look_count );
+    truth_put( &at, 8, truth->mesh_hash );
     for ( int i = 0; i < COMPARE_FACTS; ++i )
     {
-        put_double( &at, truth->facts[i] );
+        truth_put_double( &at, truth->facts[i] );
     }
     const double how[4] = { truth->rate, truth->rest_rate, truth->order, truth->residual };
     for ( int i = 0; i < 4; ++i )
     {
-        put_double( &at, how[i] );
+        truth_put_double( &at, how[i] );
     }
     for ( int k = 0; k < truth->look_count; ++k )
     {
@@ -318,15 +226,15 @@ static void put_all( const compare_truth* truth, unsigned char* bytes, size_t si
                                                look->look.energy, look->look.slack, look->doubt };
         for ( int i = 0; i < LOOK_NUMBERS; ++i )
         {
-            put_double( &at, numbers[i] );
+            truth_put_double( &at, numbers[i] );
         }
         const float* points = truth->points + (size_t)k * 3 * (size_t)truth->vertex_count;
         for ( int i = 0; i < 3 * truth->vertex_count; ++i )
         {
-            put_float( &at, points[i] );
+            truth_put_float( &at, points[i] );
         }
     }
-    put( &at, TAIL, checksum( bytes, size - TAIL ) );
+    truth_put( &at, TAIL, truth_checksum( bytes, size - TAIL ) );
 }
 
 wisp_status compare_truth_write( const compare_truth* truth, const char* path, wisp_error* error )
@@ -338,9 +246,7 @@ wisp_status compare_truth_write( const compare_truth* truth, const char* path, w
         return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the file", path );
     }
     put_all( truth, bytes, size );
-    FILE* file = fopen( path, "wb" );
-    bool good = file && fwrite( bytes, 1, size, file ) == size;
-    good = file && fclose( file ) == 0 && good;
+    const wisp_status status = truth_write_bytes( path, bytes, size, error );
     free( bytes );
-    return good ? WISP_OK : wisp_fail( error, WISP_IO_ERROR, "%s: could not be written", path );
+    return status;
 }

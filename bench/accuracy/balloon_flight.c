@@ -1,24 +1,18 @@
-// A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the flight of
-// the oracle, which is the same equations in double precision, at 16 times the finest substeps. The engine itself is no truth
-// there: what gravity adds to a place within such a substep is below the rounding of a float. Every flight begins with the same
-// shape, that of a balloon at rest which has been filled at small substeps: what begins out of balance rings, and nothing but
-// the length of the substeps decides how long.
+// A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the stored flight
+// of the oracle, which is the same equations in double precision. The engine itself is no truth there: what gravity adds to a place
+// within such a substep is below the rounding of a float. Every flight begins with the same shape, which is stored with the truth:
+// that of a balloon at rest which has been filled at small substeps. What begins out of balance rings, and nothing but the length
+// of the substeps decides how long.
 #include "balloon_flight_run.h"
-
-#include "oracle/balloon_oracle.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum
 {
-    LEVEL = 1, // 42 vertices
     USUAL_SUBSTEPS = 10,
     ORDERLY_SUBSTEPS = 20,
     FINEST_SUBSTEPS = 160,
-    TRUTH_SUBSTEPS = 16 * FINEST_SUBSTEPS,
-    FILL_SUBSTEPS = 640,
     SETTINGS_MAX = 40,
 };
 
@@ -105,70 +99,23 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
 
 // ---- the truth ----
 
-static double3 to_double( wisp_vec3 p )
+static wisp_status read_truth( flight_scene* own, accuracy_scene* out, wisp_error* error )
 {
-    return ( double3 ){ (double)p.x, (double)p.y, (double)p.z };
-}
-
-static void look_at_oracle( const balloon_oracle* oracle, int step, flight_path* out )
-{
-    double momentum[3] = { 0.0 }, centre[3] = { 0.0 };
-    for ( int i = 0; i < oracle->vertex_count; ++i )
-    {
-        const double m = oracle->mass[i] / oracle->total_mass;
-        const double3 x = oracle->x[i], v = oracle->v[i];
-        centre[0] += m * x.x;
-        centre[1] += m * x.y;
-        centre[2] += m * x.z;
-        momentum[0] += m * v.x;
-        momentum[1] += m * v.y;
-        momentum[2] += m * v.z;
-    }
-    memcpy( out->centre[step], centre, sizeof( centre ) );
-    out->speed = sqrt( momentum[0] * momentum[0] + momentum[1] * momentum[1] + momentum[2] * momentum[2] );
-    out->spin = sqrt( double3_dot( oracle->omega, oracle->omega ) );
-    out->volume = balloon_oracle_present_volume( oracle );
-}
-
-static wisp_status fly_oracle( const flight_body* body, flight_path* out, wisp_error* error )
-{
-    const int count = body->mesh.vertex_count;
-    double3* points = malloc( (size_t)count * sizeof( double3 ) );
-    if ( !points )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a balloon in double precision" );
-    }
-    for ( int i = 0; i < count; ++i )
-    {
-        points[i] = to_double( body->mesh.points[i] );
-    }
-    const balloon_mesh mesh = { count, body->mesh.triangle_count, points, body->mesh.triangles };
-    const balloon_setting setting = flight_setting( TRUTH_SUBSTEPS, 1 );
-    balloon_oracle_options options = balloon_oracle_default_options();
-    options.dt = (double)ACCURACY_FRAME;
-    options.substeps = setting.substeps;
-    options.iterations = setting.iterations;
-    options.outlet_area = (double)setting.def.outlet_area;
-    options.outlet_open = true;
-    balloon_oracle oracle;
-    wisp_status status = balloon_oracle_create_from_mesh( &mesh, (double)setting.area_density, body->outlet, &options,
-                                                          &oracle, error );
-    free( points );
+    const accuracy_truth wanted = flight_truth( &own->body );
+    accuracy_truth truth;
+    const wisp_status status = accuracy_truth_read( accuracy_truth_folder(), &wanted, &truth, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    oracle.gas_volume = (double)setting.def.fill * oracle.rest_volume;
-    for ( int i = 0; i < count; ++i )
+    accuracy_describe_truth( &truth, 1e3, out );
+    own->truth = flight_take_path( truth.numbers );
+    for ( int i = 0; i < own->body.mesh.vertex_count; ++i )
     {
-        oracle.x[i] = to_double( body->full[i] );
+        const double* p = truth.numbers + FLIGHT_NUMBERS + 3 * i;
+        own->body.full[i] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
     }
-    for ( int step = 1; step <= FLIGHT_STEPS; ++step )
-    {
-        balloon_oracle_step( &oracle );
-        look_at_oracle( &oracle, step, out );
-    }
-    balloon_oracle_destroy( &oracle );
+    accuracy_truth_free( &truth );
     return WISP_OK;
 }
 
@@ -185,10 +132,8 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    (void)seconds; // it is short, and its truth has to be the same
+    (void)seconds; // it is short
     *out = ( accuracy_scene ){
-        .truth = "16 times the finest substeps, in double precision (2560 x 1)",
-        .doubt = 0.5, // at 20 480 substeps in double precision the path is 0.47 mm elsewhere
         .note =
             "drag, spin and pressure of other forms are other flights, and their error is what the form makes of it. "
             "Momentum is closed up to forces being known once a step, and up to rounding: what gravity adds to a "
@@ -208,8 +153,8 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the settings of balloon_flight" );
     }
     flight_scene* scene = out->context;
-    status = status == WISP_OK ? flight_make_body( LEVEL, FILL_SUBSTEPS, &scene->body, error ) : status;
-    status = status == WISP_OK ? fly_oracle( &scene->body, &scene->truth, error ) : status;
+    status = status == WISP_OK ? flight_make_body( FLIGHT_LEVEL, &scene->body, error ) : status;
+    status = status == WISP_OK ? read_truth( scene, out, error ) : status;
     if ( status != WISP_OK )
     {
         if ( out->context )

@@ -51,7 +51,7 @@ static int nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
     return best;
 }
 
-static wisp_status fill_up( flight_body* body, int substeps, wisp_error* error )
+wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.fill = FLIGHT_FILL;
@@ -97,7 +97,7 @@ static wisp_status find_outlet( flight_body* body, wisp_error* error )
     return status;
 }
 
-wisp_status flight_make_body( int level, int fill_substeps, flight_body* out, wisp_error* error )
+wisp_status flight_make_body( int level, flight_body* out, wisp_error* error )
 {
     const balloon_setting setting = balloon_default_setting();
     *out = ( flight_body ){ .fabric = NULL };
@@ -109,8 +109,7 @@ wisp_status flight_make_body( int level, int fill_substeps, flight_body* out, wi
         return status;
     }
     out->full = malloc( (size_t)out->mesh.vertex_count * sizeof( wisp_vec3 ) );
-    return out->full ? fill_up( out, fill_substeps, error )
-                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
+    return out->full ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for a full balloon" );
 }
 
 void flight_free_body( flight_body* body )
@@ -197,6 +196,69 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
     status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     surface_entrant_destroy( &entrant );
     return status;
+}
+
+// ---- the truth ----
+
+static accuracy_truth truth_of( const char* scene, const flight_body* body, int number_count )
+{
+    const balloon_setting setting = flight_setting( 1, 1 );
+    accuracy_truth truth = { .number_count = number_count };
+    snprintf( truth.scene, sizeof( truth.scene ), "%s", scene );
+    accuracy_truth_put( &truth, "vertices", body->mesh.vertex_count );
+    accuracy_truth_put( &truth, "outlet at vertex", body->outlet );
+    accuracy_truth_put( &truth, "outlet, m2", (double)setting.def.outlet_area );
+    accuracy_truth_put( &truth, "area density, kg/m2", (double)setting.area_density );
+    accuracy_truth_put( &truth, "fill", (double)setting.def.fill );
+    accuracy_truth_put( &truth, "stiffness of edges, N/m", (double)setting.def.edge_stiffness );
+    accuracy_truth_put( &truth, "stiffness across edges, N/m", (double)setting.def.cross_stiffness );
+    accuracy_truth_put( &truth, "atmosphere, Pa", (double)setting.def.atmospheric_pressure );
+    accuracy_truth_put( &truth, "drag", (double)setting.def.drag_coefficient );
+    accuracy_truth_put( &truth, "gravity, m/s2", -(double)setting.gravity.y );
+    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)ACCURACY_FRAME );
+    accuracy_truth_put( &truth, "steps", FLIGHT_STEPS );
+    accuracy_truth_put_start( &truth, body->mesh.points, body->mesh.vertex_count );
+    return truth;
+}
+
+accuracy_truth flight_truth( const flight_body* body )
+{
+    return truth_of( "balloon_flight", body, FLIGHT_NUMBERS + 3 * body->mesh.vertex_count );
+}
+
+const int flight_paces[FLIGHT_PACES] = { 10, 40 };
+
+accuracy_truth flight_meshes_truth( const flight_body* finest )
+{
+    accuracy_truth truth = truth_of( "balloon_meshes", finest, FLIGHT_PACES * FLIGHT_NUMBERS );
+    accuracy_truth_put( &truth, "substeps that fill it", FLIGHT_MESHES_FILL );
+    for ( int pace = 0; pace < FLIGHT_PACES; ++pace )
+    {
+        char name[40];
+        snprintf( name, sizeof( name ), "substeps of flight %d", pace + 1 );
+        accuracy_truth_put( &truth, name, flight_paces[pace] );
+    }
+    return truth;
+}
+
+void flight_put_path( const flight_path* path, double* numbers )
+{
+    memcpy( numbers, path->centre[1], 3 * FLIGHT_STEPS * sizeof( double ) );
+    numbers += 3 * FLIGHT_STEPS;
+    numbers[0] = path->speed;
+    numbers[1] = path->spin;
+    numbers[2] = path->volume;
+}
+
+flight_path flight_take_path( const double* numbers )
+{
+    flight_path path = { .impulse = NAN, .impulse_missing = NAN };
+    memcpy( path.centre[1], numbers, 3 * FLIGHT_STEPS * sizeof( double ) );
+    numbers += 3 * FLIGHT_STEPS;
+    path.speed = numbers[0];
+    path.spin = numbers[1];
+    path.volume = numbers[2];
+    return path;
 }
 
 void flight_judge( const flight_path* path, const flight_path* truth, accuracy_run* out )

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "accuracy_surface.h"
+#include "accuracy_truth.h"
 
 #include "balloon_scene.h"
 
@@ -29,9 +30,11 @@ typedef struct flight_body
     int outlet;      ///< vertex, the same place on every mesh
 } flight_body;
 
-/// @param level of the pear's icosphere @param fill_substeps with which it is filled
+/// Empty, `full` with room for it. @param level of the pear's icosphere
 /// @param out also after a failure to be given to flight_free_body()
-wisp_status flight_make_body( int level, int fill_substeps, flight_body* out, wisp_error* error );
+wisp_status flight_make_body( int level, flight_body* out, wisp_error* error );
+/// Fill it and let it come to rest: `full` receives where it is then.
+wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error );
 void flight_free_body( flight_body* body );
 
 /// In air, with an open outlet beside the centre.
@@ -40,6 +43,31 @@ balloon_setting flight_setting( int substeps, int iterations );
 /// Let it go. @param path receives where it was, null: nobody looks
 wisp_status flight_fly( const flight_body* body, balloon_setting setting, int workers, accuracy_run* out,
                         flight_path* path, wisp_error* error );
+
+// ---- the truth ----
+
+enum
+{
+    FLIGHT_LEVEL = 1,           // 42 vertices: of the scene `balloon_flight`
+    FLIGHT_FILL_SUBSTEPS = 640, // with which that is filled
+    FLIGHT_MESHES_LEVEL = 4,    // 2562 vertices: the truth of `balloon_meshes`
+    FLIGHT_MESHES_FILL = 10,    // substeps with which all of those are filled
+    FLIGHT_PACES = 2,           // of `balloon_meshes`
+    FLIGHT_NUMBERS = 3 * FLIGHT_STEPS + 3,
+};
+
+/// Substeps of a flight of `balloon_meshes`.
+extern const int flight_paces[FLIGHT_PACES];
+
+// Scene, facts and size of a truth. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the end speed, spin
+// and volume.
+
+/// Of `balloon_flight`: a flight, and [vertices][3] m behind it, where flights begin.
+accuracy_truth flight_truth( const flight_body* body );
+/// Of `balloon_meshes`: a flight for each pace. @param finest the body of FLIGHT_MESHES_LEVEL
+accuracy_truth flight_meshes_truth( const flight_body* finest );
+void flight_put_path( const flight_path* path, double* numbers );
+flight_path flight_take_path( const double* numbers );
 
 /// Put the distance to the truth, in mm, and the measures below into a run that was looked at.
 void flight_judge( const flight_path* path, const flight_path* truth, accuracy_run* out );

@@ -1,29 +1,17 @@
 // The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer cloth, whose path
 // converges with fewer substeps.
 #include "accuracy_surface.h"
-
-#include "cloth/cloth.h"
-#include "mesh.h"
+#include "flag_in_wind.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define SPACING 0.03f
 #define COMPLIANCE 1e-3f // m/N, of every edge
-#define DENSITY 0.12f    // kg/m^2
-#define GRAVITY 9.81f
 
 enum
 {
-    COLUMNS = 31,
-    ROWS = 21,
-    VERTICES = COLUMNS * ROWS,
     SUBSTEPS_MOST = 20,
-    TRUTH_SUBSTEPS = 16 * SUBSTEPS_MOST,
-    EARLY_STEPS = 12, // 0.2 s: flapping is chaotic, so the path is compared only before it
-    LOOK_STEPS = 2,
-    LOOK_COUNT = EARLY_STEPS / LOOK_STEPS,
-    STEPS = 60, // averages are of the steps behind the early ones
     SETTINGS_MAX = 32,
 };
 
@@ -37,17 +25,14 @@ typedef struct flag_way
 /// What a run is compared by.
 typedef struct flag_figures
 {
-    wisp_vec3* path;                           // [LOOK_COUNT][VERTICES]
+    double squares;                            // m^2, of the distances of all looks
     double kinetic, stretch_mean, stretch_max; // averages
 } flag_figures;
 
 typedef struct flag_scene
 {
-    wisp_mesh mesh;
-    wisp_fabric* fabric;
-    int32_t pins[ROWS];
-    flag_figures truth;
-    double doubt; // m, root mean square distance to half as many substeps
+    flag_body body;
+    accuracy_truth truth;
     flag_way ways[SETTINGS_MAX];
     int way_count;
 } flag_scene;
@@ -55,47 +40,83 @@ typedef struct flag_scene
 // ---- the flag ----
 
 // Upright, its mast at x = 0, the rows one below another.
-static wisp_status make_flag( flag_scene* own, wisp_error* error )
+wisp_status flag_make( flag_body* out, wisp_error* error )
 {
     wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = COLUMNS;
-    recipe.rows = ROWS;
+    recipe.columns = FLAG_COLUMNS;
+    recipe.rows = FLAG_ROWS;
     recipe.spacing = SPACING;
-    wisp_status status = wisp_mesh_make( &recipe, &own->mesh, error );
+    *out = ( flag_body ){ .fabric = NULL };
+    wisp_status status = wisp_mesh_make( &recipe, &out->mesh, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    for ( int i = 0; i < own->mesh.vertex_count; ++i )
+    for ( int i = 0; i < out->mesh.vertex_count; ++i )
     {
-        const wisp_vec3 p = own->mesh.points[i];
-        own->mesh.points[i] = ( wisp_vec3 ){ p.x + 0.5f * SPACING * ( COLUMNS - 1 ), -p.z, 0.0f };
+        const wisp_vec3 p = out->mesh.points[i];
+        out->mesh.points[i] = ( wisp_vec3 ){ p.x + 0.5f * SPACING * ( FLAG_COLUMNS - 1 ), -p.z, 0.0f };
     }
-    for ( int row = 0; row < ROWS; ++row )
+    for ( int row = 0; row < FLAG_ROWS; ++row )
     {
-        own->pins[row] = row * COLUMNS;
+        out->pins[row] = row * FLAG_COLUMNS;
     }
     wisp_fabric_def def = wisp_default_fabric_def();
-    def.attachments = own->pins;
-    def.attachment_count = ROWS;
+    def.attachments = out->pins;
+    def.attachment_count = FLAG_ROWS;
     def.hinges = true;
     def.tethers = true;
     def.levels = 3;
-    return surface_cook( &own->mesh, def, &own->fabric, error );
+    return surface_cook( &out->mesh, def, &out->fabric, error );
 }
 
-static wisp_cloth_def cloth_of( const flag_way* way )
+void flag_free( flag_body* body )
+{
+    wisp_fabric_release( body->fabric );
+    wisp_mesh_release( &body->mesh );
+}
+
+wisp_cloth_def flag_cloth( void )
 {
     wisp_cloth_def def = wisp_default_cloth_def();
     def.warp_compliance = def.weft_compliance = COMPLIANCE;
     // the sum makes it isotropic: every edge has the same
     def.shear_compliance = 2.0f * COMPLIANCE;
-    def.bending = way->bending;
+    def.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     def.bend_rigidity = 2e-5f;
     def.damping = 1.0f;
     def.wind = ( wisp_vec3 ){ 4.0f, 0.0f, 0.5f };
     def.drag = 0.2f;
     def.lift = 1.2f;
+    return def;
+}
+
+accuracy_truth flag_truth( const flag_body* body )
+{
+    const wisp_cloth_def def = flag_cloth();
+    accuracy_truth truth = { .scene = "flag", .number_count = FLAG_PATH + 1 };
+    accuracy_truth_put( &truth, "vertices", body->mesh.vertex_count );
+    accuracy_truth_put( &truth, "area density, kg/m2", (double)FLAG_DENSITY );
+    accuracy_truth_put( &truth, "compliance of an edge, m/N", (double)def.warp_compliance );
+    accuracy_truth_put( &truth, "rigidity of bending, N m", (double)def.bend_rigidity );
+    accuracy_truth_put( &truth, "damping, 1/s", (double)def.damping );
+    accuracy_truth_put( &truth, "wind along x, m/s", (double)def.wind.x );
+    accuracy_truth_put( &truth, "wind along z, m/s", (double)def.wind.z );
+    accuracy_truth_put( &truth, "air, kg/m3", (double)def.air_density );
+    accuracy_truth_put( &truth, "drag", (double)def.drag );
+    accuracy_truth_put( &truth, "lift", (double)def.lift );
+    accuracy_truth_put( &truth, "gravity, m/s2", (double)FLAG_GRAVITY );
+    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)ACCURACY_FRAME );
+    accuracy_truth_put( &truth, "steps between looks", FLAG_LOOK_STEPS );
+    accuracy_truth_put( &truth, "looks", FLAG_LOOKS );
+    accuracy_truth_put_start( &truth, body->mesh.points, body->mesh.vertex_count );
+    return truth;
+}
+
+static wisp_cloth_def cloth_of( const flag_way* way )
+{
+    wisp_cloth_def def = flag_cloth();
+    def.bending = way->bending;
     def.tethers = way->has_tethers;
     def.tether_slack = 1.02f;
     def.level_passes = way->has_tethers ? 1 : 0;
@@ -105,11 +126,11 @@ static wisp_cloth_def cloth_of( const flag_way* way )
 static wisp_status enter( const flag_scene* own, const flag_way* way, int workers, surface_entrant* out,
                           wisp_error* error )
 {
-    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, own->fabric );
-    recipe.pins = own->pins;
-    recipe.pin_count = ROWS;
-    recipe.area_density = DENSITY;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -GRAVITY, 0.0f };
+    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, own->body.fabric );
+    recipe.pins = own->body.pins;
+    recipe.pin_count = FLAG_ROWS;
+    recipe.area_density = FLAG_DENSITY;
+    recipe.gravity = ( wisp_vec3 ){ 0.0f, -FLAG_GRAVITY, 0.0f };
     recipe.substeps = way->substeps;
     recipe.iterations = way->iterations;
     recipe.workers = workers;
@@ -128,111 +149,68 @@ static wisp_status enter( const flag_scene* own, const flag_way* way, int worker
     return status;
 }
 
-// ---- what is looked at ----
+// ---- a run ----
 
-static wisp_status make_figures( flag_figures* out, wisp_error* error )
+static wisp_status look_at_path( const flag_scene* own, surface_entrant* entrant, int look, flag_figures* figures,
+                                 wisp_error* error )
 {
-    *out = ( flag_figures ){ .path = calloc( (size_t)LOOK_COUNT * VERTICES, sizeof( wisp_vec3 ) ) };
-    return out->path ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the path of a flag" );
-}
-
-static double distance_between( const flag_figures* a, const flag_figures* b )
-{
-    double sum = 0.0;
-    for ( int i = 0; i < LOOK_COUNT * VERTICES; ++i )
-    {
-        const wisp_vec3 p = a->path[i], q = b->path[i];
-        const double x = (double)p.x - (double)q.x, y = (double)p.y - (double)q.y, z = (double)p.z - (double)q.z;
-        sum += x * x + y * y + z * z;
-    }
-    return sqrt( sum / ( LOOK_COUNT * VERTICES ) );
-}
-
-static wisp_status look( surface_entrant* entrant, int step, flag_figures* figures, wisp_error* error )
-{
-    if ( step > EARLY_STEPS )
-    {
-        const surface_look seen = surface_entrant_look( entrant );
-        figures->kinetic += seen.kinetic / ( STEPS - EARLY_STEPS );
-        figures->stretch_mean += seen.stretch_mean / ( STEPS - EARLY_STEPS );
-        figures->stretch_max += seen.stretch_max / ( STEPS - EARLY_STEPS );
-        return WISP_OK;
-    }
-    if ( step % LOOK_STEPS != 0 )
-    {
-        return WISP_OK;
-    }
     const wisp_vec3* points;
+    const double* truth = own->truth.numbers + (size_t)( 3 * look * FLAG_VERTICES );
     const wisp_status status = surface_entrant_points( entrant, &points, error );
-    for ( int i = 0; status == WISP_OK && i < VERTICES; ++i )
+    for ( int i = 0; i < FLAG_VERTICES && status == WISP_OK; ++i, truth += 3 )
     {
-        figures->path[( step / LOOK_STEPS - 1 ) * VERTICES + i] = points[i];
+        const double x = (double)points[i].x - truth[0], y = (double)points[i].y - truth[1],
+                     z = (double)points[i].z - truth[2];
+        figures->squares += x * x + y * y + z * z;
     }
     return status;
 }
 
-// @param figures null: nobody looks
-static wisp_status flap( const flag_scene* own, const flag_way* way, int workers, int steps, flag_figures* figures,
-                         accuracy_run* out, wisp_error* error )
+static wisp_status look( const flag_scene* own, surface_entrant* entrant, int step, flag_figures* figures,
+                         wisp_error* error )
 {
-    surface_entrant entrant;
-    wisp_status status = enter( own, way, workers, &entrant, error );
-    if ( status != WISP_OK )
+    if ( step <= FLAG_EARLY_STEPS )
     {
-        return status;
+        return step % FLAG_LOOK_STEPS == 0 ? look_at_path( own, entrant, step / FLAG_LOOK_STEPS - 1, figures, error )
+                                           : WISP_OK;
     }
-    for ( int step = 1; step <= steps && status == WISP_OK; ++step )
-    {
-        status = accuracy_time_surface( &entrant, 1.0, out, error );
-        status = status == WISP_OK && figures ? look( &entrant, step, figures, error ) : status;
-    }
-    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
-    surface_entrant_destroy( &entrant );
-    return status;
+    const surface_look seen = surface_entrant_look( entrant );
+    figures->kinetic += seen.kinetic / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    figures->stretch_mean += seen.stretch_mean / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    figures->stretch_max += seen.stretch_max / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    return WISP_OK;
+}
+
+static void measure( const flag_scene* own, const flag_figures* figures, accuracy_run* out )
+{
+    out->error = 1e3 * sqrt( figures->squares / ( FLAG_LOOKS * FLAG_VERTICES ) );
+    out->measures[0] = 1e2 * ( figures->kinetic / own->truth.numbers[FLAG_PATH] - 1.0 );
+    out->measures[1] = 1e2 * figures->stretch_max;
+    out->measures[2] = 1e2 * figures->stretch_mean;
 }
 
 static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                         wisp_error* error )
 {
     const flag_scene* own = context;
-    const flag_way* way = &own->ways[setting];
-    if ( !is_looked_at )
+    flag_figures figures = { .squares = 0.0 };
+    surface_entrant entrant;
+    wisp_status status = enter( own, &own->ways[setting], workers, &entrant, error );
+    if ( status != WISP_OK )
     {
-        return flap( own, way, workers, STEPS, NULL, out, error );
+        return status;
     }
-    flag_figures figures;
-    wisp_status status = make_figures( &figures, error );
-    status = status == WISP_OK ? flap( own, way, workers, STEPS, &figures, out, error ) : status;
-    if ( status == WISP_OK )
+    for ( int step = 1; step <= FLAG_STEPS && status == WISP_OK; ++step )
     {
-        out->error = 1e3 * distance_between( &figures, &own->truth );
-        out->measures[0] = 1e2 * ( figures.kinetic / own->truth.kinetic - 1.0 );
-        out->measures[1] = 1e2 * figures.stretch_max;
-        out->measures[2] = 1e2 * figures.stretch_mean;
+        status = accuracy_time_surface( &entrant, 1.0, out, error );
+        status = status == WISP_OK && is_looked_at ? look( own, &entrant, step, &figures, error ) : status;
     }
-    free( figures.path );
-    return status;
-}
-
-// ---- the truth ----
-
-static wisp_status find_truth( flag_scene* own, int workers, wisp_error* error )
-{
-    flag_way way = { .substeps = TRUTH_SUBSTEPS, .iterations = 1, .bending = WISP_CLOTH_BENDING_DIHEDRAL };
-    flag_figures half = { .path = NULL };
-    accuracy_run times = { .ms = NULL };
-    wisp_status status = make_figures( &own->truth, error );
-    status = status == WISP_OK ? make_figures( &half, error ) : status;
-    status = status == WISP_OK ? flap( own, &way, workers, STEPS, &own->truth, &times, error ) : status;
-    way.substeps /= 2;
-    status = status == WISP_OK ? flap( own, &way, workers, EARLY_STEPS, &half, &times, error ) : status;
-    if ( status == WISP_OK && times.halted_at > 0 )
+    if ( status == WISP_OK && is_looked_at )
     {
-        status = wisp_fail( error, WISP_CONFLICT, "the truth of the flag was halted at step %d", times.halted_at );
+        measure( own, &figures, out );
     }
-    own->doubt = status == WISP_OK ? distance_between( &own->truth, &half ) : NAN;
-    free( half.path );
-    free( times.ms );
+    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
+    surface_entrant_destroy( &entrant );
     return status;
 }
 
@@ -274,14 +252,14 @@ static void add_ways( accuracy_scene* scene )
 static void destroy( void* context )
 {
     flag_scene* own = context;
-    wisp_fabric_release( own->fabric );
-    wisp_mesh_release( &own->mesh );
-    free( own->truth.path );
+    flag_free( &own->body );
+    accuracy_truth_free( &own->truth );
     free( own );
 }
 
 wisp_status accuracy_flag( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
 {
+    (void)options;
     (void)seconds;
     *out = ( accuracy_scene ){ .error_name = "RMS distance to the truth",
                                .error_unit = "mm",
@@ -299,9 +277,6 @@ wisp_status accuracy_flag( const bench_options* options, double seconds, accurac
                                .context = calloc( 1, sizeof( flag_scene ) ),
                                .run = run,
                                .destroy = destroy };
-    snprintf( out->truth, sizeof( out->truth ),
-              "the same flag with %d substeps of one pass, 16 times the most, at %d looks within %.1f s",
-              TRUTH_SUBSTEPS, LOOK_COUNT, EARLY_STEPS / 60.0 );
     if ( !out->settings || !out->context )
     {
         free( out->settings );
@@ -309,15 +284,16 @@ wisp_status accuracy_flag( const bench_options* options, double seconds, accurac
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a flag" );
     }
     flag_scene* own = out->context;
-    wisp_status status = make_flag( own, error );
-    status = status == WISP_OK ? find_truth( own, options->workers, error ) : status;
+    wisp_status status = flag_make( &own->body, error );
+    const accuracy_truth wanted = flag_truth( &own->body );
+    status = status == WISP_OK ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &own->truth, error ) : status;
     if ( status != WISP_OK )
     {
         destroy( own );
         free( out->settings );
         return status;
     }
-    out->doubt = 1e3 * own->doubt;
+    accuracy_describe_truth( &own->truth, 1e3, out );
     add_ways( out );
     return WISP_OK;
 }

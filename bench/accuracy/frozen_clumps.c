@@ -1,6 +1,6 @@
 // Frozen hair that clumps: what the cap of neighbours leaves out, what fewer and longer steps of clumping miss, and what the
 // printed choices change.
-#include "paper_entrants.h"
+#include "frozen_clumps.h"
 #include "scene_tools.h"
 
 #include <math.h>
@@ -10,10 +10,8 @@
 #define LIMIT_RADIUS 0.008f // m: about fifty neighbours a vertex
 #define FLOW_RADIUS 0.008f  // m
 #define FLOW_REACH 0.04f    // of the radius: the sum of all steps; much more, and vertices meet
-#define FLOW_TRUTH 64       // steps
-#define FEW_STRANDS 40
-#define MANY_STRANDS 80
-#define FULL_SECONDS 15.0
+#define FLOW_STEPS_MOST 16
+#define STRANDS 80
 
 typedef struct clump_way
 {
@@ -26,9 +24,8 @@ typedef struct clump_way
 typedef struct clumps
 {
     paper_scene scene;
-    double* look; // [vertex_count][3] of the default look in double
-    double* flow; // likewise of many short steps
-    double* own;  // likewise of the setting that runs
+    accuracy_truth truth;
+    double* own; // [vertex_count][3] of the setting that runs, in double
     clump_way ways[WAYS_MAX];
 } clumps;
 
@@ -74,7 +71,8 @@ static wisp_status look( clumps* all, const clump_way* way, paper_world* world, 
     {
         return wisp_fail( error, status, "%s", wisp_world_message( world->world ) );
     }
-    const clump_distance d = distance_to( way->is_flow ? all->flow : all->look, points, count );
+    const clump_distance d =
+        distance_to( all->truth.numbers + ( way->is_flow ? 3 * (size_t)count : 0 ), points, count );
     out->error = 1e6 * d.rms;
     out->measures[FARTHEST] = 1e6 * d.most;
     out->measures[NEIGHBOURS] = (double)report.neighbours / count;
@@ -107,9 +105,14 @@ static wisp_status run_clumps( void* context, int setting, int workers, bool is_
 
 // ---- truth ----
 
-static wisp_frozen_hair_def flow_def( const clumps* all, int steps )
+wisp_status frozen_clumps_make( paper_scene* out, wisp_error* error )
 {
-    wisp_frozen_hair_def def = all->scene.def;
+    return paper_scene_make( STRANDS, out, error );
+}
+
+wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps )
+{
+    wisp_frozen_hair_def def = scene->def;
     def.clump_radius = FLOW_RADIUS;
     def.gap = WISP_GAP_WET; // the brake is random, and more steps would draw other numbers
     def.clump_iterations = steps;
@@ -118,37 +121,36 @@ static wisp_frozen_hair_def flow_def( const clumps* all, int steps )
     return def;
 }
 
-static wisp_frozen_hair_def look_def( const clumps* all )
+wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene )
 {
-    wisp_frozen_hair_def def = all->scene.def;
+    wisp_frozen_hair_def def = scene->def;
     def.clump_radius = LIMIT_RADIUS;
     return def;
 }
 
-static wisp_status find_truth( clumps* all, wisp_error* error )
+accuracy_truth frozen_clumps_truth( const paper_scene* scene )
 {
-    const size_t size = 3 * (size_t)all->scene.groom.vertex_count * sizeof( double );
-    all->look = malloc( size );
-    all->flow = malloc( size );
-    all->own = malloc( size );
-    if ( !all->look || !all->flow || !all->own )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the truth of frozen hair" );
-    }
-    paper_scene scene = all->scene;
-    scene.def = look_def( all );
-    wisp_status status = paper_oracle_run( &scene, 0, all->look, error );
-    scene.def = flow_def( all, FLOW_TRUTH / 2 );
-    status = status == WISP_OK ? paper_oracle_run( &scene, 0, all->own, error ) : status;
-    scene.def = flow_def( all, FLOW_TRUTH );
-    status = status == WISP_OK ? paper_oracle_run( &scene, 0, all->flow, error ) : status;
+    const wisp_frozen_hair_def look = frozen_clumps_look( scene ), flow = frozen_clumps_flow( scene, 1 );
+    accuracy_truth truth = { .scene = "frozen_clumps", .number_count = 2 * 3 * scene->groom.vertex_count };
+    accuracy_truth_put( &truth, "vertices", scene->groom.vertex_count );
+    accuracy_truth_put( &truth, "cursor x, m", (double)look.cursor.x );
+    accuracy_truth_put( &truth, "cursor y, m", (double)look.cursor.y );
+    accuracy_truth_put( &truth, "reach, m", (double)look.reach );
+    accuracy_truth_put( &truth, "radius of the look, m", (double)look.clump_radius );
+    accuracy_truth_put( &truth, "step of the look", (double)look.clump_step );
+    accuracy_truth_put( &truth, "steps of the look", look.clump_iterations );
+    accuracy_truth_put( &truth, "radius of the flow, m", (double)flow.clump_radius );
+    accuracy_truth_put( &truth, "all steps of the flow, m", (double)flow.clump_step );
+    accuracy_truth_put_start( &truth, scene->groom.points, scene->groom.vertex_count );
+    return truth;
+}
 
-    // The error falls with the length of a step, so what half of it changes is what is still missing.
-    for ( int i = 0; i < 3 * all->scene.groom.vertex_count && status == WISP_OK; ++i )
-    {
-        all->flow[i] = 2.0 * all->flow[i] - all->own[i];
-    }
-    return status;
+static wisp_status read_truth( clumps* all, wisp_error* error )
+{
+    const accuracy_truth wanted = frozen_clumps_truth( &all->scene );
+    all->own = malloc( 3 * (size_t)all->scene.groom.vertex_count * sizeof( double ) );
+    return all->own ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &all->truth, error )
+                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for the truth of frozen hair" );
 }
 
 // ---- settings ----
@@ -162,42 +164,45 @@ static accuracy_setting* put_way( accuracy_scene* scene, const char* name, wisp_
 
 static void put_limits( accuracy_scene* scene )
 {
+    const paper_scene* hair = &( (const clumps*)scene->context )->scene;
     char name[64];
     for ( int limit = 1; limit <= 64; limit *= 2 )
     {
-        wisp_frozen_hair_def def = look_def( scene->context );
+        wisp_frozen_hair_def def = frozen_clumps_look( hair );
         def.neighbour_limit = limit;
         snprintf( name, sizeof( name ), "at most %d neighbours", limit );
         accuracy_join_series( put_way( scene, name, def, false ), "neighbours", "1 / neighbours", 1.0 / limit, NAN );
     }
-    put_way( scene, "all neighbours", look_def( scene->context ), false );
+    put_way( scene, "all neighbours", frozen_clumps_look( hair ), false );
 }
 
 static void put_flow( accuracy_scene* scene )
 {
+    const paper_scene* hair = &( (const clumps*)scene->context )->scene;
     char name[64];
-    for ( int steps = 1; steps <= FLOW_TRUTH / 4; steps *= 2 )
+    for ( int steps = 1; steps <= FLOW_STEPS_MOST; steps *= 2 )
     {
         snprintf( name, sizeof( name ), "flow in %d steps", steps );
-        accuracy_join_series( put_way( scene, name, flow_def( scene->context, steps ), true ), "flow", "1 / steps",
+        accuracy_join_series( put_way( scene, name, frozen_clumps_flow( hair, steps ), true ), "flow", "1 / steps",
                               1.0 / steps, 1.0 );
     }
 }
 
 static void put_choices( accuracy_scene* scene )
 {
-    wisp_frozen_hair_def def = look_def( scene->context );
+    const paper_scene* hair = &( (const clumps*)scene->context )->scene;
+    wisp_frozen_hair_def def = frozen_clumps_look( hair );
     def.clump_radius = 0.5f * LIMIT_RADIUS;
     put_way( scene, "half the radius", def, false );
     def.clump_radius = 1.5f * LIMIT_RADIUS;
     put_way( scene, "1.5 times the radius", def, false );
-    def = look_def( scene->context );
+    def = frozen_clumps_look( hair );
     def.clump_iterations = 2;
     put_way( scene, "half the iterations", def, false );
-    def = look_def( scene->context );
+    def = frozen_clumps_look( hair );
     def.clump_iterations = 8;
     put_way( scene, "twice the iterations", def, false );
-    def = look_def( scene->context );
+    def = frozen_clumps_look( hair );
     def.clump = false;
     put_way( scene, "no clumps", def, false );
 }
@@ -206,8 +211,7 @@ static void destroy_clumps( void* context )
 {
     clumps* all = context;
     paper_scene_free( &all->scene );
-    free( all->look );
-    free( all->flow );
+    accuracy_truth_free( &all->truth );
     free( all->own );
     free( all );
 }
@@ -216,11 +220,12 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
                                     wisp_error* error )
 {
     (void)options;
+    (void)seconds; // its truth is of this many strands
     clumps* all = calloc( 1, sizeof( clumps ) );
     *out = ( accuracy_scene ){
-        .truth =
-            "the method in double precision with all neighbours; of the flow, 32 and 64 short steps of clumping, "
-            "extrapolated",
+        .note = "the doubt is that of the flow, whose vertices gain and lose neighbours; the truth of the look is "
+                "exact up "
+                "to rounding.",
         .error_name = "distance to the truth",
         .error_unit = "um",
         .ms_name = "command",
@@ -234,14 +239,14 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
     {
         return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for frozen hair" ) );
     }
-    const int strands = seconds < FULL_SECONDS ? FEW_STRANDS : MANY_STRANDS;
-    wisp_status status = paper_scene_make( strands, &all->scene, error );
-    status = status == WISP_OK ? find_truth( all, error ) : status;
+    wisp_status status = frozen_clumps_make( &all->scene, error );
+    status = status == WISP_OK ? read_truth( all, error ) : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {
         return accuracy_abandon( out, status );
     }
+    accuracy_describe_truth( &all->truth, 1e6, out );
     put_limits( out );
     put_flow( out );
     put_choices( out );

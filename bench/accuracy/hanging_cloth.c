@@ -1,38 +1,26 @@
 // A square of cloth held at two corners falls from the horizontal, on three meshes of the same sheet.
 #include "accuracy_surface.h"
-
-#include "cloth_scene.h"
+#include "hanging_cloth.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 #define WIDTH 1.6           // m
-#define DENSITY 0.2f        // kg/m^2
-#define EDGE_STIFFNESS 1e3  // N/m, of every edge
-#define BEND_STIFFNESS 1e-4 // N m, of a cross link times its mesh's spacing squared: the same sheet on every mesh
-#define FINEST 65           // vertices a side; coarser meshes have every second, fourth or eighth of them
-#define TRUTH_SUBSTEPS 640  // 16 times the most substeps of a setting
+#define BEND_STIFFNESS 1e-4 // N m, of a cross link times its mesh's spacing squared
 #define SETTINGS_MAX 48
 
 enum
 {
-    MESH_COUNT = 4,
-    FALL_STEPS = 24, // 0.4 s: what has fallen folds, and folds are chaotic
-    LOOK_STEPS = 4,
+    FINEST = HANGING_CLOTH_MESHES - 1,
     SUBSTEPS_MOST = 40,
     SUBSTEPS_OF_MESHES = 160, // so many that what is left of the error is the mesh's
 };
 
-// Below so many seconds the converged run has 8 times the most substeps instead of 16.
-#define LONG_SECONDS 15.0
-
-static const int mesh_sizes[MESH_COUNT] = { 9, 17, 33, FINEST };
-
-static const scenario_plan fall = { .warm_steps = FALL_STEPS, .turn_steps = LOOK_STEPS };
+const int hanging_cloth_sizes[HANGING_CLOTH_MESHES] = { 9, 17, 33, 65 };
 
 typedef struct hang_way
 {
-    int mesh; // of mesh_sizes
+    int mesh; // of hanging_cloth_sizes
     wisp_solver solver;
     cloth_setting setting;
     wisp_fabric* fabric;
@@ -40,79 +28,56 @@ typedef struct hang_way
 
 typedef struct hang_scene
 {
-    cloth_scene meshes[MESH_COUNT];
-    path_record truth; // of the finest mesh
-    int truth_substeps;
-    double doubt; // m, root mean square distance to half as many substeps
+    cloth_scene meshes[HANGING_CLOTH_MESHES];
+    accuracy_truth truth;
     hang_way ways[SETTINGS_MAX];
     int way_count;
 } hang_scene;
 
-static double spacing_of( int mesh )
+// ---- the sheet ----
+
+double hanging_cloth_spacing( int mesh )
 {
-    return WIDTH / ( mesh_sizes[mesh] - 1 );
+    return WIDTH / ( hanging_cloth_sizes[mesh] - 1 );
 }
 
-// m/N
-static double bend_compliance_of( int mesh )
+double hanging_cloth_bend_compliance( int mesh )
 {
-    return spacing_of( mesh ) * spacing_of( mesh ) / BEND_STIFFNESS;
+    return hanging_cloth_spacing( mesh ) * hanging_cloth_spacing( mesh ) / BEND_STIFFNESS;
 }
 
-static wisp_status make_mesh( int mesh, cloth_scene* out, wisp_error* error )
+wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error )
 {
-    const int n = mesh_sizes[mesh];
+    const int n = hanging_cloth_sizes[mesh];
     *out = ( cloth_scene ){ .n = n, .pins = { 0, n - 1 } };
     wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
     recipe.columns = n;
     recipe.rows = n;
-    recipe.spacing = (float)spacing_of( mesh );
+    recipe.spacing = (float)hanging_cloth_spacing( mesh );
     return wisp_mesh_make( &recipe, &out->mesh, error );
 }
 
-// ---- the truth ----
-
-static wisp_status follow( const hang_scene* own, wisp_fabric* fabric, int substeps, path_record* record,
-                           wisp_error* error )
+accuracy_truth hanging_cloth_truth( const cloth_scene* finest )
 {
-    const cloth_scene* finest = &own->meshes[MESH_COUNT - 1];
-    cloth_truth truth;
-    wisp_status status = path_record_create( finest->mesh.vertex_count, scenario_path_looks( &fall ), record, error );
-    status = status == WISP_OK ? cloth_truth_create( finest, fabric, &truth, error ) : status;
-    if ( status == WISP_OK )
-    {
-        double energy_lost;
-        cloth_truth_soften( &truth, 1.0 / EDGE_STIFFNESS, bend_compliance_of( MESH_COUNT - 1 ), (double)DENSITY );
-        cloth_truth_run( &truth, substeps, &fall, record, &energy_lost );
-        cloth_truth_destroy( &truth );
-    }
-    return status;
+    accuracy_truth truth = { .scene = "hanging_cloth",
+                             .number_count = 3 * HANGING_CLOTH_LOOKS * HANGING_CLOTH_PLACES * HANGING_CLOTH_PLACES };
+    accuracy_truth_put( &truth, "vertices", finest->mesh.vertex_count );
+    accuracy_truth_put( &truth, "width, m", WIDTH );
+    accuracy_truth_put( &truth, "area density, kg/m2", (double)HANGING_CLOTH_DENSITY );
+    accuracy_truth_put( &truth, "stiffness of an edge, N/m", HANGING_CLOTH_EDGE_STIFFNESS );
+    accuracy_truth_put( &truth, "bending, m/N", hanging_cloth_bend_compliance( FINEST ) );
+    accuracy_truth_put( &truth, "gravity, m/s2", (double)CLOTH_GRAVITY );
+    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)CLOTH_STEP );
+    accuracy_truth_put( &truth, "steps between looks", HANGING_CLOTH_LOOK_STEPS );
+    accuracy_truth_put( &truth, "looks", HANGING_CLOTH_LOOKS );
+    accuracy_truth_put_start( &truth, finest->mesh.points, finest->mesh.vertex_count );
+    return truth;
 }
 
-static double distance_between( const path_record* a, const path_record* b )
+static wisp_status read_truth( hang_scene* own, wisp_error* error )
 {
-    double sum = 0.0;
-    const int vertices = a->vertex_count * a->look_count;
-    for ( int i = 0; i < 3 * vertices; ++i )
-    {
-        const double off = a->points[i] - b->points[i];
-        sum += off * off;
-    }
-    return sqrt( sum / vertices );
-}
-
-static wisp_status find_truth( hang_scene* own, wisp_error* error )
-{
-    static const cloth_setting plain = { .substeps = 1, .iterations = 1, .sweep = WISP_SWEEP_COLOUR };
-    wisp_fabric* fabric = NULL;
-    path_record half = { 0 };
-    wisp_status status = cloth_cook( &own->meshes[MESH_COUNT - 1], &plain, &fabric, error );
-    status = status == WISP_OK ? follow( own, fabric, own->truth_substeps, &own->truth, error ) : status;
-    status = status == WISP_OK ? follow( own, fabric, own->truth_substeps / 2, &half, error ) : status;
-    own->doubt = status == WISP_OK ? distance_between( &own->truth, &half ) : NAN;
-    path_record_destroy( &half );
-    wisp_fabric_release( fabric );
-    return status;
+    const accuracy_truth wanted = hanging_cloth_truth( &own->meshes[FINEST] );
+    return accuracy_truth_read( accuracy_truth_folder(), &wanted, &own->truth, error );
 }
 
 // ---- a run ----
@@ -124,7 +89,7 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, way->fabric );
     recipe.pins = scene->pins;
     recipe.pin_count = WISP_COUNT( scene->pins );
-    recipe.area_density = DENSITY;
+    recipe.area_density = HANGING_CLOTH_DENSITY;
     recipe.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
     recipe.substeps = way->setting.substeps;
     recipe.iterations = way->setting.iterations;
@@ -137,10 +102,10 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     wisp_cloth_def def = wisp_default_cloth_def();
     def.solver = way->solver;
     def.bending = way->solver == WISP_SOLVER_PBD ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_CROSS;
-    def.warp_compliance = def.weft_compliance = (float)( 1.0 / EDGE_STIFFNESS );
+    def.warp_compliance = def.weft_compliance = (float)( 1.0 / HANGING_CLOTH_EDGE_STIFFNESS );
     // the sum makes it isotropic: every edge has the same
-    def.shear_compliance = (float)( 2.0 / EDGE_STIFFNESS );
-    def.bend_compliance = (float)bend_compliance_of( way->mesh );
+    def.shear_compliance = (float)( 2.0 / HANGING_CLOTH_EDGE_STIFFNESS );
+    def.bend_compliance = (float)hanging_cloth_bend_compliance( way->mesh );
     def.tethers = way->setting.tethers;
     def.level_passes = way->setting.levels ? 1 : 0;
     status = wisp_set_cloth( out->world, out->entity, &def );
@@ -152,19 +117,22 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     return status;
 }
 
-// Mean square distance to the same places of the finest mesh, m^2.
+// Mean square distance at those places of the truth that the mesh has, m^2.
 static double square_distance( const hang_scene* own, int mesh, int look, const wisp_vec3* points )
 {
-    const int n = mesh_sizes[mesh], stride = ( FINEST - 1 ) / ( n - 1 );
-    const double* truth = own->truth.points + (size_t)look * 3 * (size_t)own->truth.vertex_count;
+    const int side = HANGING_CLOTH_PLACES, n = hanging_cloth_sizes[mesh], places = n < side ? n : side;
+    const int stride = ( n - 1 ) / ( places - 1 ), truth_stride = ( side - 1 ) / ( places - 1 );
+    const double* truth = own->truth.numbers + (size_t)( 3 * look * side * side );
     double sum = 0.0;
-    for ( int i = 0; i < n * n; ++i )
+    for ( int i = 0; i < places * places; ++i )
     {
-        const double* q = truth + 3 * ( i / n * stride * FINEST + i % n * stride );
-        const double x = (double)points[i].x - q[0], y = (double)points[i].y - q[1], z = (double)points[i].z - q[2];
+        const int row = i / places, column = i % places;
+        const wisp_vec3 p = points[stride * ( row * n + column )];
+        const double* q = truth + 3 * truth_stride * ( row * side + column );
+        const double x = (double)p.x - q[0], y = (double)p.y - q[1], z = (double)p.z - q[2];
         sum += x * x + y * y + z * z;
     }
-    return sum / ( n * n );
+    return sum / ( places * places );
 }
 
 static wisp_status look_at_path( const hang_scene* own, int mesh, int look, surface_entrant* entrant, double* sum,
@@ -179,7 +147,7 @@ static wisp_status look_at_path( const hang_scene* own, int mesh, int look, surf
 static void measure( surface_entrant* entrant, double sum, accuracy_run* out )
 {
     const surface_look seen = surface_entrant_look( entrant );
-    out->error = 1e3 * sqrt( sum / scenario_path_looks( &fall ) );
+    out->error = 1e3 * sqrt( sum / HANGING_CLOTH_LOOKS );
     out->measures[0] = 1e2 * seen.stretch_max;
     out->measures[1] = 1e2 * seen.stretch_mean;
     out->measures[2] = seen.potential < 0.0 ? 1e2 * ( 1.0 + seen.kinetic / seen.potential ) : NAN;
@@ -197,12 +165,12 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
         return status;
     }
     double sum = 0.0;
-    for ( int step = 1; step <= FALL_STEPS && status == WISP_OK; ++step )
+    for ( int step = 1; step <= HANGING_CLOTH_STEPS && status == WISP_OK; ++step )
     {
         status = accuracy_time_surface( &entrant, 1.0, out, error );
-        if ( status == WISP_OK && is_looked_at && step % LOOK_STEPS == 0 )
+        if ( status == WISP_OK && is_looked_at && step % HANGING_CLOTH_LOOK_STEPS == 0 )
         {
-            status = look_at_path( own, way->mesh, step / LOOK_STEPS - 1, &entrant, &sum, error );
+            status = look_at_path( own, way->mesh, step / HANGING_CLOTH_LOOK_STEPS - 1, &entrant, &sum, error );
         }
     }
     if ( status == WISP_OK && is_looked_at )
@@ -236,7 +204,8 @@ static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
     const char* ending = count == 1 ? "" : has_passes ? "es" : "s";
     char kind[40];
     name_kind( &way, kind, sizeof( kind ) );
-    return accuracy_put_setting( scene, "%s, n %d, %d %s%s", kind, mesh_sizes[way.mesh], count, what, ending );
+    return accuracy_put_setting( scene, "%s, n %d, %d %s%s", kind, hanging_cloth_sizes[way.mesh], count, what,
+                                 ending );
 }
 
 // Substeps of one pass on a mesh.
@@ -245,7 +214,7 @@ static void add_substeps( accuracy_scene* scene, hang_way way, int most )
     static const int substeps[] = { 1, 2, 5, 10, 20, SUBSTEPS_MOST };
     char kind[40], series[64];
     name_kind( &way, kind, sizeof( kind ) );
-    snprintf( series, sizeof( series ), "%s, n %d", kind, mesh_sizes[way.mesh] );
+    snprintf( series, sizeof( series ), "%s, n %d", kind, hanging_cloth_sizes[way.mesh] );
     for ( int i = 0; i < WISP_COUNT( substeps ) && substeps[i] <= most; ++i )
     {
         way.setting.substeps = substeps[i];
@@ -269,10 +238,10 @@ static void add_passes( accuracy_scene* scene, hang_way way )
 static void add_meshes( accuracy_scene* scene, hang_way way )
 {
     way.setting.substeps = SUBSTEPS_OF_MESHES;
-    for ( way.mesh = 0; way.mesh < MESH_COUNT - 1; ++way.mesh )
+    for ( way.mesh = 0; way.mesh < FINEST; ++way.mesh )
     {
-        accuracy_join_series( add_way( scene, way ), "xpbd, mesh, 160 substeps", "spacing, m", spacing_of( way.mesh ),
-                              NAN );
+        accuracy_join_series( add_way( scene, way ), "xpbd, mesh, 160 substeps", "spacing, m",
+                              hanging_cloth_spacing( way.mesh ), NAN );
     }
 }
 
@@ -280,12 +249,12 @@ static void add_ways( accuracy_scene* scene )
 {
     const hang_way plain = { .solver = WISP_SOLVER_XPBD, .setting = { .substeps = 1, .iterations = 1 } };
     hang_way way = plain;
-    for ( way.mesh = 1; way.mesh < MESH_COUNT; ++way.mesh )
+    for ( way.mesh = 1; way.mesh < HANGING_CLOTH_MESHES; ++way.mesh )
     {
         add_substeps( scene, way, SUBSTEPS_MOST );
     }
     add_meshes( scene, way );
-    way.mesh = MESH_COUNT - 1;
+    way.mesh = FINEST;
     add_passes( scene, way );
     way.setting.tethers = true;
     add_substeps( scene, way, SUBSTEPS_MOST / 2 );
@@ -317,11 +286,11 @@ static void destroy( void* context )
     {
         wisp_fabric_release( own->ways[i].fabric );
     }
-    for ( int i = 0; i < MESH_COUNT; ++i )
+    for ( int i = 0; i < HANGING_CLOTH_MESHES; ++i )
     {
         cloth_scene_free( &own->meshes[i] );
     }
-    path_record_destroy( &own->truth );
+    accuracy_truth_free( &own->truth );
     free( own );
 }
 
@@ -329,35 +298,39 @@ static wisp_status fill( accuracy_scene* out, wisp_error* error )
 {
     hang_scene* own = out->context;
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < MESH_COUNT && status == WISP_OK; ++i )
+    for ( int i = 0; i < HANGING_CLOTH_MESHES && status == WISP_OK; ++i )
     {
-        status = make_mesh( i, &own->meshes[i], error );
+        status = hanging_cloth_make( i, &own->meshes[i], error );
     }
     if ( status == WISP_OK )
     {
         add_ways( out );
         status = cook_all( own, error );
     }
-    return status == WISP_OK ? find_truth( own, error ) : status;
+    return status == WISP_OK ? read_truth( own, error ) : status;
 }
 
 wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds, accuracy_scene* out,
                                     wisp_error* error )
 {
     (void)options;
-    *out = ( accuracy_scene ){ .error_name = "RMS distance to the truth",
-                               .error_unit = "mm",
-                               .note = "n is vertices a side; substeps are of one pass, and passes of one substep, "
-                                       "of 1/60 s. A coarse mesh is compared at its own "
-                                       "vertices; its error and that of long substeps have opposite signs and may "
-                                       "cancel. Tethers, levels and pbd (edges of stiffness 1, no bending) are other "
-                                       "models: what they converge to is not this truth.",
-                               .measure_names = { "stretch max, %", "stretch mean, %", "energy lost, %" },
-                               .measure_count = 3,
-                               .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
-                               .context = calloc( 1, sizeof( hang_scene ) ),
-                               .run = run,
-                               .destroy = destroy };
+    (void)seconds; // its meshes are what it is about
+    *out = ( accuracy_scene ){
+        .error_name = "RMS distance to the truth",
+        .error_unit = "mm",
+        .note =
+            "n is vertices a side; substeps are of one pass, and passes of one substep, "
+            "of 1/60 s. A coarse mesh is compared at its own "
+            "vertices, the finest at every second; its error and that of long substeps have opposite signs and may "
+            "cancel. Tethers, levels and pbd (edges of stiffness 1, no bending) are other "
+            "models: what they converge to is not this truth.",
+        .measure_names = { "stretch max, %", "stretch mean, %", "energy lost, %" },
+        .measure_count = 3,
+        .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
+        .context = calloc( 1, sizeof( hang_scene ) ),
+        .run = run,
+        .destroy = destroy
+    };
     if ( !out->settings || !out->context )
     {
         free( out->settings );
@@ -365,13 +338,8 @@ wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a hanging cloth" );
     }
     hang_scene* own = out->context;
-    own->truth_substeps = ( seconds < LONG_SECONDS ? 8 : 16 ) * SUBSTEPS_MOST;
-    snprintf( out->truth, sizeof( out->truth ),
-              "the same sheet of %d x %d vertices by xpbd in double precision with %d substeps of one pass, at %d "
-              "looks within %.1f s",
-              FINEST, FINEST, own->truth_substeps, scenario_path_looks( &fall ), FALL_STEPS * (double)CLOTH_STEP );
     const wisp_status status = fill( out, error );
-    out->doubt = 1e3 * own->doubt;
+    accuracy_describe_truth( &own->truth, 1e3, out );
     if ( status != WISP_OK )
     {
         destroy( out->context );

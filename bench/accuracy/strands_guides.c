@@ -1,20 +1,10 @@
 // Guides and ghosts against simulating all: what fewer guides miss on a head that is shaken, beside what fewer substeps of all
 // strands miss for the same time.
 #include "scene_tools.h"
-#include "strands_head.h"
+#include "strands_guides.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
-
-#define SHAKE_STEPS 45
-#define SHAKE_LOOK 5
-#define SHAKE_LOOKS ( SHAKE_STEPS / SHAKE_LOOK )
-#define SHAKE_VERTICES 20
-#define TRUTH_SUBSTEPS 80
-#define FEW_SIDE 12 // strands along an edge, multiples of 4
-#define MANY_SIDE 24
-#define FULL_SECONDS 15.0
 
 typedef struct shake_way
 {
@@ -31,7 +21,7 @@ static const int ratios[RATIOS] = { 1, 4, 16 };
 typedef struct shakes
 {
     strands_shape hair, guides[RATIOS];
-    wisp_vec3* path; // [SHAKE_LOOKS][vertex_count] of all strands with many substeps
+    accuracy_truth truth; // of all strands
     shake_way ways[WAYS_MAX];
 } shakes;
 
@@ -64,28 +54,38 @@ static hair_head_recipe make_recipe( const shakes* all, const shake_way* way, in
     return recipe;
 }
 
-static wisp_status find_path( shakes* all, wisp_error* error )
+// ---- truth ----
+
+wisp_status shake_make_hair( strands_shape* out, wisp_error* error )
 {
-    const shake_way way = { .targets = 1, .substeps = TRUTH_SUBSTEPS };
-    const hair_head_recipe recipe = make_recipe( all, &way, 1 );
-    const size_t count = (size_t)strands_shape_size( &all->hair );
-    hair_head head = { 0 };
-    all->path = malloc( SHAKE_LOOKS * count * sizeof( wisp_vec3 ) );
-    wisp_status status = all->path
-                             ? hair_head_create( &recipe, &head, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for the path of %zu vertices", count );
-    for ( int s = 1; s <= SHAKE_STEPS && status == WISP_OK; ++s )
-    {
-        const wisp_vec3* points = NULL;
-        status = hair_head_step( &head, error );
-        status = status == WISP_OK ? hair_head_points( &head, &points, error ) : status;
-        if ( status == WISP_OK && s % SHAKE_LOOK == 0 )
-        {
-            memcpy( all->path + (size_t)( s / SHAKE_LOOK - 1 ) * count, points, count * sizeof( wisp_vec3 ) );
-        }
-    }
-    hair_head_destroy( &head );
-    return status;
+    return hair_head_make_hair( SHAKE_SIDE, SHAKE_VERTICES, out, error );
+}
+
+int shake_seen_vertex( int place )
+{
+    return SHAKE_STRIDE * ( place / SHAKE_SEEN_VERTICES ) * SHAKE_VERTICES + 2 * ( place % SHAKE_SEEN_VERTICES ) + 1;
+}
+
+accuracy_truth strands_guides_truth( const strands_shape* hair )
+{
+    const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    accuracy_truth truth = { .scene = "strands_guides",
+                             .number_count = 3 * SHAKE_LOOKS * SHAKE_SEEN * SHAKE_SEEN_VERTICES };
+    const wisp_rigid turned = hair_head_pose( 0.5 );
+    accuracy_truth_put( &truth, "strands", hair->strand_count );
+    accuracy_truth_put( &truth, "vertices a strand", hair->vertices );
+    accuracy_truth_put( &truth, "line density, kg/m", (double)def.line_density );
+    accuracy_truth_put( &truth, "rigidity of bending, N m2", (double)def.bend_rigidity );
+    accuracy_truth_put( &truth, "rigidity of twist, N m2", (double)def.twist_rigidity );
+    accuracy_truth_put( &truth, "damping, 1/s", (double)def.damping );
+    accuracy_truth_put( &truth, "gravity, m/s2", -(double)def.gravity.y );
+    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)STRANDS_STEP );
+    accuracy_truth_put( &truth, "steps between looks", SHAKE_LOOK );
+    accuracy_truth_put( &truth, "looks", SHAKE_LOOKS );
+    accuracy_truth_put( &truth, "head after 0.5 s, m", (double)turned.translation.x );
+    accuracy_truth_put( &truth, "head after 0.5 s, half sine", (double)turned.rotation.y );
+    accuracy_truth_put_start( &truth, hair->points, strands_shape_size( hair ) );
+    return truth;
 }
 
 // ---- a run ----
@@ -107,15 +107,17 @@ typedef struct shake_tally
 
 static wisp_status look( const shakes* all, hair_head* head, shake_tally* tally, wisp_error* error )
 {
-    const int count = strands_shape_size( &all->hair );
-    const wisp_vec3* truth = all->path + (size_t)( head->steps / SHAKE_LOOK - 1 ) * (size_t)count;
+    const int count = SHAKE_SEEN * SHAKE_SEEN_VERTICES;
+    const double* truth = all->truth.numbers + (size_t)( 3 * ( head->steps / SHAKE_LOOK - 1 ) * count );
     const wisp_vec3* points = NULL;
     const wisp_status status = hair_head_points( head, &points, error );
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    for ( int i = 0; i < count && status == WISP_OK; ++i, truth += 3 )
     {
-        const double distance = strands_rms_distance( points + i, truth + i, 1 );
-        tally->squares += distance * distance / ( (double)count * SHAKE_LOOKS );
-        tally->farthest = fmax( tally->farthest, distance );
+        const wisp_vec3 p = points[shake_seen_vertex( i )];
+        const double x = (double)p.x - truth[0], y = (double)p.y - truth[1], z = (double)p.z - truth[2];
+        const double squared = x * x + y * y + z * z;
+        tally->squares += squared / ( (double)count * SHAKE_LOOKS );
+        tally->farthest = fmax( tally->farthest, sqrt( squared ) );
     }
     tally->stretch += status == WISP_OK ? strands_measure_stretch( &all->hair, points ).mean / SHAKE_LOOKS : 0.0;
     return status;
@@ -193,7 +195,7 @@ static void destroy_shakes( void* context )
     {
         strands_shape_free( &all->guides[i] );
     }
-    free( all->path );
+    accuracy_truth_free( &all->truth );
     free( all );
 }
 
@@ -201,7 +203,7 @@ wisp_status accuracy_strands_guides( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    const int side = seconds < FULL_SECONDS ? FEW_SIDE : MANY_SIDE;
+    (void)seconds; // its truth is of this many strands
     shakes* all = calloc( 1, sizeof( shakes ) );
     *out = ( accuracy_scene ){
         .error_name = "distance to all simulated",
@@ -212,25 +214,23 @@ wisp_status accuracy_strands_guides( const bench_options* options, double second
         .run = run_shake,
         .destroy = destroy_shakes,
     };
-    snprintf( out->truth, sizeof( out->truth ),
-              "all %d strands simulated with %d substeps; root mean square over all vertices and %d looks at a head "
-              "that is shaken",
-              side * side, TRUTH_SUBSTEPS, SHAKE_LOOKS );
     if ( !all )
     {
         return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for heads that are shaken" ) );
     }
-    wisp_status status = hair_head_make_hair( side, SHAKE_VERTICES, &all->hair, error );
+    wisp_status status = shake_make_hair( &all->hair, error );
     for ( int i = 0; i < RATIOS && status == WISP_OK; ++i )
     {
         status = hair_head_make_guides( &all->hair, ratios[i], &all->guides[i], error );
     }
-    status = status == WISP_OK ? find_path( all, error ) : status;
+    const accuracy_truth wanted = status == WISP_OK ? strands_guides_truth( &all->hair ) : ( accuracy_truth ){ 0 };
+    status = status == WISP_OK ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &all->truth, error ) : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {
         return accuracy_abandon( out, status );
     }
+    accuracy_describe_truth( &all->truth, 1e3, out );
     put_all( out );
     put_ratios( out, "ghosts sway", ( shake_way ){ .targets = 1, .substeps = 10, .sways = true } );
     put_ratios( out, "ghosts as guides", ( shake_way ){ .targets = 1, .substeps = 10 } );

@@ -1,8 +1,6 @@
 // Strands let go horizontally: what every way to keep their lengths costs, and what it makes of the fall.
 #include "scene_tools.h"
-#include "strands_bench.h"
-
-#include "oracle/strand_oracle.h"
+#include "strands_swing.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +11,6 @@
 #define FULL_SECONDS 15.0
 #define MANY_STRANDS 1024
 #define FEW_STRANDS 256
-#define TRUTH_SUBSTEPS 2560 // of each 1/60 s
 // A hair of 80 um of 4 GPa: so stiff is a segment that stretches.
 #define HAIR_STRETCH 20.1 // N
 
@@ -83,48 +80,48 @@ static strands_recipe make_recipe( const fall* f, const fall_way* way, int worke
 
 // ---- truth ----
 
-static void fall_in_double( int substeps, double3* out )
+accuracy_truth strands_swing_truth( void )
 {
-    strand_oracle strand;
-    double3 points[STRANDS_VERTICES];
-    for ( int v = 0; v < STRANDS_VERTICES; ++v )
-    {
-        points[v] = ( double3 ){ (double)STRANDS_SPACING * v, 0.0, 0.0 };
-    }
-    strand_oracle_shape( &strand, points, STRANDS_VERTICES );
-    strand_oracle_weigh( &strand, (double)wisp_default_strand_dynamics_def().line_density, true );
-    const strand_oracle_settings settings = strand_oracle_default_settings( (double)STRANDS_STEP / substeps );
-    for ( int s = 0; s < STRANDS_TRUTH_STEPS * substeps; ++s )
-    {
-        strand_oracle_substep( &strand, &settings, NULL );
-    }
-    for ( int v = 0; v < STRANDS_VERTICES; ++v )
-    {
-        out[v] = strand.position[v];
-    }
+    accuracy_truth truth = { .scene = "strands_swing", .number_count = 2 * STRANDS_VERTICES };
+    accuracy_truth_put( &truth, "vertices", STRANDS_VERTICES );
+    accuracy_truth_put( &truth, "segment, m", (double)STRANDS_SPACING );
+    accuracy_truth_put( &truth, "gravity, m/s2", STRANDS_GRAVITY );
+    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)STRANDS_STEP );
+    accuracy_truth_put( &truth, "steps", STRANDS_TRUTH_STEPS );
+    return truth;
 }
 
-// The error falls with the substep, so what twice the substeps change is what is still missing. All strands fall alike,
-// each in the plane of its own direction.
-static wisp_status converge( fall* f, wisp_error* error )
+// Every strand in the direction in which it began.
+static wisp_status lay_truth( fall* f, const double* numbers, wisp_error* error )
 {
-    double3 coarse[STRANDS_VERTICES], fine[STRANDS_VERTICES];
     f->truth = malloc( (size_t)strands_shape_size( &f->shape ) * sizeof( wisp_vec3 ) );
     if ( !f->truth )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a converged run" );
     }
-    fall_in_double( TRUTH_SUBSTEPS / 2, coarse );
-    fall_in_double( TRUTH_SUBSTEPS, fine );
+    const double length = (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 );
     for ( int i = 0; i < strands_shape_size( &f->shape ); ++i )
     {
         const int v = i % STRANDS_VERTICES, tip = i - v + STRANDS_VERTICES - 1;
-        const double3 p = double3_sub( double3_scale( 2.0, fine[v] ), coarse[v] );
-        const double length = (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 );
-        f->truth[i] = ( wisp_vec3 ){ (float)( p.x / length * (double)f->shape.points[tip].x ), (float)p.y,
-                                     (float)( p.x / length * (double)f->shape.points[tip].z ) };
+        const double along = numbers[2 * v] / length, up = numbers[2 * v + 1];
+        f->truth[i] = ( wisp_vec3 ){ (float)( along * (double)f->shape.points[tip].x ), (float)up,
+                                     (float)( along * (double)f->shape.points[tip].z ) };
     }
     return WISP_OK;
+}
+
+static wisp_status read_truth( fall* f, accuracy_scene* out, wisp_error* error )
+{
+    const accuracy_truth wanted = strands_swing_truth();
+    accuracy_truth truth;
+    wisp_status status = accuracy_truth_read( accuracy_truth_folder(), &wanted, &truth, error );
+    if ( status == WISP_OK )
+    {
+        accuracy_describe_truth( &truth, 1e3, out );
+        status = lay_truth( f, truth.numbers, error );
+        accuracy_truth_free( &truth );
+    }
+    return status;
 }
 
 // ---- a run ----
@@ -243,18 +240,13 @@ wisp_status accuracy_strands_swing( const bench_options* options, double seconds
         .run = run_fall,
         .destroy = destroy_fall,
     };
-    snprintf( out->truth, sizeof( out->truth ),
-              "the direct solve in double precision with %d and %d substeps, extrapolated; root mean square over all "
-              "vertices of strands of %.2f m after %.2f s",
-              TRUTH_SUBSTEPS / 2, TRUTH_SUBSTEPS, (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 ),
-              STRANDS_TRUTH_STEPS * (double)STRANDS_STEP );
     if ( !f )
     {
         return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for strands that fall" ) );
     }
     wisp_status status =
         strands_shape_make_horizontal( seconds < FULL_SECONDS ? FEW_STRANDS : MANY_STRANDS, &f->shape, error );
-    status = status == WISP_OK ? converge( f, error ) : status;
+    status = status == WISP_OK ? read_truth( f, out, error ) : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {

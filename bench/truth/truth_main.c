@@ -1,5 +1,6 @@
 // Makes the truth files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate, the finer one is
-// kept, with the distance between the two beside every look.
+// kept, with the distance between the two beside every look. Then those of `wisp bench accuracy`.
+#include "accuracy_truths.h"
 #include "truth_run.h"
 
 #include <stdio.h>
@@ -17,7 +18,8 @@ typedef struct truth_arguments
 
 static const char usage[] =
     "usage: wisp_truth [--scene NAME] [--rate N] [--rest-rate N] [--no-rest] [--euler] FOLDER\n"
-    "Write FOLDER/NAME.truth for every scene of the comparison, or for one.\n"
+    "Write FOLDER/NAME.truth for every scene of the comparison and of the case accuracy that has no closed form,\n"
+    "or for one. Options but --scene are of the comparison.\n"
     "  --rate N       steps a second in the window, default 16000 with a ball and 8000 without;\n"
     "                 the other run has half of it\n"
     "  --rest-rate N  and after it, default 400\n"
@@ -128,6 +130,77 @@ static wisp_status make( const truth_arguments* arguments, compare_scenario scen
     return status;
 }
 
+// ---- the case accuracy ----
+
+typedef struct accuracy_item
+{
+    const char* name;
+    accuracy_truth_fn* make;
+} accuracy_item;
+
+static const accuracy_item accuracy_items[] = {
+    { "hanging_cloth", truth_of_hanging_cloth },   { "flag", truth_of_flag },
+    { "balloon_flight", truth_of_balloon_flight }, { "balloon_meshes", truth_of_balloon_meshes },
+    { "strands_swing", truth_of_strands_swing },   { "strands_guides", truth_of_strands_guides },
+    { "frozen_clumps", truth_of_frozen_clumps },
+};
+
+static wisp_status make_accuracy( const truth_arguments* arguments, const accuracy_item* item, wisp_error* error )
+{
+    accuracy_truth truth = { .numbers = NULL };
+    const double begin = wisp_clock_seconds();
+    wisp_status status = item->make( &truth, error );
+    status = status == WISP_OK ? accuracy_truth_write( &truth, arguments->folder, error ) : status;
+    accuracy_truth_free( &truth );
+    printf( "%s: %.1f s\n", item->name, wisp_clock_seconds() - begin );
+    fflush( stdout );
+    return status;
+}
+
+// ---- the program ----
+
+static bool is_chosen( const truth_arguments* arguments, const char* name )
+{
+    return !arguments->scene || strcmp( arguments->scene, name ) == 0;
+}
+
+static int fail( const char* name, const wisp_error* error )
+{
+    fprintf( stderr, "wisp_truth: %s: %s\n", name, error->sentence );
+    return 1;
+}
+
+static int make_chosen( const truth_arguments* arguments )
+{
+    wisp_error error = { 0 };
+    int count = 0;
+    for ( int scenario = 0; scenario < COMPARE_SCENARIO_COUNT; ++scenario )
+    {
+        const char* name = compare_physics_of( (compare_scenario)scenario ).name;
+        const bool chosen = is_chosen( arguments, name );
+        count += chosen;
+        if ( chosen && make( arguments, (compare_scenario)scenario, &error ) != WISP_OK )
+        {
+            return fail( name, &error );
+        }
+    }
+    for ( int i = 0; i < WISP_COUNT( accuracy_items ); ++i )
+    {
+        const bool chosen = is_chosen( arguments, accuracy_items[i].name );
+        count += chosen;
+        if ( chosen && make_accuracy( arguments, &accuracy_items[i], &error ) != WISP_OK )
+        {
+            return fail( accuracy_items[i].name, &error );
+        }
+    }
+    if ( count == 0 )
+    {
+        fprintf( stderr, "wisp_truth: there is no scene '%s' that has a truth to be made\n", arguments->scene );
+        return 64;
+    }
+    return 0;
+}
+
 int main( int argc, char** argv )
 {
     truth_arguments arguments;
@@ -136,19 +209,5 @@ int main( int argc, char** argv )
         fputs( usage, stderr );
         return 64;
     }
-    for ( int scenario = 0; scenario < COMPARE_SCENARIO_COUNT; ++scenario )
-    {
-        wisp_error error = { 0 };
-        const char* name = compare_physics_of( (compare_scenario)scenario ).name;
-        if ( arguments.scene && strcmp( arguments.scene, name ) != 0 )
-        {
-            continue;
-        }
-        if ( make( &arguments, (compare_scenario)scenario, &error ) != WISP_OK )
-        {
-            fprintf( stderr, "wisp_truth: %s: %s\n", name, error.sentence );
-            return 1;
-        }
-    }
-    return 0;
+    return make_chosen( &arguments );
 }

@@ -1,0 +1,40 @@
+/// The flag of the scene `flag`, for the scene itself and for bench/truth.
+#pragma once
+
+#include "accuracy_truth.h"
+
+#include "cloth/cloth.h"
+#include "mesh.h"
+#include "wisp/fabric.h"
+
+#define FLAG_DENSITY 0.12f // kg/m^2
+#define FLAG_GRAVITY 9.81f
+
+enum
+{
+    FLAG_COLUMNS = 31,
+    FLAG_ROWS = 21,
+    FLAG_VERTICES = FLAG_COLUMNS * FLAG_ROWS,
+    FLAG_EARLY_STEPS = 12, // 0.2 s: flapping is chaotic, so the path is compared only before it
+    FLAG_LOOK_STEPS = 2,
+    FLAG_LOOKS = FLAG_EARLY_STEPS / FLAG_LOOK_STEPS,
+    FLAG_STEPS = 60, // averages are of the steps behind the early ones
+    FLAG_PATH = 3 * FLAG_LOOKS * FLAG_VERTICES,
+};
+
+/// A flag before anything moves.
+typedef struct flag_body
+{
+    wisp_mesh mesh;
+    wisp_fabric* fabric;
+    int32_t pins[FLAG_ROWS];
+} flag_body;
+
+/// @param out also after a failure to be given to flag_free()
+wisp_status flag_make( flag_body* out, wisp_error* error );
+void flag_free( flag_body* body );
+/// What it is made of, with bending by angle, without tethers and levels.
+wisp_cloth_def flag_cloth( void );
+
+/// Scene, facts and size of the truth: [looks][vertices][3] m, and J, the mean kinetic energy behind the path.
+accuracy_truth flag_truth( const flag_body* body );

@@ -1,0 +1,28 @@
+/// The sheet of the scene `hanging_cloth`, for the scene itself and for bench/truth.
+#pragma once
+
+#include "accuracy_truth.h"
+
+#include "cloth_scene.h"
+
+#define HANGING_CLOTH_DENSITY 0.2f       // kg/m^2
+#define HANGING_CLOTH_EDGE_STIFFNESS 1e3 // N/m, of every edge
+
+enum
+{
+    HANGING_CLOTH_MESHES = 4,
+    HANGING_CLOTH_STEPS = 24, // 0.4 s: what has fallen folds, and folds are chaotic
+    HANGING_CLOTH_LOOK_STEPS = 4,
+    HANGING_CLOTH_LOOKS = HANGING_CLOTH_STEPS / HANGING_CLOTH_LOOK_STEPS,
+    HANGING_CLOTH_PLACES = 33, // a side, at which it is compared: every second vertex of the finest mesh
+};
+
+/// Vertices a side; coarser meshes have every second, fourth or eighth of the finest one's.
+extern const int hanging_cloth_sizes[HANGING_CLOTH_MESHES];
+double hanging_cloth_spacing( int mesh );
+/// m/N, of a cross link: the same sheet on every mesh.
+double hanging_cloth_bend_compliance( int mesh );
+wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error );
+
+/// Scene, facts and size of the truth, [looks][places][places][3] m. @param finest the last mesh
+accuracy_truth hanging_cloth_truth( const cloth_scene* finest );
