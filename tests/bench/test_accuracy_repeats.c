@@ -1,0 +1,120 @@
+// What `wisp bench accuracy` writes, whose path is the first argument, is the same in every run but for its times: bits of
+// errors, measures and hashes do not depend on when, how long and with how many workers it runs.
+#include "../app/program_fixture.h"
+
+#include <jansson.h>
+
+// A scene that is cheap, and whose truth is stored.
+#define RUN "bench accuracy --quick --scene balloon_flight --format json "
+
+// Of a row: the only keys that tell when it ran, and how many times there was time for.
+static const char* const time_keys[] = { "ms_median", "ms_p10", "ms_p90", "stages", "steps" };
+
+static json_t* results_of( const char* command, const char* path )
+{
+    char words[256];
+    json_error_t cause;
+    snprintf( words, sizeof( words ), "%s --output %s", command, path );
+    run( words );
+    assert_int_equal( result.status, 0 );
+    json_t* root = json_load_file( path, JSON_REJECT_DUPLICATES, &cause );
+    if ( !root )
+    {
+        fail_msg( "%s:%d: %s", path, cause.line, cause.text );
+    }
+    return root;
+}
+
+// A row as text, without its times.
+static char* row_text( const json_t* row )
+{
+    json_t* copy = json_deep_copy( row );
+    for ( int i = 0; i < WISP_COUNT( time_keys ); ++i )
+    {
+        // a row that has lost one of them has another schema, and this test looks past something
+        assert_int_equal( json_object_del( copy, time_keys[i] ), 0 );
+    }
+    char* text = json_dumps( copy, JSON_SORT_KEYS | JSON_REAL_PRECISION( 17 ) );
+    json_decref( copy );
+    assert_non_null( text );
+    return text;
+}
+
+static void expect_same_row( const json_t* a, const json_t* b )
+{
+    char *one = row_text( a ), *other = row_text( b );
+    assert_string_equal( one, other );
+    free( one );
+    free( other );
+}
+
+static const json_t* rows_of( const json_t* root )
+{
+    const json_t* rows = json_object_get( root, "rows" );
+    assert_true( json_array_size( rows ) >= 20 );
+    return rows;
+}
+
+/// Three runs: shortly and long enough for several rounds with two workers, and shortly with one.
+static struct
+{
+    json_t *first, *longer, *alone;
+} seen;
+
+static int run_all( void** state )
+{
+    const int status = enter_new_folder( state );
+    seen.first = results_of( RUN "--seconds 0.01 --workers 2", "first.json" );
+    seen.longer = results_of( RUN "--seconds 3 --workers 2", "longer.json" );
+    seen.alone = results_of( RUN "--seconds 0.01 --workers 1", "alone.json" );
+    return status;
+}
+
+static int forget_all( void** state )
+{
+    json_decref( seen.first );
+    json_decref( seen.longer );
+    json_decref( seen.alone );
+    return leave_folder( state );
+}
+
+static void two_runs_differ_in_times_alone( void** state )
+{
+    (void)state;
+    const json_t *a = rows_of( seen.first ), *b = rows_of( seen.longer );
+    assert_int_equal( json_array_size( a ), json_array_size( b ) );
+    for ( size_t i = 0; i < json_array_size( a ); ++i )
+    {
+        expect_same_row( json_array_get( a, i ), json_array_get( b, i ) );
+    }
+}
+
+static void workers_change_nothing_but_times( void** state )
+{
+    (void)state;
+    const json_t *a = rows_of( seen.first ), *b = rows_of( seen.alone );
+    assert_int_equal( json_array_size( a ), 2 * json_array_size( b ) );
+    for ( size_t i = 0; i < json_array_size( b ); ++i )
+    {
+        // the rows of a setting stand one below the other, by workers
+        json_t* of_two = json_array_get( a, 2 * i + 1 );
+        expect_same_row( json_array_get( a, 2 * i ), json_array_get( b, i ) );
+        assert_int_equal( json_integer_value( json_object_get( of_two, "workers" ) ), 2 );
+        json_object_set_new( of_two, "workers", json_integer( 1 ) );
+        expect_same_row( of_two, json_array_get( b, i ) );
+    }
+}
+
+int main( int argc, char** argv )
+{
+    if ( argc != 2 || !realpath( argv[1], program ) )
+    {
+        fputs( "usage: test_accuracy_repeats PROGRAM\n", stderr );
+        return 64;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( two_runs_differ_in_times_alone ),
+        cmocka_unit_test( workers_change_nothing_but_times ),
+    };
+    return cmocka_run_group_tests_name( "bench accuracy repeats", tests, run_all, forget_all );
+}
