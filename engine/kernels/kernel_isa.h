@@ -43,6 +43,7 @@ void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end
 void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end );
 void KERNEL( push )( const wisp_push_job* job, int begin, int end );
 void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );
+int KERNEL( first_beyond )( const wisp_bound_job* job, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end );
 void KERNEL( predict )( const wisp_particle_job* job, int begin, int end );
 void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end );

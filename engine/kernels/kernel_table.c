@@ -38,6 +38,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .accelerate = KERNEL( accelerate ),
     .predict = KERNEL( predict ),
     .velocity = KERNEL( velocity ),
+    .first_beyond = KERNEL( first_beyond ),
     .strand_predict = KERNEL( strand_predict ),
     .strand_velocity = KERNEL( strand_velocity ),
     .strand_damp = KERNEL( strand_damp ),

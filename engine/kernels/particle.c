@@ -60,64 +60,145 @@ void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end )
     }
 }
 
-// A long-range attachment only ever pulls (Kim, Chentanez and Mueller-Fischer 2012): p moves onto the sphere of the
-// distance along the mesh when it has left it.
-void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
+// x, y and z of a row of two particles without their signs, and a 0 for each fourth number, which may be anything.
+LANE_INLINE lane8 magnitudes( const float* row )
 {
-    const lane8 slack = lane8_set1( job->slack ), zero = lane8_zero();
+    static const int32_t MASK[8] = { INT32_MAX, INT32_MAX, INT32_MAX, 0, INT32_MAX, INT32_MAX, INT32_MAX, 0 };
+    return lane8_cast_float( lane8i_and( lane8_cast_int( lane8_load( row ) ), lane8i_loadu( MASK ) ) );
+}
+
+// A NaN is not below any bound. Eight particles are looked at together; only where they fail, which is once in the life
+// of an entity, are they told apart.
+int KERNEL( first_beyond )( const wisp_bound_job* job, int begin, int end )
+{
+    const lane8 bound = lane8_set1( job->bound );
     for ( int slot = begin; slot < end; slot += 8 )
     {
-        float* quads = job->position + (size_t)slot * 4;
-        lane8v p, a;
-        lane8 w, anchor_w;
-        lane8_load_xyzw_contiguous( quads, &p.x, &p.y, &p.z, &w );
-        lane8_load_xyzw( job->position, job->anchor4 + slot, &a.x, &a.y, &a.z, &anchor_w );
-        lane8v d = lane8v_sub( p, a );
-        lane8 length = lane8v_length( d );
-        lane8 longest = lane8_mul( lane8_loadu( job->rest + slot ), slack );
-        lane8m pulls =
-            lane8m_and( lane8_lt( longest, length ), lane8m_and( lane8_lt( zero, w ), lane8_eq( anchor_w, zero ) ) );
-        // its own anchor, at distance 0, pads
-        pulls = lane8m_and( pulls, lane8_lt( zero, longest ) );
-        if ( lane8m_any( pulls ) == false )
+        lane8m within[4];
+        for ( int r = 0; r < 4; ++r )
+        {
+            size_t row = (size_t)slot * 4 + (size_t)r * 8;
+            within[r] = lane8m_and( lane8_le( magnitudes( job->position + row ), bound ),
+                                    lane8_le( magnitudes( job->velocity + row ), bound ) );
+        }
+        if ( lane8m_all( lane8m_and( lane8m_and( within[0], within[1] ), lane8m_and( within[2], within[3] ) ) ) )
         {
             continue;
         }
-        lane8 keep = lane8_div( longest, lane8_select( pulls, length, lane8_set1( 1.0f ) ) );
-        lane8v there = lane8v_mul_add( a, keep, d );
-        _Alignas( 64 ) float moved[32];
-        lane8_store_xyzw_contiguous( moved, there.x, there.y, there.z, w );
+        uint32_t bits = 0;
+        for ( int r = 0; r < 4; ++r )
+        {
+            bits |= ( lane8m_bits( within[r] ) & 0xffu ) << ( 8 * r );
+        }
+        return slot + __builtin_ctz( ~bits ) / 4;
+    }
+    return end;
+}
+
+typedef struct tethered
+{
+    lane8v place;
+    lane8 weight;  // inverse mass
+    uint32_t bits; // of the lanes that were pulled
+} tethered;
+
+// Neighbours mostly hang on the same attachment, which is then read once.
+LANE_INLINE void load_anchors( const float* position, const int32_t* anchor4, lane8v* place, lane8* weight )
+{
+    const lane8i all = lane8i_loadu( anchor4 );
+    if ( lane8m_all( lane8i_eq( all, lane8i_set1( anchor4[0] ) ) ) )
+    {
+        const float* quad = position + anchor4[0];
+        *place = ( lane8v ){ lane8_set1( quad[0] ), lane8_set1( quad[1] ), lane8_set1( quad[2] ) };
+        *weight = lane8_set1( quad[3] );
+        return;
+    }
+    lane8_load_xyzw( position, anchor4, &place->x, &place->y, &place->z, weight );
+}
+
+// A long-range attachment only ever pulls (Kim, Chentanez and Mueller-Fischer 2012): p moves onto the sphere of the
+// distance along the mesh when it has left it.
+LANE_INLINE void pull( const wisp_tether_job* job, size_t tether, tethered* p )
+{
+    const lane8 zero = lane8_zero();
+    lane8v a;
+    lane8 anchor_weight;
+    load_anchors( job->position, job->anchor4 + tether, &a, &anchor_weight );
+    lane8v d = lane8v_sub( p->place, a );
+    lane8 length = lane8v_length( d );
+    lane8 longest = lane8_mul( lane8_loadu( job->rest + tether ), lane8_set1( job->slack ) );
+    lane8m pulls = lane8m_and( lane8_lt( longest, length ),
+                               lane8m_and( lane8_lt( zero, p->weight ), lane8_eq( anchor_weight, zero ) ) );
+    // its own anchor, at distance 0, pads
+    pulls = lane8m_and( pulls, lane8_lt( zero, longest ) );
+    // who is pulled changes from eight to eight, so a quotient in vain costs less than a branch that nobody foresees
+    lane8 keep = lane8_div( longest, lane8_select( pulls, length, lane8_set1( 1.0f ) ) );
+    p->place = lane8v_select( pulls, lane8v_mul_add( a, keep, d ), p->place );
+    p->bits |= lane8m_bits( pulls );
+}
+
+void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
+{
+    const wisp_tether_job mine = *job;
+    for ( int slot = begin; slot < end; slot += 8 )
+    {
+        float* quads = mine.position + (size_t)slot * 4;
+        tethered p = { .bits = 0 };
+        lane8_load_xyzw_contiguous( quads, &p.place.x, &p.place.y, &p.place.z, &p.weight );
+        for ( int layer = 0; layer < mine.layer_count; ++layer )
+        {
+            pull( &mine, (size_t)layer * (size_t)mine.slot_count + (size_t)slot, &p );
+        }
 
         // Only what moves is written: other workers read the anchors among these slots.
-        uint32_t bits = lane8m_bits( pulls );
-        for ( size_t lane = 0; lane < 8; ++lane )
+        if ( ( p.bits & 0xffu ) == 0xffu )
         {
-            if ( ( bits >> lane & 1 ) != 0 )
+            lane8_store_xyzw_contiguous( quads, p.place.x, p.place.y, p.place.z, p.weight );
+        }
+        else if ( p.bits != 0 )
+        {
+            _Alignas( 64 ) float moved[32];
+            lane8_store_xyzw_contiguous( moved, p.place.x, p.place.y, p.place.z, p.weight );
+            for ( uint32_t bits = p.bits & 0xffu; bits != 0; bits &= bits - 1 )
             {
+                size_t lane = (size_t)__builtin_ctz( bits );
                 memcpy( quads + 4 * lane, moved + 4 * lane, 4 * sizeof( float ) );
             }
         }
     }
 }
 
+// Children and parents as four rows of two quads, so that nothing is transposed. Few children have as many parents as
+// there is room for, and a row of weights that are all 0 adds nothing.
 void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end )
 {
+    const wisp_prolong_job mine = *job;
     for ( int slice = begin; slice < end; ++slice )
     {
-        const int32_t* child4 = job->child4 + (size_t)slice * 8;
-        lane8v sum = { lane8_zero(), lane8_zero(), lane8_zero() };
+        const int32_t* child4 = mine.child4 + (size_t)slice * 8;
+        lane8 sum[4] = { lane8_zero(), lane8_zero(), lane8_zero(), lane8_zero() };
         for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
         {
             size_t row = ( (size_t)slice * WISP_FABRIC_PARENTS + (size_t)k ) * 8;
-            lane8v now, before;
-            lane8_load_xyz( job->position, job->parent4 + row, &now.x, &now.y, &now.z );
-            lane8_load_xyz( job->before, job->parent4 + row, &before.x, &before.y, &before.z );
-            sum = lane8v_mul_add( sum, lane8_loadu( job->weight + row ), lane8v_sub( now, before ) );
+            lane8 weight = lane8_loadu( mine.weight + row );
+            if ( lane8m_all( lane8_eq( weight, lane8_zero() ) ) )
+            {
+                continue;
+            }
+            lane8 weights[4], parents[4];
+            lane8_spread_xyz( weight, weights );
+            lane8_load_quads( mine.moved, mine.parent4 + row, parents );
+            for ( int r = 0; r < 4; ++r )
+            {
+                sum[r] = lane8_mul_add( weights[r], parents[r], sum[r] );
+            }
         }
-        lane8v p;
-        lane8 w;
-        lane8_load_xyzw( job->position, child4, &p.x, &p.y, &p.z, &w );
-        lane8v there = lane8v_select( lane8_lt( lane8_zero(), w ), lane8v_add( p, sum ), p );
-        lane8_store_xyzw( job->position, child4, there.x, there.y, there.z, w );
+        lane8 p[4];
+        lane8_load_quads( mine.position, child4, p );
+        for ( int r = 0; r < 4; ++r )
+        {
+            p[r] = lane8_select( moves( p[r] ), lane8_add( p[r], sum[r] ), p[r] );
+        }
+        lane8_store_quads( mine.position, child4, p );
     }
 }

@@ -33,13 +33,12 @@ static void project_tethers( wisp_frame* frame, const wisp_span* span, void* use
     tether_loop loop = { .kernels = wisp_frame_kernels( frame ) };
     loop.job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     loop.job.slack = *(float*)wisp_frame_column( frame, span->entity, WISP_SURFACE_TETHERS, 0 );
-    for ( int layer = 0; layer < fabric->tether_count; ++layer )
-    {
-        loop.job.anchor4 = fabric->tether4 + (size_t)layer * (size_t)fabric->slot_count;
-        loop.job.rest = fabric->tether_rest + (size_t)layer * (size_t)fabric->slot_count;
-        wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->slot_count / 8, SLOT_GRAIN / 8, run_tethers,
-                           &loop );
-    }
+    loop.job.anchor4 = fabric->tether4;
+    loop.job.rest = fabric->tether_rest;
+    loop.job.layer_count = fabric->tether_count;
+    loop.job.slot_count = fabric->slot_count;
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->slot_count / 8, SLOT_GRAIN / 8, run_tethers,
+                       &loop );
 }
 
 // ---- coarse levels ----
@@ -91,6 +90,19 @@ static void remember( float* before, const float* position, const wisp_fabric_le
     }
 }
 
+// How far the vertices of a level have come by now, once for all of their children.
+static void measure( float* moved, const float* before, const float* position, const wisp_fabric_level* level )
+{
+    for ( int i = 0; i < level->vertex_count; ++i )
+    {
+        int32_t vertex4 = level->vertex4[i];
+        for ( int k = 0; k < 4; ++k )
+        {
+            moved[vertex4 + k] = position[vertex4 + k] - before[vertex4 + k];
+        }
+    }
+}
+
 static void project_levels( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -99,13 +111,15 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     int passes = *(int32_t*)wisp_frame_column( frame, span->entity, WISP_SURFACE_LEVELS, 0 );
-    float* before = wisp_parallel_scratch( parallel, span->worker, (size_t)fabric->slot_count * 4 * sizeof( float ) );
+    const size_t numbers = (size_t)fabric->slot_count * 4;
+    float* before = wisp_parallel_scratch( parallel, span->worker, 2 * numbers * sizeof( float ) );
     if ( before == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the coarse levels of %d particles",
                          fabric->slot_count );
         return;
     }
+    float* moved = before + numbers;
     // the finest coarse level holds the vertices of all levels
     if ( fabric->level_count > 0 )
     {
@@ -121,8 +135,9 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
         {
             project_level( parallel, &level->schedule, &links );
         }
+        measure( moved, before, position, level );
         prolong_loop children = {
-            { position, before, level->child4, level->parent4, level->weight },
+            { position, moved, level->child4, level->parent4, level->weight },
             kernels,
         };
         wisp_parallel_for( parallel, ( level->child_count + 7 ) / 8, CHILD_GRAIN, run_prolong, &children );

@@ -4,7 +4,6 @@
 
 #include "wisp/components.h"
 
-#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +13,7 @@ static const float BOUND = 1e6f;
 
 typedef struct guard_loop
 {
+    const wisp_kernels* kernels;
     float *position, *velocity;
     float *good_position, *good_velocity;
     int slot_count;
@@ -24,19 +24,12 @@ static void look( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
-    for ( int slot = begin; slot < end; ++slot )
+    const wisp_bound_job job = { loop->position, loop->velocity, BOUND };
+    int slot = loop->kernels->first_beyond( &job, begin * 8, end * 8 );
+    int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
+    while ( slot < end * 8 && slot < lowest &&
+            atomic_compare_exchange_weak( &loop->first_bad, &lowest, slot ) == false )
     {
-        const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
-        bool good = true;
-        for ( int k = 0; k < 3; ++k )
-        {
-            good = good && fabsf( p[k] ) <= BOUND && fabsf( v[k] ) <= BOUND; // false for a NaN
-        }
-        int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
-        while ( good == false && slot < lowest &&
-                atomic_compare_exchange_weak( &loop->first_bad, &lowest, slot ) == false )
-        {
-        }
     }
 }
 
@@ -44,7 +37,7 @@ static void keep( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
-    size_t first = (size_t)begin * 4, bytes = (size_t)( end - begin ) * 4 * sizeof( float );
+    size_t first = (size_t)begin * 32, bytes = (size_t)( end - begin ) * 32 * sizeof( float );
     memcpy( loop->good_position + first, loop->position + first, bytes );
     memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
 }
@@ -73,10 +66,11 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
     (void)user;
     enum
     {
-        GRAIN = 2048,
+        GRAIN = 2048 / 8, // slots in eights
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     guard_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .good_position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GOOD, 0 ),
@@ -84,14 +78,14 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
         .slot_count = wisp_frame_fabric( frame, span->entity )->slot_count,
     };
     atomic_init( &loop.first_bad, loop.slot_count );
-    wisp_parallel_for( parallel, loop.slot_count, GRAIN, look, &loop );
+    wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, look, &loop );
     if ( atomic_load( &loop.first_bad ) < loop.slot_count )
     {
         put_back( frame, span->entity, &loop );
     }
     else
     {
-        wisp_parallel_for( parallel, loop.slot_count, GRAIN, keep, &loop );
+        wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, keep, &loop );
     }
 }
 

@@ -230,10 +230,10 @@ enum
 typedef struct swarm
 {
     _Alignas( 64 ) float position[COUNT][4];
-    float previous[COUNT][4], velocity[COUNT][4], before[COUNT][4];
+    float previous[COUNT][4], velocity[COUNT][4], moved[COUNT][4];
     float gradient[COUNT / 8][3][8];
-    int32_t anchor4[COUNT];
-    float rest[COUNT];
+    int32_t anchor4[2 * COUNT];
+    float rest[2 * COUNT];
     int32_t child4[COUNT / 64][8], parent4[COUNT / 64][4][8];
     float weight[COUNT / 64][4][8];
 } swarm;
@@ -249,13 +249,17 @@ static swarm* new_swarm( void )
             s->position[i][k] = test_random_float( i, k, -1.0f, 1.0f );
             s->previous[i][k] = test_random_float( i, 3 + k, -1.0f, 1.0f );
             s->velocity[i][k] = test_random_float( i, 6 + k, -9.0f, 9.0f );
-            s->before[i][k] = test_random_float( i, 9 + k, -1.0f, 1.0f );
+            s->moved[i][k] = test_random_float( i, 9 + k, -1.0f, 1.0f );
             s->gradient[i / 8][k][i % 8] = test_random_float( i, 12 + k, -1.0f, 1.0f );
         }
         s->position[i][3] = i < 16 ? (float)( i % 2 ) : i % 5 == 0 ? 0.0f : 0.5f * (float)( i % 7 + 1 );
-        s->before[i][3] = s->previous[i][3] = s->position[i][3];
+        s->previous[i][3] = s->position[i][3];
         s->anchor4[i] = 4 * ( i < 16 || i % 11 == 0 ? i : i % 16 );
         s->rest[i] = i < 16 || i % 11 == 0 ? 0.0f : test_random_float( i, 15, 0.2f, 1.5f );
+
+        // the second layer: one anchor for eight slots, in every other slice a pinned one
+        s->anchor4[COUNT + i] = 4 * ( i / 8 % 16 );
+        s->rest[COUNT + i] = i < 16 ? 0.0f : test_random_float( i, 16, 0.2f, 1.5f );
     }
     for ( int child = 0; child < COUNT / 8; ++child )
     {
@@ -283,14 +287,21 @@ static wisp_particle_job particle_job( swarm* s )
 
 static wisp_tether_job tether_job( swarm* s )
 {
-    return ( wisp_tether_job ){ .position = s->position[0], .anchor4 = s->anchor4, .rest = s->rest, .slack = 1.125f };
+    return ( wisp_tether_job ){
+        .position = s->position[0],
+        .anchor4 = s->anchor4,
+        .rest = s->rest,
+        .layer_count = 1,
+        .slot_count = COUNT,
+        .slack = 1.125f,
+    };
 }
 
 static wisp_prolong_job prolong_job( swarm* s )
 {
     return ( wisp_prolong_job ){
         .position = s->position[0],
-        .before = s->before[0],
+        .moved = s->moved[0],
         .child4 = s->child4[0],
         .parent4 = s->parent4[0][0],
         .weight = s->weight[0][0],
@@ -306,6 +317,7 @@ static void run_all( const wisp_kernels* kernels, swarm* s )
     kernels->accelerate( &job, 0, COUNT );
     kernels->predict( &job, 0, COUNT );
     kernels->prolong( &prolong, 0, COUNT / 64 );
+    tether.layer_count = 2;
     kernels->tether( &tether, 0, COUNT );
     kernels->push( &push, 0, COUNT / 8 );
     kernels->velocity( &job, 0, COUNT );
@@ -483,6 +495,42 @@ static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
     free( start );
 }
 
+static void layers_of_tethers_pull_one_after_another( void** state )
+{
+    (void)state;
+    swarm *together = new_swarm(), *in_turn = new_swarm();
+    wisp_tether_job both = tether_job( together ), one = tether_job( in_turn );
+    both.layer_count = 2;
+    widest_table()->tether( &both, 0, COUNT );
+    widest_table()->tether( &one, 0, COUNT );
+    swarm* first = new_swarm();
+    memcpy( first, in_turn, sizeof( swarm ) );
+    one.anchor4 += COUNT;
+    one.rest += COUNT;
+    widest_table()->tether( &one, 0, COUNT );
+    assert_memory_equal( together, in_turn, sizeof( swarm ) );
+    assert_memory_not_equal( in_turn, first, sizeof( swarm ) );
+    free( together );
+    free( in_turn );
+    free( first );
+}
+
+static void a_parent_without_weight_is_not_looked_at( void** state )
+{
+    (void)state;
+    swarm *s = new_swarm(), *other = new_swarm();
+    memset( s->weight[1][2], 0, sizeof( s->weight[1][2] ) );
+    memset( other->weight[1][2], 0, sizeof( other->weight[1][2] ) );
+    memset( other->parent4[1][2], 0, sizeof( other->parent4[1][2] ) );
+    memset( other->moved[0], 0xff, sizeof( other->moved[0] ) );
+    wisp_prolong_job job = prolong_job( s ), blind = prolong_job( other );
+    widest_table()->prolong( &job, 0, COUNT / 64 );
+    widest_table()->prolong( &blind, 0, COUNT / 64 );
+    assert_memory_equal( s->position, other->position, sizeof( s->position ) );
+    free( s );
+    free( other );
+}
+
 static void children_follow_their_parents_by_weight( void** state )
 {
     (void)state;
@@ -506,18 +554,45 @@ static void children_follow_their_parents_by_weight( void** state )
             for ( int parent = 0; parent < 4 && moves && k < 3; ++parent )
             {
                 int slot = s->parent4[slice][parent][lane] / 4;
-                expected += (double)s->weight[slice][parent][lane] *
-                            ( (double)start->position[slot][k] - (double)start->before[slot][k] );
+                expected += (double)s->weight[slice][parent][lane] * (double)start->moved[slot][k];
             }
 
-            // four differences of up to two metres, whose weights sum to 1, and a sum of up to three
-            double tolerance = moves && k < 3 ? 6.0 * (double)FLT_EPSILON : 0.0;
+            // four parts of up to a metre, whose weights sum to 1, and a sum of up to two
+            double tolerance = moves && k < 3 ? 4.0 * (double)FLT_EPSILON : 0.0;
             assert_near( (double)s->position[i][k], expected, tolerance, "slot", i );
         }
     }
     assert_true( pinned > 2 );
     free( s );
     free( start );
+}
+
+// Whatever is wrong with whichever number of whichever particle.
+static void the_first_particle_beyond_the_bound_is_found( void** state )
+{
+    (void)state;
+    const float wrong[] = { NAN, INFINITY, -INFINITY, 10.5f, -10.5f };
+    const wisp_kernels* tables[MOST_TABLES];
+    int table_count = usable_tables( tables );
+    swarm* s = new_swarm();
+    const wisp_bound_job job = { s->position[0], s->velocity[0], 10.0f };
+    for ( int t = 0; t < table_count; ++t )
+    {
+        s->position[3][3] = 1e9f; // an inverse mass may be anything
+        assert_int_equal( tables[t]->first_beyond( &job, 0, COUNT ), COUNT );
+        for ( int i = 0; i < 6 * COUNT; ++i )
+        {
+            float* number = i % 6 < 3 ? &s->position[i / 6][i % 6] : &s->velocity[i / 6][i % 6 - 3];
+            const float kept = *number, later = s->velocity[COUNT - 1][2];
+            s->velocity[COUNT - 1][2] = NAN;
+            *number = wrong[i % WISP_COUNT( wrong )];
+            assert_int_equal( tables[t]->first_beyond( &job, 0, COUNT ), i / 6 );
+            assert_int_equal( tables[t]->first_beyond( &job, 0, i / 48 * 8 ), i / 48 * 8 );
+            *number = kept;
+            s->velocity[COUNT - 1][2] = later;
+        }
+    }
+    free( s );
 }
 
 int main( void )
@@ -533,7 +608,10 @@ int main( void )
         cmocka_unit_test( what_no_constraint_moved_keeps_its_velocity_to_the_last_bit ),
         cmocka_unit_test( a_push_moves_by_inverse_mass_and_gradient ),
         cmocka_unit_test( tethers_only_pull_and_only_towards_pinned_anchors ),
+        cmocka_unit_test( layers_of_tethers_pull_one_after_another ),
         cmocka_unit_test( children_follow_their_parents_by_weight ),
+        cmocka_unit_test( a_parent_without_weight_is_not_looked_at ),
+        cmocka_unit_test( the_first_particle_beyond_the_bound_is_found ),
     };
     return cmocka_run_group_tests_name( "kernels of particles", tests, NULL, NULL );
 }

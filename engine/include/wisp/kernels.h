@@ -266,20 +266,22 @@ typedef struct wisp_push_job
     float factor;
 } wisp_push_job;
 
-/// Keep particles within a distance of their attachments. Only the particle moves, and only if the attachment is pinned.
+/// Keep particles within a distance of their attachments. Only the particle moves, and only if the attachment is pinned, so
+/// that each particle may go through all layers before the next one.
 typedef struct wisp_tether_job
 {
     float* position;        ///< [slot][4]
-    const int32_t* anchor4; ///< [slot] one layer of the fabric's tethers
-    const float* rest;      ///< [slot] m
-    float slack;            ///< times the rest length, >= 1
+    const int32_t* anchor4; ///< [layer][slot_count] the fabric's tethers
+    const float* rest;      ///< [layer][slot_count] m
+    int layer_count, slot_count;
+    float slack; ///< times the rest length, >= 1
 } wisp_tether_job;
 
-/// Carry the displacement of a coarse level to its children: p += sum of weights times (p - before) of the parents.
+/// Carry the displacement of a coarse level to its children: p += sum of weights times the displacements of the parents.
 typedef struct wisp_prolong_job
 {
     float* position;        ///< [slot][4]
-    const float* before;    ///< [slot][4] where the level's vertices were before any level moved them
+    const float* moved;     ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
     const int32_t* child4;  ///< [slice][8]
     const int32_t* parent4; ///< [slice][4][8]
     const float* weight;    ///< [slice][4][8]
@@ -306,6 +308,14 @@ typedef struct wisp_particle_job
     wisp_vec3 acceleration; ///< m/s^2, of every particle that is not pinned
     float dt;               ///< s
 } wisp_particle_job;
+
+/// Are particles where and as fast as particles can be?
+typedef struct wisp_bound_job
+{
+    const float* position; ///< [slot][4] m
+    const float* velocity; ///< [slot][4] m/s
+    float bound;           ///< of the magnitude of each of their first three numbers
+} wisp_bound_job;
 
 /// Strands in time, lane = strand. Pinned vertices (weight 0) have a velocity that tells how they are carried.
 typedef struct wisp_strand_motion_job
@@ -579,6 +589,8 @@ typedef struct wisp_kernels
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
+    /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
+    int ( *first_beyond )( const wisp_bound_job* job, int begin, int end );
     // groups of sixteen strands
     void ( *strand_predict )( const wisp_strand_motion_job* job, int begin, int end );
     void ( *strand_velocity )( const wisp_strand_motion_job* job, int begin, int end );
