@@ -105,6 +105,11 @@ int fabric_choose_tile_size( int vertex_count );
 bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                              const int32_t** out );
 
+// ---- fabric_level_links.c ----
+
+/// Slots of a tile of a level's links: no fewer than the fabric's, so that each tile has a dummy of its own to pad it.
+int fabric_level_tile_size( const wisp_fabric* fabric, int link_count );
+
 // ---- fabric_save.c and fabric_check.c ----
 
 /// The hash of everything in a fabric but the hash.

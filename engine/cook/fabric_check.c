@@ -206,7 +206,7 @@ typedef struct lane_reader
     int arity;
     const int32_t *a4, *b4; // arity 2
     const int32_t* slot4;   // arity 4, [group][4][8]
-    bool whole_tiles;       // a tile shares no vertex, and the first dummy pads
+    int tile_size;          // slots
 } lane_reader;
 
 static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot4 )
@@ -285,8 +285,7 @@ static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const l
         {
             smallest = slot4[k] < smallest ? slot4[k] : smallest;
         }
-        int32_t dummy4 =
-            lanes->whole_tiles ? 4 * f->vertex_count : 4 * ( f->vertex_count + smallest / 4 / f->tile_size );
+        int32_t dummy4 = 4 * ( f->vertex_count + smallest / 4 / lanes->tile_size );
         if ( s->constraint[i] >= 0 && own != -1 && own != dummy4 )
         {
             return -1;
@@ -298,11 +297,10 @@ static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const l
 
 // One vertex of one lane: does anybody else have it at the same time?
 // @param colour_begin first tile of the tile's colour
-static bool touch( touch_state* touched, const wisp_schedule* s, const lane_reader* lanes, int32_t slot, int32_t lane,
-                   int tile, int colour_begin )
+static bool touch( touch_state* touched, int32_t slot, int32_t lane, int tile, int colour_begin )
 {
     // The first lane that runs without a look at what the others write.
-    int32_t together = lanes->whole_tiles ? s->tile_begin[tile] : lane - lane % WISP_FABRIC_LANES;
+    int32_t together = lane - lane % WISP_FABRIC_LANES;
     bool lane_free = touched->lane[slot] <= together || touched->lane[slot] == lane + 1;
     bool tile_free = touched->tile[slot] <= colour_begin || touched->tile[slot] == tile + 1;
     touched->lane[slot] = lane + 1;
@@ -316,8 +314,7 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
     const wisp_fabric* f = c->f;
     int32_t pad4 = own_dummy4( f, s, lanes, tile );
     int32_t number = pad4 / 4 - f->vertex_count;
-    if ( pad4 < 0 || number < 0 || number >= f->tile_count ||
-         ( lanes->whole_tiles == false && touched->dummy[number] ) )
+    if ( pad4 < 0 || number < 0 || number >= f->tile_count || touched->dummy[number] )
     {
         return BAD( "a tile %d in the order of %s that has no dummy of its own", tile, what );
     }
@@ -332,7 +329,7 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
             {
                 return BAD( "a lane %d in the order of %s that is padded by another dummy than its tile's", i, what );
             }
-            if ( s->constraint[i] >= 0 && touch( touched, s, lanes, slot4[k] / 4, i, tile, colour_begin ) == false )
+            if ( s->constraint[i] >= 0 && touch( touched, slot4[k] / 4, i, tile, colour_begin ) == false )
             {
                 return BAD( "two constraints at slot %d at the same time, one of them in lane %d of the order of %s",
                             slot4[k] / 4, i, what );
@@ -412,7 +409,7 @@ static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* l
 static wisp_status check_links( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 2, .a4 = f->link_a4, .b4 = f->link_b4 };
+    lane_reader lanes = { .arity = 2, .a4 = f->link_a4, .b4 = f->link_b4, .tile_size = f->tile_size };
     wisp_status status = check_schedule( c, "links", &f->link_order, f->link_count );
     status = status == WISP_OK ? check_link_lanes( c ) : status;
     return status == WISP_OK ? check_conflicts( c, "links", &f->link_order, &lanes ) : status;
@@ -421,7 +418,7 @@ static wisp_status check_links( const check_state* c )
 static wisp_status check_hinges( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 4, .slot4 = f->hinge_slot4 };
+    lane_reader lanes = { .arity = 4, .slot4 = f->hinge_slot4, .tile_size = f->tile_size };
     int count = f->hinge_order.slot_count > 0 ? f->hinge_count : 0;
     wisp_status status = check_schedule( c, "hinges", &f->hinge_order, count );
     status = status == WISP_OK ? check_hinge_lanes( c, &lanes ) : status;
@@ -513,11 +510,6 @@ static wisp_status check_level_links( const check_state* c, const wisp_fabric_le
     {
         return status;
     }
-    if ( level->schedule.colour_count != level->schedule.tile_count )
-    {
-        return BAD( "a level %d with %d tiles in %d colours, not one a colour", number, level->schedule.tile_count,
-                    level->schedule.colour_count );
-    }
     for ( int32_t i = 0; i < level->schedule.slot_count; ++i )
     {
         int32_t a = level->a4[i], b = level->b4[i];
@@ -533,7 +525,12 @@ static wisp_status check_level_links( const check_state* c, const wisp_fabric_le
             return BAD( "a level %d whose lane %d links what is not of that level, or has no length", number, i );
         }
     }
-    lane_reader lanes = { .arity = 2, .a4 = level->a4, .b4 = level->b4, .whole_tiles = true };
+    lane_reader lanes = {
+        .arity = 2,
+        .a4 = level->a4,
+        .b4 = level->b4,
+        .tile_size = fabric_level_tile_size( f, level->link_count ),
+    };
     return check_conflicts( c, "links of a level", &level->schedule, &lanes );
 }
 

@@ -1,4 +1,5 @@
 // Links between neighbours of a coarse level, and the net of triangles over them.
+#include "fabric.h"
 #include "fabric_levels.h"
 
 #include <math.h>
@@ -116,6 +117,22 @@ int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* li
     return count;
 }
 
+// A tile of so many links pays for meeting the other workers behind it; a level of fewer than four of them goes to one
+// worker as a whole.
+#define FEWEST_TILE_LINKS 512
+#define FEWEST_TILES 4
+
+int fabric_level_tile_size( const wisp_fabric* f, int links )
+{
+    int64_t size = f->tile_size;
+    while ( size < f->vertex_count && links * size < FEWEST_TILE_LINKS * (int64_t)f->vertex_count )
+    {
+        size *= 2;
+    }
+    bool has_tiles = fabric_tiles( f->vertex_count, (int)size ) >= FEWEST_TILES;
+    return has_tiles ? (int)size : f->vertex_count;
+}
+
 bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_fabric_level* out )
 {
     fabric_pool scratch = { .allocator = keep->allocator };
@@ -131,6 +148,8 @@ bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_
             .count = count,
             .arity = 2,
             .vertex_count = m->fabric->vertex_count,
+            .tile_size = fabric_level_tile_size( m->fabric, count ),
+            .sweep = WISP_SWEEP_COLOUR,
         };
         fabric_links links;
         done = fabric_schedule_build( &constraints, keep, &out->schedule ) &&

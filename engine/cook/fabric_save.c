@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-#define SAVED_MAGIC "WISPFAB2"
+#define SAVED_MAGIC "WISPFAB3"
 
 // Magic, words of the content, hash of the content: eight bytes each, the numbers little-endian.
 #define SAVED_HEAD 24

@@ -131,10 +131,12 @@ LANE_INLINE void pull( const wisp_tether_job* job, size_t tether, tethered* p )
                                lane8m_and( lane8_lt( zero, p->weight ), lane8_eq( anchor_weight, zero ) ) );
     // its own anchor, at distance 0, pads
     pulls = lane8m_and( pulls, lane8_lt( zero, longest ) );
-    // who is pulled changes from eight to eight, so a quotient in vain costs less than a branch that nobody foresees
-    lane8 keep = lane8_div( longest, lane8_select( pulls, length, lane8_set1( 1.0f ) ) );
-    p->place = lane8v_select( pulls, lane8v_mul_add( a, keep, d ), p->place );
-    p->bits |= lane8m_bits( pulls );
+    if ( lane8m_any( pulls ) )
+    {
+        lane8 keep = lane8_div( longest, lane8_select( pulls, length, lane8_set1( 1.0f ) ) );
+        p->place = lane8v_select( pulls, lane8v_mul_add( a, keep, d ), p->place );
+        p->bits |= lane8m_bits( pulls );
+    }
 }
 
 void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )

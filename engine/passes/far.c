@@ -14,9 +14,9 @@ typedef struct tether_loop
 
 enum
 {
-    SLOT_GRAIN = 2048, // particles a block: about a microsecond and a half
-    GROUP_GRAIN = 128, // groups of eight links
-    CHILD_GRAIN = 128, // slices of eight children
+    SLOT_GRAIN = 2048,  // particles a block: about a microsecond and a half
+    VERTEX_GRAIN = 512, // vertices of a level
+    CHILD_GRAIN = 64,   // slices of eight children
 };
 
 static void run_tethers( void* context, int begin, int end, int worker )
@@ -43,30 +43,16 @@ static void project_tethers( wisp_frame* frame, const wisp_span* span, void* use
 
 // ---- coarse levels ----
 
-typedef struct link_loop
+typedef struct link_call
 {
     wisp_link_job job;
     const wisp_kernels* kernels;
-    int first; // link of the colour
-} link_loop;
+} link_call;
 
-static void run_links( void* context, int begin, int end, int worker )
+static void run_links( const void* context, int begin, int end )
 {
-    (void)worker;
-    const link_loop* loop = context;
-    loop->kernels->link_unilateral( &loop->job, loop->first + 8 * begin, loop->first + 8 * end );
-}
-
-// A level's colours share no vertex, so each may be cut between any two groups.
-static void project_level( const wisp_parallel* parallel, const wisp_schedule* schedule, link_loop* loop )
-{
-    for ( int colour = 0; colour < schedule->colour_count; ++colour )
-    {
-        int begin = schedule->tile_begin[schedule->colour_tile[colour]];
-        int end = schedule->tile_begin[schedule->colour_tile[colour + 1]];
-        loop->first = begin;
-        wisp_parallel_for( parallel, ( end - begin ) / 8, GROUP_GRAIN, run_links, loop );
-    }
+    const link_call* call = context;
+    call->kernels->link_unilateral( &call->job, begin, end );
 }
 
 typedef struct prolong_loop
@@ -82,24 +68,36 @@ static void run_prolong( void* context, int begin, int end, int worker )
     loop->kernels->prolong( &loop->job, begin, end );
 }
 
-static void remember( float* before, const float* position, const wisp_fabric_level* level )
+// Where the vertices of a level are, were and how far they have come.
+typedef struct vertex_loop
 {
-    for ( int i = 0; i < level->vertex_count; ++i )
+    const wisp_fabric_level* level;
+    const float* position;
+    float *before, *moved;
+} vertex_loop;
+
+static void remember( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const vertex_loop* loop = context;
+    for ( int i = begin; i < end; ++i )
     {
-        memcpy( before + level->vertex4[i], position + level->vertex4[i], 4 * sizeof( float ) );
+        const int32_t vertex4 = loop->level->vertex4[i];
+        memcpy( loop->before + vertex4, loop->position + vertex4, 4 * sizeof( float ) );
     }
 }
 
-// How far the vertices of a level have come by now, once for all of their children.
-static void measure( float* moved, const float* before, const float* position, const wisp_fabric_level* level )
+// Once for all children of a vertex.
+static void measure( void* context, int begin, int end, int worker )
 {
-    for ( int i = 0; i < level->vertex_count; ++i )
+    (void)worker;
+    const vertex_loop* loop = context;
+    for ( int i = begin; i < end; ++i )
     {
-        int32_t vertex4 = level->vertex4[i];
-        for ( int k = 0; k < 4; ++k )
-        {
-            moved[vertex4 + k] = position[vertex4 + k] - before[vertex4 + k];
-        }
+        const int32_t vertex4 = loop->level->vertex4[i];
+        const float *p = loop->position + vertex4, *q = loop->before + vertex4;
+        const float moved[4] = { p[0] - q[0], p[1] - q[1], p[2] - q[2], p[3] - q[3] };
+        memcpy( loop->moved + vertex4, moved, sizeof( moved ) );
     }
 }
 
@@ -119,25 +117,29 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
                          fabric->slot_count );
         return;
     }
-    float* moved = before + numbers;
+    vertex_loop vertices = {
+        .level = fabric->levels, .position = position, .before = before, .moved = before + numbers
+    };
     // the finest coarse level holds the vertices of all levels
     if ( fabric->level_count > 0 )
     {
-        remember( before, position, fabric->levels );
+        wisp_parallel_for( parallel, fabric->levels->vertex_count, VERTEX_GRAIN, remember, &vertices );
     }
     for ( int l = fabric->level_count - 1; l >= 0; --l )
     {
         const wisp_fabric_level* level = fabric->levels + l;
-        link_loop links = { { .position = position, .a4 = level->a4, .b4 = level->b4, .rest = level->rest },
-                            kernels,
-                            0 };
+        const link_call links = {
+            { .position = position, .a4 = level->a4, .b4 = level->b4, .rest = level->rest },
+            kernels,
+        };
         for ( int pass = 0; pass < passes; ++pass )
         {
-            project_level( parallel, &level->schedule, &links );
+            passes_run_schedule( parallel, &level->schedule, run_links, &links );
         }
-        measure( moved, before, position, level );
+        vertices.level = level;
+        wisp_parallel_for( parallel, level->vertex_count, VERTEX_GRAIN, measure, &vertices );
         prolong_loop children = {
-            { position, moved, level->child4, level->parent4, level->weight },
+            { position, vertices.moved, level->child4, level->parent4, level->weight },
             kernels,
         };
         wisp_parallel_for( parallel, ( level->child_count + 7 ) / 8, CHILD_GRAIN, run_prolong, &children );

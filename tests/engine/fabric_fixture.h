@@ -282,7 +282,7 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
     free( seen );
 }
 
-/// No link of a level meets another of its colour, no child is moved twice or read as a parent.
+/// No link of a level meets another that runs beside it, no child is moved twice or read as a parent.
 static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric_level* level )
 {
     enum
@@ -290,21 +290,11 @@ static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric
         PARENT = 1,
         CHILD = 2
     };
-    int32_t* colour_of_slot = calloc( (size_t)f->slot_count + 1, sizeof( int32_t ) );
     char* role = calloc( (size_t)f->slot_count + 1, 1 );
-    assert_int_equal( level->schedule.tile_count, level->schedule.colour_count );
-    for ( int tile = 0; tile < level->schedule.tile_count; ++tile )
-    {
-        for ( int i = level->schedule.tile_begin[tile]; i < level->schedule.tile_begin[tile + 1]; ++i )
-        {
-            int32_t a = level->a4[i] / 4, b = level->b4[i] / 4;
-            bool pads = level->schedule.constraint[i] < 0;
-            assert_true( a >= 0 && a <= f->vertex_count && b >= 0 && b <= f->vertex_count );
-            assert_true( pads ? a == f->vertex_count && b == a : a != b );
-            assert_true( pads || ( colour_of_slot[a] <= tile && colour_of_slot[b] <= tile ) );
-            colour_of_slot[a] = colour_of_slot[b] = tile + 1;
-        }
-    }
+    wisp_fabric of_level = *f;
+    of_level.link_a4 = level->a4;
+    of_level.link_b4 = level->b4;
+    assert_schedule_is_safe( &of_level, &level->schedule, 2, level->link_count, test_link_slot4 );
     for ( int i = 0; i < level->vertex_count; ++i )
     {
         assert_true( level->vertex4[i] >= 0 && level->vertex4[i] < 4 * f->vertex_count );
@@ -322,7 +312,6 @@ static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric
         assert_true( parent >= 0 && parent <= f->vertex_count );
         assert_true( role[parent] == PARENT || level->weight[i] == 0.0f );
     }
-    free( colour_of_slot );
     free( role );
 }
 

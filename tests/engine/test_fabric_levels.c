@@ -204,6 +204,24 @@ static void attachments_are_in_every_level_and_not_linked_to_each_other( void** 
     test_mesh_free( &mesh );
 }
 
+static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_plane( 64, 64 );
+    wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
+    const wisp_schedule *finest = &f->levels[0].schedule, *coarsest = &f->levels[f->level_count - 1].schedule;
+    assert_true( finest->tile_count >= 4 && finest->tile_count <= f->levels[0].link_count / 512 );
+    assert_int_equal( coarsest->tile_count, 1 );
+
+    // two workers have something to do in each colour
+    for ( int colour = 0; colour < finest->colour_count; ++colour )
+    {
+        assert_true( finest->colour_tile[colour + 1] - finest->colour_tile[colour] >= 2 );
+    }
+    wisp_fabric_release( f );
+    test_mesh_free( &mesh );
+}
+
 static void levels_thin_out_by_about_four_and_stop_before_they_are_tiny( void** state )
 {
     (void)state;
@@ -469,6 +487,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_level_keeps_its_spacing_and_cannot_be_extended ),
         cmocka_unit_test( attachments_are_in_every_level_and_not_linked_to_each_other ),
+        cmocka_unit_test( large_levels_run_in_tiles_and_small_ones_in_one ),
         cmocka_unit_test( levels_thin_out_by_about_four_and_stop_before_they_are_tiny ),
         cmocka_unit_test( no_more_levels_come_than_are_asked_for_and_the_same_ones ),
         cmocka_unit_test( on_planes_links_are_straight_lines_and_parents_surround_their_children ),

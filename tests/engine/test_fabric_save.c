@@ -126,7 +126,7 @@ static void the_bytes_are_the_same_on_every_machine( void** state )
     saved s = save( fabric );
 
     // magic, then the words of the content, little-endian; the content begins with three vertices and one triangle
-    static const unsigned char begins[] = { 'W', 'I', 'S', 'P', 'F', 'A', 'B', '2' };
+    static const unsigned char begins[] = { 'W', 'I', 'S', 'P', 'F', 'A', 'B', '3' };
     static const unsigned char counts[] = { 3, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0 };
     assert_memory_equal( s.bytes, begins, sizeof( begins ) );
     assert_int_equal( s.bytes[8] | s.bytes[9] << 8, ( s.size - HEAD_BYTES ) / 4 );

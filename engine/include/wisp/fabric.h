@@ -65,7 +65,7 @@ typedef struct wisp_fabric_level
 {
     int vertex_count;
     const int32_t* vertex4; ///< [padded to 8] slots times 4; the first dummy pads
-    wisp_schedule schedule; ///< of links, one tile a colour: it shares no vertex and may be cut at any group
+    wisp_schedule schedule; ///< of links; a level of few links is one tile
     const int32_t *a4, *b4; ///< [schedule.slot_count]
     const float* rest;      ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
     int link_count;
