@@ -24,7 +24,7 @@ static const peer_times peers[] = {
     { 256, 12.7, 7.25, { 132.0, 76.5 }, { 35.0, 25.0 }, { NAN, NAN }, { NAN, NAN } },
 };
 
-static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SWEEP_COLOUR };
+static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SWEEP_COLOUR, 0 };
 
 // Plain C is run through the whole scenario only up to here: it takes seconds beyond.
 #define PLAIN_SIZE_MAX 64

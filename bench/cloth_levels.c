@@ -3,24 +3,29 @@
 
 #include <math.h>
 
+// "From 4" and "from 8": the finest coarse level keeps every fourth or eighth vertex of a row instead of every second one.
 static const cloth_setting settings[] = {
-    { "10", 10, 1, false, false, WISP_SWEEP_COLOUR },
-    { "10, list sweep", 10, 1, false, false, WISP_SWEEP_LIST },
-    { "40", 40, 1, false, false, WISP_SWEEP_COLOUR },
-    { "1", 1, 1, false, false, WISP_SWEEP_COLOUR },
-    { "1 + tethers", 1, 1, true, false, WISP_SWEEP_COLOUR },
-    { "1 + levels", 1, 1, false, true, WISP_SWEEP_COLOUR },
-    { "1 x 2 + tethers", 1, 2, true, false, WISP_SWEEP_COLOUR },
-    { "2 + tethers", 2, 1, true, false, WISP_SWEEP_COLOUR },
-    { "2 + levels", 2, 1, false, true, WISP_SWEEP_COLOUR },
-    { "3 + tethers", 3, 1, true, false, WISP_SWEEP_COLOUR },
-    { "5 + tethers", 5, 1, true, false, WISP_SWEEP_COLOUR },
-    { "10 + tethers", 10, 1, true, false, WISP_SWEEP_COLOUR },
-    { "1 + levels + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR },
-    { "2 + levels + tethers", 2, 1, true, true, WISP_SWEEP_COLOUR },
-    { "3 + levels + tethers", 3, 1, true, true, WISP_SWEEP_COLOUR },
-    { "10 + levels + tethers", 10, 1, true, true, WISP_SWEEP_COLOUR },
-    { "2 + levels + tethers, list", 2, 1, true, true, WISP_SWEEP_LIST },
+    { "10", 10, 1, false, false, WISP_SWEEP_COLOUR, 0 },
+    { "10, list sweep", 10, 1, false, false, WISP_SWEEP_LIST, 0 },
+    { "40", 40, 1, false, false, WISP_SWEEP_COLOUR, 0 },
+    { "1", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 },
+    { "1 + tethers", 1, 1, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "1 + levels", 1, 1, false, true, WISP_SWEEP_COLOUR, 0 },
+    { "1 + levels from 4", 1, 1, false, true, WISP_SWEEP_COLOUR, 2 },
+    { "1 + levels from 8", 1, 1, false, true, WISP_SWEEP_COLOUR, 3 },
+    { "1 x 2 + tethers", 1, 2, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "2 + tethers", 2, 1, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "2 + levels", 2, 1, false, true, WISP_SWEEP_COLOUR, 0 },
+    { "3 + tethers", 3, 1, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "5 + tethers", 5, 1, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "10 + tethers", 10, 1, true, false, WISP_SWEEP_COLOUR, 0 },
+    { "1 + levels + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 0 },
+    { "1 + levels from 4 + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 2 },
+    { "1 + levels from 8 + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 3 },
+    { "2 + levels + tethers", 2, 1, true, true, WISP_SWEEP_COLOUR, 0 },
+    { "3 + levels + tethers", 3, 1, true, true, WISP_SWEEP_COLOUR, 0 },
+    { "10 + levels + tethers", 10, 1, true, true, WISP_SWEEP_COLOUR, 0 },
+    { "2 + levels + tethers, list", 2, 1, true, true, WISP_SWEEP_LIST, 0 },
 };
 
 // The first setting, whose substeps the converged run has sixteen times.

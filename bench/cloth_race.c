@@ -26,7 +26,7 @@ enum
     VARIANTS_MAX = OURS + SCENARIO_ENTRANTS_MAX,
 };
 
-static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SWEEP_COLOUR };
+static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SWEEP_COLOUR, 0 };
 
 /// Plain C, and the state that each of its steps starts from.
 typedef struct plain_race

@@ -26,6 +26,7 @@ wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, 
     def.attachment_count = WISP_COUNT( scene->pins );
     def.tethers = setting->tethers;
     def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
+    def.finest_level = setting->finest_level > 0 ? setting->finest_level : def.finest_level;
     def.sweep = setting->sweep;
     return surface_cook( &scene->mesh, def, out, error );
 }

@@ -30,6 +30,7 @@ typedef struct cloth_setting
     int substeps, iterations;
     bool tethers, levels;
     wisp_sweep sweep;
+    int finest_level; ///< as wisp_fabric_def has it; 0: its default
 } cloth_setting;
 
 /// Cook the scene with what a setting needs.

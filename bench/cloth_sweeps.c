@@ -64,7 +64,7 @@ static wisp_status repeat_step( surface_entrant* entrant, wisp_error* error )
 static wisp_status run_sweep( const cloth_scene* scene, wisp_sweep sweep, const wisp_vec3* points, sweep_figures* out,
                               wisp_error* error )
 {
-    cloth_setting setting = { "sweep", 1, 1, false, false, sweep };
+    cloth_setting setting = { "sweep", 1, 1, false, false, sweep, 0 };
     wisp_fabric* fabric = NULL;
     wisp_status status = cloth_cook( scene, &setting, &fabric, error );
     for ( int i = 0; i < PASS_COUNTS && status == WISP_OK; ++i )

@@ -102,6 +102,7 @@ wisp_fabric_def wisp_default_fabric_def( void )
 {
     return ( wisp_fabric_def ){
         .cross_links = true,
+        .finest_level = 1,
         .sweep = WISP_SWEEP_COLOUR,
         .made_by_default = FABRIC_DEF_MADE,
     };
@@ -134,6 +135,11 @@ static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error 
     {
         return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d levels: 0 to %d are possible", def->levels,
                           WISP_FABRIC_MAX_LEVELS );
+    }
+    if ( def->finest_level < 1 || def->finest_level > WISP_FABRIC_MAX_LEVELS )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "a fabric whose finest level is %d: 1 to %d are possible",
+                          def->finest_level, WISP_FABRIC_MAX_LEVELS );
     }
     if ( (int)def->sweep < 0 || def->sweep >= WISP_SWEEP_COUNT )
     {
@@ -387,7 +393,7 @@ static bool cook_parts( const wisp_fabric_def* def, const fabric_mesh* mesh, coo
     wisp_fabric* f = &cooked->fabric;
     fabric_parts parts = { .mesh = mesh, .keep = &cooked->keep, .allocator = cooked->keep.allocator };
     return ( def->tethers == false || fabric_cook_tethers( &parts, f ) ) &&
-           ( def->levels == 0 || fabric_cook_levels( &parts, def->levels, f ) );
+           ( def->levels == 0 || fabric_cook_levels( &parts, def->finest_level, def->levels, f ) );
 }
 
 static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )

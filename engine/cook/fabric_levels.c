@@ -309,14 +309,15 @@ static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level
     return true;
 }
 
-static bool make_levels( const fabric_parts* parts, int limit, level_state* s, level_maker* m, fabric_pool* scratch )
+static bool make_levels( const fabric_parts* parts, int finest, int limit, level_state* s, level_maker* m,
+                         fabric_pool* scratch )
 {
     if ( begin_levels( parts, m->fabric, s, m, scratch ) == false )
     {
         return false;
     }
     bool done = true, ended = s->mean_edge <= 0.0;
-    for ( int l = 1; l <= limit && done && ended == false; ++l )
+    for ( int l = finest; l < finest + limit && done && ended == false; ++l )
     {
         fabric_pool own = { .allocator = parts->allocator };
         m->spacing = SPACING_FACTOR * ldexp( s->mean_edge, l );
@@ -328,7 +329,7 @@ static bool make_levels( const fabric_parts* parts, int limit, level_state* s, l
     return done;
 }
 
-bool fabric_cook_levels( const fabric_parts* parts, int limit, wisp_fabric* fabric )
+bool fabric_cook_levels( const fabric_parts* parts, int finest, int limit, wisp_fabric* fabric )
 {
     const wisp_allocator* a = parts->allocator;
     fabric_pool scratch = { .allocator = a };
@@ -337,7 +338,7 @@ bool fabric_cook_levels( const fabric_parts* parts, int limit, wisp_fabric* fabr
                           .mean_edge = mean_edge( fabric ) };
     level_maker maker = { .fabric = fabric };
     state.net_edge = state.mean_edge;
-    bool done = make_levels( parts, limit, &state, &maker, &scratch );
+    bool done = make_levels( parts, finest, limit, &state, &maker, &scratch );
     for ( int i = 0; i < 2; ++i )
     {
         fabric_pool_release( state.pools + i );

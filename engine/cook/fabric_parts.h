@@ -81,5 +81,6 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
 bool fabric_cook_tethers( const fabric_parts* parts, wisp_fabric* fabric );
 
 /// Fill level_count and levels, at most `limit` of them, 1 .. WISP_FABRIC_MAX_LEVELS.
+/// @param finest the first one's vertices are about 2^finest edges apart
 /// @return false without memory
-bool fabric_cook_levels( const fabric_parts* parts, int limit, wisp_fabric* fabric );
+bool fabric_cook_levels( const fabric_parts* parts, int finest, int limit, wisp_fabric* fabric );

@@ -197,7 +197,7 @@ static void the_truth_projects_as_the_oracle_does( void** state )
     wisp_fabric* fabric;
     cloth_truth truth;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 };
     expect_ok( cloth_scene_make( 6, true, &scene, &error ), &error );
     expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
     expect_ok( cloth_truth_create( &scene, fabric, &truth, &error ), &error );
@@ -282,7 +282,7 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
     surface_entrant entrant;
     scenario_figures figures;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 };
     const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
     expect_ok( cloth_scene_make( 6, false, &scene, &error ), &error );
     expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );

@@ -494,6 +494,9 @@ static void bad_input_is_refused_by_a_sentence_that_names_it( void** state )
     def.levels = 13;
     expect_refusal( &def, "13 levels" );
     def = test_fabric_def( &mesh );
+    def.finest_level = 0;
+    expect_refusal( &def, "finest level is 0" );
+    def = test_fabric_def( &mesh );
     def.vertex_count = -3;
     expect_refusal( &def, "-3 vertices" );
     def = test_fabric_def( &mesh );

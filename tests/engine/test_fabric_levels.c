@@ -222,6 +222,29 @@ static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
     test_mesh_free( &mesh );
 }
 
+static void a_finest_level_of_two_begins_where_the_second_would_be( void** state )
+{
+    (void)state;
+    test_mesh mesh = test_mesh_plane( 64, 64 );
+    wisp_fabric_def def = test_fabric_def( &mesh );
+    def.levels = 2;
+    def.finest_level = 2;
+    wisp_fabric *sparse = test_fabric_cook( &def ), *all = cook_levels( &mesh, NULL, 0 );
+    assert_fabric_is_safe( sparse );
+    assert_levels_hold( sparse );
+    assert_int_equal( sparse->level_count, 2 );
+    for ( int l = 0; l < 2; ++l )
+    {
+        // chosen from other vertices, so about as many
+        int expected = all->levels[l + 1].vertex_count;
+        assert_in_range( sparse->levels[l].vertex_count, expected * 4 / 5, expected * 5 / 4 );
+    }
+    assert_int_equal( sparse->levels[0].child_count, sparse->vertex_count - sparse->levels[0].vertex_count );
+    wisp_fabric_release( sparse );
+    wisp_fabric_release( all );
+    test_mesh_free( &mesh );
+}
+
 static void levels_thin_out_by_about_four_and_stop_before_they_are_tiny( void** state )
 {
     (void)state;
@@ -488,6 +511,7 @@ int main( void )
         cmocka_unit_test( a_level_keeps_its_spacing_and_cannot_be_extended ),
         cmocka_unit_test( attachments_are_in_every_level_and_not_linked_to_each_other ),
         cmocka_unit_test( large_levels_run_in_tiles_and_small_ones_in_one ),
+        cmocka_unit_test( a_finest_level_of_two_begins_where_the_second_would_be ),
         cmocka_unit_test( levels_thin_out_by_about_four_and_stop_before_they_are_tiny ),
         cmocka_unit_test( no_more_levels_come_than_are_asked_for_and_the_same_ones ),
         cmocka_unit_test( on_planes_links_are_straight_lines_and_parents_surround_their_children ),

@@ -41,6 +41,9 @@ typedef struct wisp_fabric_def
     bool hinges;      ///< default false: the four vertices of every interior edge, for bending by angle
     bool tethers;     ///< default false: distances along the mesh to the nearest attachments
     int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
+    int finest_level; ///< vertices of the finest coarse level are about 2^finest_level edges apart, 1 ..
+                      ///< WISP_FABRIC_MAX_LEVELS; default 1. A 2 leaves out nearly half of what levels cost, for a
+                      ///< tenth more stretch
     wisp_sweep sweep; ///< default WISP_SWEEP_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
     uint32_t made_by_default;
