@@ -280,8 +280,9 @@ typedef struct wisp_tether_job
 /// Carry the displacement of a coarse level to its children: p += sum of weights times the displacements of the parents.
 typedef struct wisp_prolong_job
 {
-    float* position;        ///< [slot][4]
-    const float* moved;     ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
+    float* position; ///< [slot][4]
+    const float*
+        moved; ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
     const int32_t* child4;  ///< [slice][8]
     const int32_t* parent4; ///< [slice][4][8]
     const float* weight;    ///< [slice][4][8]
