@@ -26,7 +26,8 @@ enum
     BUFFER_ITEM,
     BUFFER_POOL,
     BUFFER_PLACE,
-    BUFFER_GRID, // and the three behind it
+    BUFFER_GRID,                   // and the three behind it
+    BUFFER_MADE = BUFFER_GRID + 4, // the grid itself, for those who ask again
 };
 
 // Entries of lists. Where a list lies depends on chance; how much is used, and what a list holds, does not.
@@ -53,7 +54,7 @@ typedef struct pair_search
     size_t* place;  // [asker] of its list in the pool
     int32_t* begin; // [asker + 1] while searching: how many the asker before has
     int32_t* item;
-    _Atomic uint64_t tested;
+    _Atomic uint64_t tested, overlapping;
     _Atomic bool starved;
 } pair_search;
 
@@ -173,16 +174,28 @@ typedef struct search_block
     int32_t* scratch; // to put a list in order
     pool_chunk chunk;
     box_question question;
+    uint64_t overlapping;
     int waiting_count;
     found_list waiting[WAITING_MOST + WISP_SLICE];
 } search_block;
+
+static void filter_list( search_block* b, found_list* list )
+{
+    const wisp_box_job* job = b->search->job;
+    b->overlapping += (uint64_t)list->count;
+    if ( job->filter != NULL && list->count > 0 )
+    {
+        list->count = job->filter( job->filter_context, list->asker, list->items, list->count );
+    }
+}
 
 static void keep_lists( search_block* b )
 {
     pair_search* s = b->search;
     for ( int i = 0; i < b->waiting_count; ++i )
     {
-        const found_list* list = b->waiting + i;
+        found_list* list = b->waiting + i;
+        filter_list( b, list );
         size_t count = (size_t)list->count, at = take_room( &s->pool, &b->chunk, count );
         if ( at + count + BOX_FOUND_PADDING <= s->pool.capacity )
         {
@@ -295,6 +308,7 @@ static void search_askers( void* context, int begin, int end, int worker )
     }
     keep_lists( &b );
     atomic_fetch_add_explicit( &s->tested, b.question.tested, memory_order_relaxed );
+    atomic_fetch_add_explicit( &s->overlapping, b.overlapping, memory_order_relaxed );
 }
 
 // ---- joining ----
@@ -335,6 +349,7 @@ static wisp_status search_once( pair_search* s, wisp_buffer* pool )
     s->pool.capacity = pool->size / sizeof( int32_t );
     atomic_store( &s->pool.used, 0 );
     atomic_store( &s->tested, 0 );
+    atomic_store( &s->overlapping, 0 );
     // who is not asked has no list
     memset( s->begin, 0, ( (size_t)s->asker_count + 1 ) * sizeof( int32_t ) );
     for ( int i = 0; i < s->asker_count; ++i )
@@ -411,6 +426,24 @@ wisp_pair_search wisp_box_pairs_choose( const wisp_box_job* job )
     return job->search == WISP_PAIR_SEARCH_TREE && box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID;
 }
 
+static bool make_grid( pair_search* s, wisp_box_pairs* pairs, const wisp_allocator* allocator )
+{
+    wisp_buffer* made = pairs->buffers + BUFFER_MADE;
+    if ( s->job->again )
+    {
+        WISP_ASSERT( made->data != NULL && s->job->askers != NULL );
+        memcpy( &s->grid, made->data, sizeof( s->grid ) );
+        return true;
+    }
+    if ( wisp_buffer_reserve( made, allocator, sizeof( s->grid ) ) == false ||
+         box_grid_build( &s->grid, pairs->buffers + BUFFER_GRID, s->parallel, s->job ) != WISP_OK )
+    {
+        return false;
+    }
+    memcpy( made->data, &s->grid, sizeof( s->grid ) );
+    return true;
+}
+
 static wisp_status prepare( pair_search* s, wisp_box_pairs* pairs, wisp_error* error )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
@@ -425,12 +458,11 @@ static wisp_status prepare( pair_search* s, wisp_box_pairs* pairs, wisp_error* e
     s->order_count = s->asker_count;
     if ( s->search == WISP_PAIR_SEARCH_TREE )
     {
-        wisp_status status = box_tree_update( &pairs->tree, allocator, s->job, error );
+        wisp_status status = s->job->again ? WISP_OK : box_tree_update( &pairs->tree, allocator, s->job, error );
         s->tree = pairs->tree;
         return status;
     }
-    if ( s->search == WISP_PAIR_SEARCH_GRID &&
-         box_grid_build( &s->grid, pairs->buffers + BUFFER_GRID, s->parallel, s->job ) != WISP_OK )
+    if ( s->search == WISP_PAIR_SEARCH_GRID && make_grid( s, pairs, allocator ) == false )
     {
         return fail_memory( s->job, error );
     }
@@ -480,7 +512,8 @@ wisp_status wisp_box_pairs_find( wisp_box_pairs* pairs, const wisp_parallel* par
     pairs->tested = atomic_load( &s.tested );
     if ( s.search == WISP_PAIR_SEARCH_TREE )
     {
-        box_tree_note( pairs->tree, pairs->tested, pairs->pair_count + (uint64_t)s.asker_count );
+        // decay of the tree is told by the boxes, whatever counts as a pair
+        box_tree_note( pairs->tree, pairs->tested, atomic_load( &s.overlapping ) + (uint64_t)s.asker_count );
     }
     box_tree_counts( pairs->tree, &pairs->build_count, &pairs->refit_count );
     pairs->build_seconds = middle - begin;

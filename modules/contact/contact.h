@@ -29,8 +29,8 @@ typedef struct wisp_contact_settings
     wisp_contact_features features; ///< default exact
     wisp_pair_search search;        ///< default auto; changes the time and not the result
     float sample_spacing;           ///< m, > 0, with samples; default 0: the least thickness of the guests
-    /// Of the thickness: how much farther than it pairs are looked for, > 0; more makes lists longer and searches rarer.
-    /// Default 1
+    /// Of the thickness: how much farther than it pairs are looked for, > 0; more makes lists longer and searches rarer, and
+    /// changes no bit. Default 1
     float margin;
     bool guard; ///< default true: displacements are cut before they cross (exact only). False shows what it costs
     uint32_t made_by_default;
@@ -72,9 +72,9 @@ WISP_API wisp_status wisp_unset_contact( wisp_world* world, wisp_entity guest );
 typedef struct wisp_contact_figures
 {
     int guests, points, edges, triangles; ///< that take part; with samples, points are boundary particles
-    int64_t candidates;                   ///< pairs within reach at the last search
-    int contacts;                         ///< pairs that pressed on each other in the last substep
-    int searches;                         ///< in this step
+    int64_t candidates;     ///< pairs that are looked at, as they may meet before pairs are looked for anew
+    int contacts;           ///< pairs that pressed on each other in the last substep
+    int searches, renewals; ///< in this step: for all pairs, and for those of the points that went astray
     float
         least_gap; ///< of the pairs' thickness: the nearest pair at the end; 1 or more: none is nearer than it should
     int guarded;   ///< vertices whose way was cut in this step, summed over substeps; above 0 momentum is not kept

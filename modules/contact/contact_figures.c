@@ -30,39 +30,45 @@ void contact_sum_impulses( const contact_work* work )
     const contact_soup* s = work->soup;
     wisp_contact_figures* f = &work->memory->figures;
     f->contacts = 0;
-    for ( int b = 0; b < s->blocks.count; ++b )
+    for ( int r = 0; r < s->row_count; ++r )
     {
-        const contact_row* rows = s->rows + s->blocks.begin[b];
-        for ( int r = 0; r < s->blocks.rows[b]; ++r )
+        if ( s->rows[r].pushed > 0.0f )
         {
-            if ( rows[r].pushed > 0.0f )
-            {
-                add_row( work, rows + r, &f->impulse );
-                f->contacts += 1;
-            }
+            add_row( work, s->rows + r, &f->impulse );
+            f->contacts += 1;
         }
     }
 }
 
-// The nearest pair at the end, over the candidates of the last search.
+static float distance_now( const contact_work* work, const contact_row* row )
+{
+    const contact_soup* s = work->soup;
+    if ( work->state->world.features == WISP_CONTACT_EXACT )
+    {
+        contact_pieces pieces;
+        pieces.are_edges = row->split == 2;
+        contact_put_pieces( &pieces, 0, row->point );
+        return contact_measure_distances( work, s->now, &pieces, 1 )[0];
+    }
+    float d[3] = { 0.0f, 0.0f, 0.0f };
+    for ( int i = 0; i < row->count; ++i )
+    {
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            d[k] += row->weight[i] * s->now[(size_t)row->point[i] * 4 + k];
+        }
+    }
+    return sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
+}
+
+// The nearest pair at the end, over those that might have met in the last substep: no other is as near as its gap.
 static float least_gap( const contact_work* work )
 {
     const contact_soup* s = work->soup;
     float least = INFINITY;
-    for ( int b = 0; b < s->blocks.count; ++b )
+    for ( int r = 0; r < s->row_count; ++r )
     {
-        int32_t list[CONTACT_BLOCK];
-        contact_row rows[CONTACT_BLOCK];
-        const int count = s->blocks.begin[b + 1] - s->blocks.begin[b];
-        for ( int i = 0; i < count; ++i )
-        {
-            list[i] = s->blocks.begin[b] + i;
-        }
-        contact_measure_pairs( work, s->now, list, count, b >= s->blocks.first_edge_block, rows );
-        for ( int i = 0; i < count; ++i )
-        {
-            least = contact_smaller( least, rows[i].distance / s->candidates[list[i]].gap );
-        }
+        least = contact_smaller( least, distance_now( work, s->rows + r ) / s->rows[r].wanted );
     }
     return least;
 }
@@ -94,7 +100,7 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_contact_figures* out = wisp_frame_column( frame, span->entity, state->figures, 0 );
     wisp_contact_figures* f = &work.memory->figures;
     const contact_soup* s = work.soup;
-    if ( s->candidate_count < 0 )
+    if ( s->is_listed == false )
     {
         return; // the step has failed
     }
@@ -107,7 +113,6 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user )
     f->points = state->world.features == WISP_CONTACT_SAMPLES ? s->sample_count : s->point_count;
     f->edges = s->edge_count;
     f->triangles = s->triangle_count;
-    f->candidates = s->candidate_count;
     f->least_gap = least_gap( &work );
     memset( f->pushed, 0, sizeof( f->pushed ) );
     for ( int g = 0; g < state->guest_count; ++g )

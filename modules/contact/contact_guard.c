@@ -11,15 +11,17 @@ enum
     PATIENT_ROUNDS = 16, // then ways are cut to nothing at once
     MOST_ROUNDS = 64,    // then those of all points
     POINT_GRAIN = 2048,
+    ROW_GRAIN = 128,
 };
 
 // A pair may come this near, of what it should keep; if it is nearer already, of its distance.
+static const float ALMOST = 0.999f;
 static const float LEAST_OF_WANTED = 0.1f, LEAST_OF_DISTANCE = 0.98f;
 
 typedef struct guard_loop
 {
     contact_soup* soup;
-    bool* has_cuts; // [block]
+    bool* has_cuts; // [part of the rows]
     bool gives_up;
     _Atomic bool is_crossed;
 } guard_loop;
@@ -55,56 +57,64 @@ static float separation( const contact_soup* s, const contact_row* row, bool is_
     return front - back;
 }
 
+static contact_row* row_of( const contact_soup* s, int r )
+{
+    return r < s->row_count ? s->rows + r : s->late_rows + ( r - s->row_count );
+}
+
+// @return whether it cuts ways
+static bool check_row( guard_loop* loop, contact_row* row )
+{
+    const contact_soup* s = loop->soup;
+    const float least = contact_smaller( LEAST_OF_WANTED * row->wanted, LEAST_OF_DISTANCE * row->distance );
+    const float there = separation( s, row, false );
+    row->cut = 1.0f;
+    if ( there < least )
+    {
+        const float start = separation( s, row, true );
+        row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
+        if ( start <= 0.0f ) // what is held by the user went through: nobody can cut that
+        {
+            atomic_store( &loop->is_crossed, true );
+        }
+    }
+    return there < least;
+}
+
 static void check_rows( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
-    contact_soup* s = loop->soup;
-    for ( int b = begin; b < end; ++b )
+    bool cuts = false;
+    for ( int r = begin; r < end; ++r )
     {
-        contact_row* rows = s->rows + s->blocks.begin[b];
-        bool cuts = false;
-        for ( int r = 0; r < s->blocks.rows[b]; ++r )
-        {
-            contact_row* row = rows + r;
-            const float least = contact_smaller( LEAST_OF_WANTED * row->wanted, LEAST_OF_DISTANCE * row->distance );
-            const float there = separation( s, row, false );
-            row->cut = 1.0f;
-            if ( there < least )
-            {
-                const float start = separation( s, row, true );
-                row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
-                cuts = true;
-                if ( start <= 0.0f ) // what is held by the user went through: nobody can cut that
-                {
-                    atomic_store( &loop->is_crossed, true );
-                }
-            }
-        }
-        loop->has_cuts[b] = cuts;
+        cuts = check_row( loop, row_of( loop->soup, r ) ) || cuts;
     }
+    loop->has_cuts[begin / ROW_GRAIN] = cuts;
 }
 
-// One after the other, in the order of blocks: they share points, and there are few.
-static bool take_cuts( guard_loop* loop )
+static bool take_cut( contact_soup* s, const contact_row* row )
 {
-    contact_soup* s = loop->soup;
     bool any = false;
-    for ( int b = 0; b < s->blocks.count; ++b )
+    for ( int i = 0; i < row->count && row->cut < 1.0f; ++i )
     {
-        const contact_row* rows = s->rows + s->blocks.begin[b];
-        for ( int r = 0; r < s->blocks.rows[b] && loop->has_cuts[b]; ++r )
-        {
-            for ( int i = 0; i < rows[r].count && rows[r].cut < 1.0f; ++i )
-            {
-                const int point = rows[r].point[i];
-                const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->share[point] > 0.0f;
-                // several pairs of a round cut a point one after the other: more than the worst asks for, never less
-                s->share[point] *= can ? rows[r].cut : 1.0f;
-                s->share[point] = s->share[point] < 1e-4f && can ? 0.0f : s->share[point];
-                any = any || can;
-            }
-        }
+        const int point = row->point[i];
+        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->share[point] > 0.0f;
+        // several pairs of a round cut a point one after the other: more than the worst asks for, never less
+        s->share[point] *= can ? row->cut : 1.0f;
+        s->share[point] = s->share[point] < 1e-4f && can ? 0.0f : s->share[point];
+        any = any || can;
+    }
+    return any;
+}
+
+// One after the other, in the order of rows: they share points, and there are few.
+static bool take_cuts( guard_loop* loop, int count )
+{
+    bool any = false;
+    for ( int r = 0; r < count; ++r )
+    {
+        any = ( loop->has_cuts[r / ROW_GRAIN] && take_cut( loop->soup, row_of( loop->soup, r ) ) ) || any;
     }
     return any;
 }
@@ -115,9 +125,9 @@ static void limit_ways( const contact_work* work )
     contact_soup* s = work->soup;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        const float left = s->safe[(size_t)i * 4 + 3] - s->searched[(size_t)i * 4 + 3], way = s->closing[i];
+        const float left = ALMOST * ( s->reach[i] - s->spent[i] ), way = s->gone[i];
         const bool is_free = s->now[(size_t)i * 4 + 3] > 0.0f;
-        s->share[i] = is_free && way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
+        s->share[i] = s->is_short && is_free && way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
     }
 }
 
@@ -148,15 +158,29 @@ static int count_cut( const contact_soup* s )
     return count;
 }
 
+void contact_hold( const contact_work* work )
+{
+    guard_loop loop = { .soup = work->soup };
+    contact_soup* s = work->soup;
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+    }
+    work->memory->figures.guarded += count_cut( s );
+    wisp_parallel_for( work->parallel, s->point_count, POINT_GRAIN, cut_ways, &loop );
+    contact_measure_ways( work );
+}
+
 int contact_guard( const contact_work* work )
 {
     contact_soup* s = work->soup;
     guard_loop loop = { .soup = s };
     atomic_init( &loop.is_crossed, false );
-    loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)s->blocks.count + 1 );
+    const int count = s->row_count + s->late_row_count;
+    loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
     if ( loop.has_cuts == NULL )
     {
-        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to guard %d blocks of pairs", s->blocks.count );
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to guard %d pairs", count );
         return 0;
     }
     limit_ways( work );
@@ -164,8 +188,8 @@ int contact_guard( const contact_work* work )
     for ( int round = 0; round < MOST_ROUNDS && cuts; ++round )
     {
         loop.gives_up = round >= PATIENT_ROUNDS;
-        wisp_parallel_for( work->parallel, s->blocks.count, 1, check_rows, &loop );
-        cuts = take_cuts( &loop );
+        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );
+        cuts = take_cuts( &loop, count );
     }
     for ( int i = 0; i < s->point_count && cuts; ++i )
     {

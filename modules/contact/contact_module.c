@@ -5,10 +5,8 @@
 static const uint32_t CONTACT_DEF_MADE = 0x434f4e54, CONTACT_SETTINGS_MADE = 0x434f4e53;
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { { "settings", sizeof( contact_settings ) } };
-static const wisp_column_def PARTICLE_COLUMNS[] = { { "safe", 4 * sizeof( float ) },
-                                                    { "searched", 4 * sizeof( float ) } };
-static const wisp_column_def STRAND_COLUMNS[] = { { "safe", 4 * WISP_LANES * sizeof( float ) },
-                                                  { "searched", 4 * WISP_LANES * sizeof( float ) } };
+static const wisp_column_def PARTICLE_COLUMNS[] = { { "safe", 4 * sizeof( float ) } };
+static const wisp_column_def STRAND_COLUMNS[] = { { "safe", 3 * WISP_LANES * sizeof( float ) } };
 static const wisp_column_def MEMORY_COLUMNS[] = { { "memory", sizeof( contact_memory ) } };
 static const wisp_column_def MARK_COLUMNS[] = { { "mark", sizeof( int32_t ) } };
 static const wisp_column_def FIGURES_COLUMNS[] = { { "figures", sizeof( wisp_contact_figures ) } };
@@ -104,8 +102,8 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         wisp_component_def def;
     } all[] = {
         { &s->settings, { "contact.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 } },
-        { &s->particle_safe, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 2 } },
-        { &s->strand_safe, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 2 } },
+        { &s->particle_safe, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 1 } },
+        { &s->strand_safe, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 } },
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->pairs, { "contact.pairs", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
@@ -479,6 +477,12 @@ wisp_status wisp_read_contact_figures( wisp_world* world, wisp_contact_figures* 
     if ( status == WISP_OK )
     {
         *out = *figures;
+        out->searches = state->soup.searches;
+        out->renewals = state->soup.renewals;
+        for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+        {
+            out->candidates += state->soup.lists[kind].count;
+        }
     }
     return status;
 }

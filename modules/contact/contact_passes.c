@@ -26,29 +26,42 @@ static bool succeeds( const contact_work* work, wisp_status status, const wisp_e
     return status == WISP_OK;
 }
 
-// A restored snapshot brings the places of its last search along: the same pairs come of them. Whether something is crossed is
-// known too: if it is, all is searched anew anyway.
-static bool search_restored( const contact_work* work )
+static bool search_all( const contact_work* work )
 {
+    contact_soup* s = work->soup;
     wisp_error error = { 0 };
-    memset( work->soup->is_tangled, 0, (size_t)work->soup->point_count );
-    return succeeds( work, contact_search( work, &error ), &error );
-}
-
-static bool search_anew( const contact_work* work )
-{
-    wisp_error error = { 0 };
-    contact_set_reach( work );
-    work->soup->is_anew = false;
-    work->memory->figures.searches += 1;
+    s->is_anew = false;
+    s->searches += 1;
     const wisp_status status = contact_mark_tangles( work, &error );
     return succeeds( work, status == WISP_OK ? contact_search( work, &error ) : status, &error );
+}
+
+// The pairs of points that go too far astray, or all pairs if these are many.
+static bool search_astray( const contact_work* work )
+{
+    wisp_error error = { 0 };
+    bool done;
+    const wisp_status status = contact_renew( work, &done, &error );
+    return succeeds( work, status, &error ) && ( done || search_all( work ) );
+}
+
+static bool find_rows( const contact_work* work )
+{
+    wisp_error error = { 0 };
+    return succeeds( work, contact_find_rows( work, &error ), &error );
+}
+
+static bool find_late_rows( const contact_work* work )
+{
+    wisp_error error = { 0 };
+    return succeeds( work, contact_find_late_rows( work, &error ), &error );
 }
 
 static void begin_step( const contact_work* work )
 {
     wisp_contact_figures* f = &work->memory->figures;
     *f = ( wisp_contact_figures ){ .crossings = -1 };
+    work->soup->searches = work->soup->renewals = 0;
     for ( int g = 0; g < work->state->guest_count; ++g )
     {
         memset( work->state->guests[g].impulse, 0, sizeof( work->state->guests[g].impulse ) );
@@ -76,33 +89,40 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
         state->changed = false;
     }
     contact_gather( &work, true );
-    if ( s->candidate_count < 0 && s->is_anew == false && search_restored( &work ) == false )
-    {
-        return;
-    }
     const contact_reached reached = contact_expect_ways( &work );
     // while something is crossed, what is changes from substep to substep
-    const bool is_due = s->is_anew || reached == CONTACT_BEYOND || work.memory->tangled != 0;
-    if ( is_due && search_anew( &work ) == false )
+    const bool is_all = s->is_listed == false || s->is_anew || work.memory->tangled != 0;
+    if ( is_all ? search_all( &work ) : reached != CONTACT_BEYOND || search_astray( &work ) )
     {
-        return;
+        find_rows( &work );
     }
-    contact_find_rows( &work );
 }
 
-// What went farther than it was expected to has no rows that could hold it: they are found for as far as it went.
+// What went farther than it was expected to has no rows that could hold it: they are found for as far as it went. Who is cut
+// then does not go on as pairs were looked for, either.
 static void guard_ways( const contact_work* work )
 {
-    const contact_reached reached = contact_measure_ways( work );
-    if ( reached == CONTACT_BEYOND && search_anew( work ) == false )
+    enum
     {
-        return;
-    }
-    if ( reached != CONTACT_WITHIN )
+        MOST_ROUNDS = 4,
+    };
+    contact_reached reached = contact_measure_ways( work );
+    for ( int round = 0; round < MOST_ROUNDS; ++round )
     {
-        contact_find_rows( work );
+        const bool is_searched = reached != CONTACT_BEYOND || search_astray( work );
+        if ( is_searched == false || ( reached != CONTACT_WITHIN && find_late_rows( work ) == false ) )
+        {
+            return;
+        }
+        const int cut = contact_guard( work );
+        work->memory->figures.guarded += cut;
+        reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
+        if ( reached != CONTACT_BEYOND )
+        {
+            return;
+        }
     }
-    work->memory->figures.guarded += contact_guard( work );
+    contact_hold( work );
 }
 
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
@@ -110,7 +130,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     contact_state* state = user;
     const contact_work work = contact_begin_work( frame, span, state );
     contact_soup* s = &state->soup;
-    if ( s->candidate_count < 0 )
+    if ( s->is_listed == false )
     {
         return; // the step has failed already
     }
@@ -143,7 +163,7 @@ void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
     const contact_work work = { .state = state, .soup = &state->soup, .frame = frame };
-    if ( state->soup.candidate_count >= 0 )
+    if ( state->soup.is_listed )
     {
         contact_keep_guest( &work, state->guests + contact_find_guest( state, span->entity ) );
     }

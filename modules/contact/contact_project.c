@@ -124,10 +124,9 @@ static void run_blocks( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const int block = loop->order[i];
-        contact_row* rows = s->rows + s->blocks.begin[block];
-        for ( int r = 0; r < s->blocks.rows[block]; ++r )
+        for ( int r = s->blocks.begin[block]; r < s->blocks.begin[block + 1]; ++r )
         {
-            loop->run( loop->work, rows + r );
+            loop->run( loop->work, s->rows + r );
         }
     }
 }

@@ -2,30 +2,19 @@
 // pieces have a plane between them that separates the pieces whole, so that whoever stays behind it has not crossed.
 #include "contact_internal.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum
 {
     LANES = 8,
-    GROUPS = CONTACT_BLOCK / LANES,
-    WAY_GRAIN = 4096,
+    GROUPS = CONTACT_BATCH / LANES,
+    ROW_GRAIN = 256,
 };
 
-// Where something is already crossed, the plane has no right side.
-static bool is_tangled( const contact_soup* s, const contact_row* row )
-{
-    bool sides[2] = { false, false };
-    for ( int i = 0; i < row->count; ++i )
-    {
-        sides[i >= row->split] = sides[i >= row->split] || s->is_tangled[row->point[i]] != 0;
-    }
-    return sides[0] && sides[1];
-}
-
-void contact_set_points( const contact_work* work, int candidate, bool is_edge, contact_row* row )
+void contact_set_points( const contact_work* work, const contact_candidate* c, bool is_edge, contact_row* row )
 {
     const contact_soup* s = work->soup;
-    const contact_candidate* c = s->candidates + candidate;
     if ( work->state->world.features == WISP_CONTACT_SAMPLES )
     {
         row->count = 6;
@@ -42,7 +31,7 @@ void contact_set_points( const contact_work* work, int candidate, bool is_edge, 
     memcpy( row->point + row->split, b, (size_t)( 4 - row->split ) * sizeof( int32_t ) );
 }
 
-// Closest points of up to a block of pairs, eight at a time. Lanes without a pair repeat the last one.
+// Closest points of up to a batch of pairs, eight at a time. Lanes without a pair repeat the last one.
 static void measure_pieces( const contact_work* work, const float* quads, int count, bool are_edges,
                             contact_row* rows )
 {
@@ -75,8 +64,8 @@ static void measure_pieces( const contact_work* work, const float* quads, int co
     }
 }
 
-void contact_measure_pairs( const contact_work* work, const float* quads, const int32_t* candidates, int count,
-                            bool are_edges, contact_row* rows )
+void contact_measure_pairs( const contact_work* work, const float* quads, const contact_candidate* const* candidates,
+                            int count, bool are_edges, contact_row* rows )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -84,7 +73,7 @@ void contact_measure_pairs( const contact_work* work, const float* quads, const 
     }
     for ( int i = 0; i < count && work->state->world.features == WISP_CONTACT_SAMPLES; ++i )
     {
-        contact_measure_samples( work->soup, quads, work->soup->candidates + candidates[i], rows + i );
+        contact_measure_samples( work->soup, quads, candidates[i], rows + i );
     }
     if ( work->state->world.features == WISP_CONTACT_EXACT && count > 0 )
     {
@@ -94,6 +83,8 @@ void contact_measure_pairs( const contact_work* work, const float* quads, const 
 
 static void begin_row( const contact_work* work, const contact_candidate* c, contact_row* row )
 {
+    row->a = c->a;
+    row->b = c->b;
     row->gap = contact_smaller( c->gap, row->distance );
     row->wanted = c->gap;
     row->friction = sqrtf( contact_guest_of( work, row->point[0] )->settings.friction *
@@ -102,144 +93,159 @@ static void begin_row( const contact_work* work, const contact_candidate* c, con
     row->cut = 1.0f;
 }
 
-// ---- who is due ----
+// ---- rows ----
 
-static float largest_of( const float* way, const int32_t* points, int count )
+static int compare( const void* a, const void* b )
 {
-    float most = way[points[0]];
-    for ( int i = 1; i < count; ++i )
-    {
-        most = contact_larger( most, way[points[i]] );
-    }
-    return most;
+    const contact_candidate *p = *(const contact_candidate*const*)a, *q = *(const contact_candidate*const*)b;
+    const int first = ( p->a > q->a ) - ( p->a < q->a );
+    return first != 0 ? first : ( p->b > q->b ) - ( p->b < q->b );
 }
 
-static void find_point_ways( void* context, int begin, int end, int worker )
+static int take_near( const contact_list* list, const contact_candidate** met )
 {
-    (void)worker;
-    const contact_soup* s = context;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->point_way[i] = s->searched[(size_t)i * 4 + 3] + s->closing[i];
-    }
-}
-
-static void find_edge_ways( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_soup* s = context;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->edge_way[i] = largest_of( s->point_way, s->edges + 2 * (size_t)i, 2 );
-    }
-}
-
-static void find_triangle_ways( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_soup* s = context;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->triangle_way[i] = largest_of( s->point_way, s->triangles + 3 * (size_t)i, 3 );
-    }
-}
-
-static void find_sample_ways( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_soup* s = context;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->edge_way[i] = largest_of( s->point_way, s->sample_parents[i], 3 );
-    }
-}
-
-// How far each piece has gone since it was searched, and may go in this substep, at most.
-static void find_ways( const contact_work* work )
-{
-    contact_soup* s = work->soup;
-    wisp_parallel_for( work->parallel, s->point_count, WAY_GRAIN, find_point_ways, s );
-    if ( work->state->world.features == WISP_CONTACT_SAMPLES )
-    {
-        wisp_parallel_for( work->parallel, s->sample_count, WAY_GRAIN, find_sample_ways, s );
-        return;
-    }
-    wisp_parallel_for( work->parallel, s->edge_count, WAY_GRAIN, find_edge_ways, s );
-    wisp_parallel_for( work->parallel, s->triangle_count, WAY_GRAIN, find_triangle_ways, s );
-}
-
-// The two lists of ways that candidates of a block look into.
-static void ways_of_block( const contact_work* work, int block, const float* ways[2] )
-{
-    const contact_soup* s = work->soup;
-    const bool are_edges = block >= s->blocks.first_edge_block;
-    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
-    ways[0] = are_edges || are_samples ? s->edge_way : s->point_way;
-    ways[1] = are_edges || are_samples ? s->edge_way : s->triangle_way;
-}
-
-static int list_due( const contact_work* work, int block, int32_t* list )
-{
-    const contact_soup* s = work->soup;
-    const float* ways[2];
-    ways_of_block( work, block, ways );
     int count = 0;
-    for ( int i = s->blocks.begin[block]; i < s->blocks.begin[block + 1]; ++i )
+    for ( int batch = 0; batch * CONTACT_BATCH < list->count; ++batch )
     {
-        const contact_candidate* c = s->candidates + i;
-        list[count] = i;
-        count += ways[0][c->a] + ways[1][c->b] >= c->due ? 1 : 0;
+        for ( int i = 0; i < list->near_count[batch]; ++i )
+        {
+            met[count++] = list->items + list->near[batch * CONTACT_BATCH + i];
+        }
     }
     return count;
 }
 
-// What the sides of a pair have gone already, each at least: whoever of a side has gone less may go so much more.
-static float least_gone( const contact_soup* s, const contact_row* row )
+// @return 1, or 0 if the pair is the last one already
+static int put( const contact_candidate** met, int count, const contact_candidate* c )
 {
-    float sides[2] = { INFINITY, INFINITY };
-    for ( int i = 0; i < row->count; ++i )
+    const bool is_new = count == 0 || compare( met + count - 1, &c ) != 0;
+    met[count] = c;
+    return is_new ? 1 : 0;
+}
+
+// Late pairs are few and in no order, and some are in both lists. @param spare room for the late ones @return how many
+static int merge_near( const contact_list* list, const contact_list* late, const contact_candidate** met,
+                       const contact_candidate** spare )
+{
+    const int late_count = take_near( late, spare );
+    if ( late_count == 0 )
     {
-        const float gone = s->searched[(size_t)row->point[i] * 4 + 3];
-        sides[i >= row->split] = contact_smaller( sides[i >= row->split], gone );
+        return take_near( list, met );
     }
-    return sides[0] + sides[1];
+    qsort( spare, (size_t)late_count, sizeof( *spare ), compare );
+    int count = 0, next = 0;
+    for ( int batch = 0; batch * CONTACT_BATCH < list->count; ++batch )
+    {
+        for ( int i = 0; i < list->near_count[batch]; ++i )
+        {
+            const contact_candidate* c = list->items + list->near[batch * CONTACT_BATCH + i];
+            for ( ; next < late_count && compare( spare + next, &c ) <= 0; ++next )
+            {
+                count += put( met, count, spare[next] );
+            }
+            count += put( met, count, c );
+        }
+    }
+    for ( ; next < late_count; ++next )
+    {
+        count += put( met, count, spare[next] );
+    }
+    return count;
 }
 
-// How much nearer the sides may come in this substep.
-static float closing_of( const contact_soup* s, const contact_row* row )
+typedef struct row_loop
 {
-    return largest_of( s->closing, row->point, row->split ) +
-           largest_of( s->closing, row->point + row->split, row->count - row->split );
-}
+    const contact_work* work;
+    const contact_candidate* const* met;
+    contact_row* rows;
+    bool are_edges;
+} row_loop;
 
-static void find_rows( void* context, int begin, int end, int worker )
+static void fill_rows( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
-    for ( int b = begin; b < end; ++b )
+    const row_loop* loop = context;
+    for ( int first = begin; first < end; first += CONTACT_BATCH )
     {
-        int32_t list[CONTACT_BLOCK];
-        contact_row* rows = s->rows + s->blocks.begin[b];
-        const int due = list_due( work, b, list );
-        contact_measure_pairs( work, s->safe, list, due, b >= s->blocks.first_edge_block, rows );
-        int count = 0;
-        for ( int i = 0; i < due; ++i )
+        const int count = end - first < CONTACT_BATCH ? end - first : CONTACT_BATCH;
+        contact_row* rows = loop->rows + first;
+        contact_measure_pairs( loop->work, loop->work->soup->safe, loop->met + first, count, loop->are_edges, rows );
+        for ( int i = 0; i < count; ++i )
         {
-            contact_candidate* c = s->candidates + list[i];
-            contact_row* row = rows + count;
-            *row = rows[i];
-            c->due = least_gone( s, row ) + ( row->distance - c->gap );
-            const bool meets = row->distance > 0.0f && row->distance < c->gap + closing_of( s, row );
-            begin_row( work, c, row );
-            count += meets && is_tangled( s, row ) == false ? 1 : 0;
+            begin_row( loop->work, loop->met[first + i], rows + i );
         }
-        s->blocks.rows[b] = count;
     }
 }
 
-void contact_find_rows( const contact_work* work )
+wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 {
-    find_ways( work );
-    wisp_parallel_for( work->parallel, work->soup->blocks.count, 1, find_rows, (void*)(uintptr_t)work );
+    contact_soup* s = work->soup;
+    s->row_count = s->late_row_count = s->split = 0;
+    const size_t most = (size_t)contact_search_lists( work, false );
+    const contact_candidate** met;
+    if ( contact_reserve( work, CONTACT_MET, 2 * most * sizeof( *met ), (void**)&met ) == false ||
+         contact_reserve( work, CONTACT_ROWS, most * sizeof( contact_row ), (void**)&s->rows ) == false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs that may meet", most );
+    }
+    const contact_list* l = s->lists;
+    s->split = merge_near( l + CONTACT_POINTS, l + CONTACT_LATE_POINTS, met, met + most );
+    const contact_candidate** edges = met + s->split;
+    s->row_count = s->split + merge_near( l + CONTACT_EDGES_LIST, l + CONTACT_LATE_EDGES, edges, met + most );
+    row_loop of_points = { work, met, s->rows, false }, of_edges = { work, edges, s->rows + s->split, true };
+    wisp_parallel_for( work->parallel, s->split, ROW_GRAIN, fill_rows, &of_points );
+    wisp_parallel_for( work->parallel, s->row_count - s->split, ROW_GRAIN, fill_rows, &of_edges );
+    return contact_make_blocks( work )
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %zu pairs", most );
+}
+
+// ---- late rows ----
+
+static int compare_with_row( const void* candidate, const void* row )
+{
+    const contact_candidate* p = candidate;
+    const contact_row* q = row;
+    const int first = ( p->a > q->a ) - ( p->a < q->a );
+    return first != 0 ? first : ( p->b > q->b ) - ( p->b < q->b );
+}
+
+// Those of two lists that are no rows yet, in order. @return how many
+static int take_missing( const contact_soup* s, const contact_list* list, const contact_list* late, bool are_edges,
+                         const contact_candidate** out )
+{
+    int found = take_near( list, out ), count = 0;
+    found += take_near( late, out + found );
+    qsort( out, (size_t)found, sizeof( *out ), compare );
+    const contact_row* rows = s->rows + ( are_edges ? s->split : 0 );
+    const size_t row_count = (size_t)( are_edges ? s->row_count - s->split : s->split );
+    for ( int i = 0; i < found; ++i )
+    {
+        const bool is_row =
+            row_count > 0 && bsearch( out[i], rows, row_count, sizeof( *rows ), compare_with_row ) != NULL;
+        count += is_row ? 0 : put( out, count, out[i] );
+    }
+    return count;
+}
+
+wisp_status contact_find_late_rows( const contact_work* work, wisp_error* error )
+{
+    contact_soup* s = work->soup;
+    s->late_row_count = 0;
+    const size_t most = (size_t)contact_search_lists( work, true );
+    const contact_candidate** out;
+    if ( contact_reserve( work, CONTACT_MET, most * sizeof( *out ), (void**)&out ) == false ||
+         contact_reserve( work, CONTACT_LATE_ROWS, most * sizeof( contact_row ), (void**)&s->late_rows ) == false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs that may meet", most );
+    }
+    const contact_list* l = s->lists;
+    const int split = take_missing( s, l + CONTACT_POINTS, l + CONTACT_LATE_POINTS, false, out );
+    const int edges = take_missing( s, l + CONTACT_EDGES_LIST, l + CONTACT_LATE_EDGES, true, out + split );
+    s->late_row_count = split + edges;
+    row_loop of_points = { work, out, s->late_rows, false },
+             of_edges = { work, out + split, s->late_rows + split, true };
+    wisp_parallel_for( work->parallel, split, ROW_GRAIN, fill_rows, &of_points );
+    wisp_parallel_for( work->parallel, edges, ROW_GRAIN, fill_rows, &of_edges );
+    return WISP_OK;
 }

@@ -133,6 +133,12 @@ static void place( const contact_soup* s, const float* quads, int sample, float 
     }
 }
 
+static float reach_of( const contact_soup* s, int sample )
+{
+    const int32_t* parents = s->sample_parents[sample];
+    return contact_larger( s->reach[parents[0]], contact_larger( s->reach[parents[1]], s->reach[parents[2]] ) );
+}
+
 static void box_samples( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -141,9 +147,9 @@ static void box_samples( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         float at[3];
-        place( s, s->searched, i, at );
+        place( s, s->safe, i, at );
         const contact_guest* guest = contact_guest_of( work, s->sample_parents[i][0] );
-        const float wide = 0.5f * guest->settings.thickness + contact_reach_of( s, s->sample_parents[i], 3 );
+        const float wide = 0.5f * guest->settings.thickness + reach_of( s, i );
         for ( int k = 0; k < 3; ++k )
         {
             s->edge_boxes[i].low[k] = at[k] - wide;
@@ -183,44 +189,18 @@ static float distance_of( const contact_soup* s, const float* quads, int a, int 
 
 // Particles of a guest that are neighbours at rest would hold it stiff, and they always are within reach: what is nearer at
 // rest than that is no pair.
-static float gap_of( const contact_work* work, int a, int b )
+float contact_sample_gap_of( const contact_work* work, int a, int b )
 {
     const contact_soup* s = work->soup;
     static const float REST_GAPS = 2.0f;
     const contact_guest* ga = contact_guest_of( work, s->sample_parents[a][0] );
     const contact_guest* gb = contact_guest_of( work, s->sample_parents[b][0] );
     const float gap = 0.5f * ( ga->settings.thickness + gb->settings.thickness );
-    const float reach =
-        contact_reach_of( s, s->sample_parents[a], 3 ) + contact_reach_of( s, s->sample_parents[b], 3 );
-    const bool is_pair = contact_may_meet( ga, gb ) && distance_of( s, s->searched, a, b ) < gap + reach &&
-                         ( ga != gb || distance_of( s, s->rest, a, b ) > REST_GAPS * gap + reach );
+    const float apart = REST_GAPS * gap + s->least_thickness;
+    const bool is_pair = contact_may_meet( ga, gb ) &&
+                         distance_of( s, s->safe, a, b ) < gap + reach_of( s, a ) + reach_of( s, b ) &&
+                         ( ga != gb || distance_of( s, s->rest, a, b ) > apart );
     return is_pair ? gap : 0.0f;
-}
-
-typedef struct check_loop
-{
-    const contact_work* work;
-    float* gaps;
-} check_loop;
-
-static void check_samples( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const check_loop* loop = context;
-    const wisp_box_pairs* pairs = &loop->work->soup->point_pairs;
-    for ( int a = begin; a < end; ++a )
-    {
-        for ( int k = pairs->begin[a]; k < pairs->begin[a + 1]; ++k )
-        {
-            loop->gaps[k] = gap_of( loop->work, a, pairs->item[k] );
-        }
-    }
-}
-
-void contact_check_samples( const contact_work* work, float* gaps )
-{
-    check_loop loop = { work, gaps };
-    wisp_parallel_for( work->parallel, work->soup->point_pairs.asker_count, GRAIN, check_samples, &loop );
 }
 
 void contact_measure_samples( const contact_soup* s, const float* quads, const contact_candidate* c,

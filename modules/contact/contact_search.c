@@ -1,49 +1,75 @@
-// Which pairs are within reach, by their boxes: those that share no point and may meet.
+// Which pairs are within reach: those that share no point and may come to their gap while all points keep to their courses.
 #include "contact_internal.h"
+
+#include <string.h>
 
 enum
 {
     BOX_GRAIN = 1024,
-    PAIR_GRAIN = 512,     // askers
-    MOST_PER_POINT = 512, // pairs of boxes a point, before reach is cut
+    MOST_PER_POINT = 512, // pairs a point, before reach is cut
 };
 
-typedef struct search_loop
-{
-    const contact_work* work;
-    contact_soup* soup;
-    const wisp_box_pairs* pairs;
-    float* gaps; // [pair] 0: no candidate
-} search_loop;
+// ---- courses of pieces, and boxes around them ----
 
-float contact_reach_of( const contact_soup* s, const int32_t* points, int count )
+void contact_take_course( const contact_soup* s, const int32_t* points, int count, float drift[4], float* reach )
 {
-    float reach = 0.0f;
+    const float share = 1.0f / (float)count;
+    float most = 0.0f;
+    *reach = 0.0f;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        float sum = 0.0f;
+        for ( int i = 0; i < count; ++i )
+        {
+            sum += s->drift[(size_t)points[i] * 4 + k];
+        }
+        drift[k] = share * sum;
+    }
     for ( int i = 0; i < count; ++i )
     {
-        reach = contact_larger( reach, s->safe[(size_t)points[i] * 4 + 3] );
+        const float* u = s->drift + (size_t)points[i] * 4;
+        const float x = u[0] - drift[0], y = u[1] - drift[1], z = u[2] - drift[2];
+        most = contact_larger( most, x * x + y * y + z * z );
+        *reach = contact_larger( *reach, s->reach[points[i]] );
     }
-    return reach;
+    drift[3] = sqrtf( most );
 }
 
-// ---- boxes ----
-
-static wisp_box box_around( const search_loop* loop, const int32_t* points, int count )
+static float substeps_left( const contact_work* work )
 {
-    const contact_soup* s = loop->soup;
+    return (float)( contact_drift_substeps( work ) - work->soup->drifted );
+}
+
+// Rows are made of pairs that might come to their gap in a substep, wherever they go in it: its drift counts all around.
+static float longest_drift( const contact_soup* s, const int32_t* points, int count )
+{
+    float most = 0.0f;
+    for ( int i = 0; i < count; ++i )
+    {
+        const float* u = s->drift + (size_t)points[i] * 4;
+        most = contact_larger( most, u[0] * u[0] + u[1] * u[1] + u[2] * u[2] );
+    }
+    return 1.001f * sqrtf( most );
+}
+
+wisp_box contact_box_around( const contact_work* work, const int32_t* points, int count, float reach )
+{
+    const contact_soup* s = work->soup;
     const float wide =
-        0.5f * contact_guest_of( loop->work, points[0] )->settings.thickness + contact_reach_of( s, points, count );
+        0.5f * contact_guest_of( work, points[0] )->settings.thickness + reach + longest_drift( s, points, count );
+    const float substeps = substeps_left( work );
     wisp_box box;
-    for ( int k = 0; k < 3; ++k )
+    for ( size_t k = 0; k < 3; ++k )
     {
         float low = INFINITY, high = -INFINITY;
         bool is_number = true;
         for ( int i = 0; i < count; ++i )
         {
-            const float x = s->searched[(size_t)points[i] * 4 + (size_t)k];
-            is_number = is_number && x == x;
-            low = contact_smaller( low, x );
-            high = contact_larger( high, x );
+            const size_t at = (size_t)points[i] * 4 + k;
+            const float x = s->safe[at] - s->travelled[k], end = x + substeps * s->drift[at];
+            is_number = is_number && x == x && end == end;
+            low = contact_smaller( low, contact_smaller( x, end ) );
+            high = contact_larger( high, contact_larger( x, end ) );
         }
         box.low[k] = is_number ? low - wide : INFINITY; // a box like this meets nothing
         box.high[k] = is_number ? high + wide : -INFINITY;
@@ -54,30 +80,37 @@ static wisp_box box_around( const search_loop* loop, const int32_t* points, int 
 static void box_points( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const search_loop* loop = context;
+    const contact_work* work = context;
+    contact_soup* s = work->soup;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->point_boxes[i] = box_around( loop, &i, 1 );
+        s->point_boxes[i] = contact_box_around( work, &i, 1, s->reach[i] );
     }
 }
 
 static void box_edges( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const search_loop* loop = context;
+    const contact_work* work = context;
+    contact_soup* s = work->soup;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->edge_boxes[i] = box_around( loop, loop->soup->edges + 2 * (size_t)i, 2 );
+        const int32_t* points = s->edges + (size_t)i * 2;
+        contact_take_course( s, points, 2, s->edge_drift + (size_t)i * 4, s->edge_reach + i );
+        s->edge_boxes[i] = contact_box_around( work, points, 2, s->edge_reach[i] );
     }
 }
 
 static void box_triangles( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const search_loop* loop = context;
+    const contact_work* work = context;
+    contact_soup* s = work->soup;
     for ( int i = begin; i < end; ++i )
     {
-        loop->soup->triangle_boxes[i] = box_around( loop, loop->soup->triangles + 3 * (size_t)i, 3 );
+        const int32_t* points = s->triangles + (size_t)i * 3;
+        contact_take_course( s, points, 3, s->triangle_drift + (size_t)i * 4, s->triangle_reach + i );
+        s->triangle_boxes[i] = contact_box_around( work, points, 3, s->triangle_reach[i] );
     }
 }
 
@@ -93,49 +126,133 @@ bool contact_may_meet( const contact_guest* a, const contact_guest* b )
            ( a->is_strands && b->is_strands ) == false;
 }
 
-// What a pair would keep, 0 if it is none. Its boxes overlap, so it is as near as pairs are looked for.
-static float gap_of( const search_loop* loop, int a, int b )
+float contact_gap_of( const contact_work* work, int a, int b )
 {
-    const contact_guest *ga = contact_guest_of( loop->work, a ), *gb = contact_guest_of( loop->work, b );
+    const contact_guest *ga = contact_guest_of( work, a ), *gb = contact_guest_of( work, b );
     return contact_may_meet( ga, gb ) ? 0.5f * ( ga->settings.thickness + gb->settings.thickness ) : 0.0f;
 }
 
-static void check_points( void* context, int begin, int end, int worker )
+// Pieces of a kind, as they were searched.
+typedef struct piece_kind
 {
-    (void)worker;
-    const search_loop* loop = context;
-    for ( int p = begin; p < end; ++p )
+    const int32_t* points; // [piece][count], null: a piece is a point
+    int count;
+    const float *reach, *drift;
+} piece_kind;
+
+static piece_kind kind_of_points( const contact_soup* s )
+{
+    return ( piece_kind ){ NULL, 1, s->reach, s->drift };
+}
+
+static piece_kind kind_of_edges( const contact_soup* s )
+{
+    return ( piece_kind ){ s->edges, 2, s->edge_reach, s->edge_drift };
+}
+
+static piece_kind kind_of_triangles( const contact_soup* s )
+{
+    return ( piece_kind ){ s->triangles, 3, s->triangle_reach, s->triangle_drift };
+}
+
+static void points_of( const piece_kind* kind, int32_t piece, int32_t* out )
+{
+    for ( int i = 0; i < kind->count; ++i )
     {
-        for ( int k = loop->pairs->begin[p]; k < loop->pairs->begin[p + 1]; ++k )
-        {
-            const int32_t* t = loop->soup->triangles + (size_t)loop->pairs->item[k] * 3;
-            const bool shares = p == t[0] || p == t[1] || p == t[2];
-            loop->gaps[k] = shares ? 0.0f : gap_of( loop, p, t[0] );
-        }
+        out[i] = kind->points != NULL ? kind->points[(size_t)piece * (size_t)kind->count + (size_t)i] : piece;
     }
 }
 
-static void check_edges( void* context, int begin, int end, int worker )
+static bool share_a_point( const int32_t points[4], int split )
 {
-    (void)worker;
-    const search_loop* loop = context;
-    for ( int e = begin; e < end; ++e )
+    bool share = false;
+    for ( int i = 0; i < split; ++i )
     {
-        const int32_t* a = loop->soup->edges + (size_t)e * 2;
-        for ( int k = loop->pairs->begin[e]; k < loop->pairs->begin[e + 1]; ++k )
+        for ( int k = split; k < 4; ++k )
         {
-            const int32_t* b = loop->soup->edges + (size_t)loop->pairs->item[k] * 2;
-            const bool shares = a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
-            loop->gaps[k] = shares ? 0.0f : gap_of( loop, a[0], b[0] );
+            share = share || points[i] == points[k];
         }
     }
+    return share;
 }
 
-static void point_at( search_loop* loop, const wisp_box_pairs* pairs, size_t first )
+// Those of a list that share no point with the asker, may meet it, and are so near that they may come to their gap. Most
+// boxes that overlap belong to neighbours in the mesh, which are not, as they go where the asker goes.
+static int keep_near( const contact_work* work, const piece_kind kinds[2], int asking, int asker, int32_t* items,
+                      int count )
 {
-    contact_soup* s = loop->soup;
-    loop->pairs = pairs;
-    loop->gaps = s->pair_gap + first;
+    const piece_kind *mine = kinds + asking, *theirs = kinds + 1 - asking;
+    const int split = kinds[0].count;
+    const float substeps = substeps_left( work ) + 1.0f; // and the one that they might come to their gap in
+    contact_pieces pieces;
+    pieces.are_edges = split == 2;
+    int32_t points[4];
+    points_of( mine, asker, points + ( asking == 0 ? 0 : split ) );
+    const float* guest_of = work->soup->rest + 3; // [point * 4]
+    const int own = asking == 0 ? 0 : 3, other = 3 - own;
+    float guest = -1.0f, gap = 0.0f; // what is kept from this guest
+    int kept = 0;
+    for ( int from = 0; from < count; )
+    {
+        int32_t list[CONTACT_BATCH];
+        float within[CONTACT_BATCH];
+        int listed = 0;
+        for ( ; from < count && listed < CONTACT_BATCH; ++from )
+        {
+            const int32_t item = items[from];
+            points_of( theirs, item, points + ( asking == 0 ? split : 0 ) );
+            if ( guest_of[(size_t)points[other] * 4] != guest )
+            {
+                guest = guest_of[(size_t)points[other] * 4];
+                gap = contact_gap_of( work, points[own], points[other] );
+            }
+            if ( gap > 0.0f && share_a_point( points, split ) == false )
+            {
+                contact_put_pieces( &pieces, listed, points );
+                within[listed] = 1.001f * gap + ( mine->reach[asker] + theirs->reach[item] ) +
+                                 substeps * contact_drift_between( mine->drift + (size_t)asker * 4,
+                                                                   theirs->drift + (size_t)item * 4 );
+                list[listed++] = item;
+            }
+        }
+        const float* distance = contact_measure_distances( work, work->soup->safe, &pieces, listed );
+        for ( int i = 0; i < listed; ++i )
+        {
+            items[kept] = list[i];
+            kept += distance[i] < within[i] ? 1 : 0;
+        }
+    }
+    return kept;
+}
+
+int contact_keep_triangles( const contact_work* work, int point, int32_t* items, int count )
+{
+    const piece_kind kinds[2] = { kind_of_points( work->soup ), kind_of_triangles( work->soup ) };
+    return keep_near( work, kinds, 0, point, items, count );
+}
+
+int contact_keep_points( const contact_work* work, int triangle, int32_t* items, int count )
+{
+    const piece_kind kinds[2] = { kind_of_points( work->soup ), kind_of_triangles( work->soup ) };
+    return keep_near( work, kinds, 1, triangle, items, count );
+}
+
+int contact_keep_edges( const contact_work* work, int edge, int32_t* items, int count )
+{
+    const piece_kind kinds[2] = { kind_of_edges( work->soup ), kind_of_edges( work->soup ) };
+    return keep_near( work, kinds, 0, edge, items, count );
+}
+
+// ---- searching ----
+
+static int filter_triangles( const void* context, int asker, int32_t* items, int count )
+{
+    return contact_keep_triangles( context, asker, items, count );
+}
+
+static int filter_edges( const void* context, int asker, int32_t* items, int count )
+{
+    return contact_keep_edges( context, asker, items, count );
 }
 
 static wisp_status find_pairs( const contact_work* work, wisp_error* error )
@@ -145,6 +262,9 @@ static wisp_status find_pairs( const contact_work* work, wisp_error* error )
     {
         return contact_find_sample_pairs( work, error );
     }
+    wisp_parallel_for( work->parallel, s->point_count, BOX_GRAIN, box_points, (void*)(uintptr_t)work );
+    wisp_parallel_for( work->parallel, s->edge_count, BOX_GRAIN, box_edges, (void*)(uintptr_t)work );
+    wisp_parallel_for( work->parallel, s->triangle_count, BOX_GRAIN, box_triangles, (void*)(uintptr_t)work );
     const size_t limit = (size_t)s->point_count * MOST_PER_POINT;
     const wisp_box_job points = {
         .askers = s->point_boxes,
@@ -154,6 +274,8 @@ static wisp_status find_pairs( const contact_work* work, wisp_error* error )
         .search = work->state->world.search,
         .kernels = wisp_frame_kernels( work->frame ),
         .limit = limit,
+        .filter = filter_triangles,
+        .filter_context = work,
     };
     const wisp_box_job edges = {
         .boxes = s->edge_boxes,
@@ -161,53 +283,63 @@ static wisp_status find_pairs( const contact_work* work, wisp_error* error )
         .search = work->state->world.search,
         .kernels = wisp_frame_kernels( work->frame ),
         .limit = limit,
+        .filter = filter_edges,
+        .filter_context = work,
     };
     const wisp_status status = wisp_box_pairs_find( &s->point_pairs, work->parallel, &points, error );
     return status == WISP_OK ? wisp_box_pairs_find( &s->edge_pairs, work->parallel, &edges, error ) : status;
 }
 
-static bool check_pairs( const contact_work* work, search_loop* loop )
+// Look less far, and let the guard cut what goes farther.
+static void halve_reach( contact_soup* s )
+{
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->reach[i] *= 0.5f;
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            s->drift[(size_t)i * 4 + k] *= 0.5f;
+        }
+    }
+}
+
+static bool take_lists( const contact_work* work )
 {
     contact_soup* s = work->soup;
-    const size_t pairs = s->point_pairs.pair_count + s->edge_pairs.pair_count;
-    if ( contact_reserve( work, CONTACT_PAIR_GAP, pairs * sizeof( float ), (void**)&s->pair_gap ) == false )
+    const size_t points = s->point_pairs.pair_count, edges = s->edge_pairs.pair_count;
+    bool enough = contact_reserve_list( work, CONTACT_POINTS, points ) &&
+                  contact_reserve_list( work, CONTACT_EDGES_LIST, edges ) &&
+                  contact_reserve_list( work, CONTACT_LATE_POINTS, (size_t)s->point_count ) &&
+                  contact_reserve_list( work, CONTACT_LATE_EDGES, (size_t)s->edge_count );
+    if ( enough )
     {
-        return false;
+        contact_fill_list( work, CONTACT_POINTS, &s->point_pairs, NULL, false );
+        contact_fill_list( work, CONTACT_EDGES_LIST, &s->edge_pairs, NULL, false );
     }
-    if ( work->state->world.features == WISP_CONTACT_SAMPLES )
-    {
-        contact_check_samples( work, s->pair_gap );
-        return contact_make_candidates( work );
-    }
-    point_at( loop, &s->point_pairs, 0 );
-    wisp_parallel_for( work->parallel, s->point_count, PAIR_GRAIN, check_points, loop );
-    point_at( loop, &s->edge_pairs, s->point_pairs.pair_count );
-    wisp_parallel_for( work->parallel, s->edge_count, PAIR_GRAIN, check_edges, loop );
-    return contact_make_candidates( work );
+    return enough;
 }
 
 wisp_status contact_search( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    search_loop loop = { .work = work, .soup = s };
     wisp_status status = WISP_BAD_INPUT;
+    contact_set_courses( work );
+    s->has_point_grid = s->is_short = false;
+    s->renewed[0].count = s->renewed[1].count = s->renewed[2].count = 0;
     for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < 40; ++halvings )
     {
-        wisp_parallel_for( work->parallel, s->point_count, BOX_GRAIN, box_points, &loop );
-        wisp_parallel_for( work->parallel, s->edge_count, BOX_GRAIN, box_edges, &loop );
-        wisp_parallel_for( work->parallel, s->triangle_count, BOX_GRAIN, box_triangles, &loop );
         status = find_pairs( work, error );
-        // more than so many is no list of candidates: look less far, and let the guard cut what goes farther
-        for ( int i = 0; i < s->point_count && status == WISP_BAD_INPUT; ++i )
+        if ( status == WISP_BAD_INPUT ) // more than so many pairs are no list
         {
-            s->safe[(size_t)i * 4 + 3] *= 0.5f;
+            halve_reach( s );
+            s->is_short = true;
         }
     }
-    if ( status == WISP_OK && check_pairs( work, &loop ) == false )
+    if ( status == WISP_OK && take_lists( work ) == false )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the candidates among %zu pairs",
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs",
                             s->point_pairs.pair_count + s->edge_pairs.pair_count );
     }
-    s->candidate_count = status == WISP_OK ? s->candidate_count : -1;
+    s->is_listed = status == WISP_OK;
     return status;
 }

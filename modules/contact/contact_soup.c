@@ -11,6 +11,7 @@ void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator )
     }
     wisp_box_pairs_release( &soup->point_pairs, allocator );
     wisp_box_pairs_release( &soup->edge_pairs, allocator );
+    wisp_box_pairs_release( &soup->triangle_pairs, allocator );
     wisp_crossings_release( &soup->crossings, allocator );
     wisp_samples_release( &soup->sampler, allocator );
     *soup = ( contact_soup ){ 0 };
@@ -73,11 +74,22 @@ static bool reserve_all( const contact_work* work )
     return contact_reserve( work, CONTACT_NOW, points * quad, (void**)&s->now ) &&
            contact_reserve( work, CONTACT_SAFE, points * quad, (void**)&s->safe ) &&
            contact_reserve( work, CONTACT_REST, points * quad, (void**)&s->rest ) &&
-           contact_reserve( work, CONTACT_SEARCHED, points * quad, (void**)&s->searched ) &&
-           contact_reserve( work, CONTACT_CLOSING, points * sizeof( float ), (void**)&s->closing ) &&
+           contact_reserve( work, CONTACT_DRIFT, points * quad, (void**)&s->drift ) &&
+           contact_reserve( work, CONTACT_REACH, points * sizeof( float ), (void**)&s->reach ) &&
+           contact_reserve( work, CONTACT_SPENT, points * sizeof( float ), (void**)&s->spent ) &&
+           contact_reserve( work, CONTACT_AHEAD, points * quad, (void**)&s->ahead ) &&
+           contact_reserve( work, CONTACT_LATE, points, (void**)&s->is_late ) &&
+           contact_reserve( work, CONTACT_GONE, points * sizeof( float ), (void**)&s->gone ) &&
+           contact_reserve( work, CONTACT_ASTRAY, points * sizeof( float ), (void**)&s->astray ) &&
            contact_reserve( work, CONTACT_POINT_WAY, points * sizeof( float ), (void**)&s->point_way ) &&
            contact_reserve( work, CONTACT_EDGE_WAY, edges * sizeof( float ), (void**)&s->edge_way ) &&
            contact_reserve( work, CONTACT_TRIANGLE_WAY, triangles * sizeof( float ), (void**)&s->triangle_way ) &&
+           contact_reserve( work, CONTACT_EDGE_REACH, edges * sizeof( float ), (void**)&s->edge_reach ) &&
+           contact_reserve( work, CONTACT_TRIANGLE_REACH, triangles * sizeof( float ), (void**)&s->triangle_reach ) &&
+           contact_reserve( work, CONTACT_EDGE_DRIFT, edges * quad, (void**)&s->edge_drift ) &&
+           contact_reserve( work, CONTACT_TRIANGLE_DRIFT, triangles * quad, (void**)&s->triangle_drift ) &&
+           contact_reserve( work, CONTACT_EDGE_LATE, edges, (void**)&s->edge_late ) &&
+           contact_reserve( work, CONTACT_TRIANGLE_LATE, triangles, (void**)&s->triangle_late ) &&
            contact_reserve( work, CONTACT_SHIFT, points * quad, (void**)&s->shift ) &&
            contact_reserve( work, CONTACT_SHARE, points * sizeof( float ), (void**)&s->share ) &&
            contact_reserve( work, CONTACT_EDGES, edges * 2 * sizeof( int32_t ), (void**)&s->edges ) &&
@@ -148,14 +160,18 @@ wisp_status contact_build_soup( const contact_work* work )
     s->point_count = counts[0];
     s->edge_count = counts[1];
     s->triangle_count = counts[2];
-    s->candidate_count = -1;
-    s->is_anew = s->has_faces = false;
+    s->is_listed = s->is_anew = s->has_faces = false;
+    s->row_count = s->late_row_count = 0;
     if ( reserve_all( work ) == false )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
         return WISP_NO_MEMORY;
     }
     memset( s->is_tangled, 0, (size_t)s->point_count );
+    memset( s->colours, 0, (size_t)s->point_count * sizeof( uint64_t ) );
+    memset( s->drift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
+    memset( s->reach, 0, (size_t)s->point_count * sizeof( float ) );
+    memset( s->spent, 0, (size_t)s->point_count * sizeof( float ) );
     for ( int g = 0; g < work->state->guest_count; ++g )
     {
         const contact_guest* guest = work->state->guests + g;
@@ -217,15 +233,15 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
 }
 
 // Has a column other bits than the warm copy? Then it was written from outside: a snapshot was restored.
-static bool take_quads( const contact_work* work, const contact_guest* guest, int column, float* quads )
+static bool take_quads( const contact_work* work, const contact_guest* guest, float* quads )
 {
     if ( guest->is_strands )
     {
-        float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, column );
+        float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
         return move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                             ( strand_way ){ rows, quads, false, 4 } );
+                             ( strand_way ){ rows, quads, false, 3 } );
     }
-    const float* rows = wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, column );
+    const float* rows = wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, 0 );
     const size_t bytes = (size_t)guest->point_count * 4 * sizeof( float );
     float* to = quads + (size_t)guest->first_point * 4;
     const bool differs = memcmp( to, rows, bytes ) != 0;
@@ -278,13 +294,14 @@ static void gather_start( const contact_work* work, const contact_guest* guest, 
     }
 }
 
-// A point that is farther from where it was safe than it may have gone was moved by the user, or put back: it is safe where
-// it begins.
+// A point that does not begin where it was safe was moved by the user, or put back: it is safe where it begins. What is less
+// than half of a thickness is a way like others.
 static void start_over( const contact_work* work, const contact_guest* guest )
 {
     contact_soup* s = work->soup;
     contact_settings* settings = wisp_frame_column( work->frame, guest->entity, work->state->settings, 0 );
     float* start = s->shift; // not in use yet
+    const float most = 0.5f * s->least_thickness;
     gather_start( work, guest, start );
     bool jumped = settings->is_new != 0;
     const int end = guest->first_point + guest->point_count;
@@ -292,7 +309,7 @@ static void start_over( const contact_work* work, const contact_guest* guest )
     {
         const float *p = start + (size_t)i * 4, *q = s->safe + (size_t)i * 4;
         const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-        jumped = !( x * x + y * y + z * z <= q[3] * q[3] ); // a place that is no number is none to stay at
+        jumped = !( x * x + y * y + z * z <= most * most ); // a place that is no number is none to stay at
     }
     for ( int i = guest->first_point; i < end && jumped; ++i )
     {
@@ -330,18 +347,14 @@ void contact_gather( const contact_work* work, bool is_start )
         gather_now( work, guest );
         if ( is_start )
         {
-            take_quads( work, guest, 0, s->safe );
-            restored = take_quads( work, guest, 1, s->searched ) || restored;
+            restored = take_quads( work, guest, s->safe ) || restored;
         }
     }
     for ( int g = 0; g < work->state->guest_count && is_start; ++g )
     {
         start_over( work, work->state->guests + g );
     }
-    if ( restored )
-    {
-        s->candidate_count = -1;
-    }
+    s->is_listed = s->is_listed && restored == false;
     set_wrong_aside( s );
 }
 
@@ -423,21 +436,15 @@ void contact_scatter( const contact_work* work, bool is_end )
     }
 }
 
-static void scatter_quads( const contact_work* work, const contact_guest* guest, int column, float* quads )
+void contact_keep_guest( const contact_work* work, const contact_guest* guest )
 {
     if ( guest->is_strands )
     {
-        float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, column );
+        float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, quads, true, 4 } );
+                      ( strand_way ){ rows, work->soup->safe, true, 3 } );
         return;
     }
-    memcpy( wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, column ),
-            quads + (size_t)guest->first_point * 4, (size_t)guest->point_count * 4 * sizeof( float ) );
-}
-
-void contact_keep_guest( const contact_work* work, const contact_guest* guest )
-{
-    scatter_quads( work, guest, 0, work->soup->safe );
-    scatter_quads( work, guest, 1, work->soup->searched );
+    memcpy( wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, 0 ),
+            work->soup->safe + (size_t)guest->first_point * 4, (size_t)guest->point_count * 4 * sizeof( float ) );
 }

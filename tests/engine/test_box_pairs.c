@@ -280,6 +280,109 @@ static void every_search_finds_the_pairs_of_a_double_loop( void** state )
     }
 }
 
+// Pairs whose numbers add up to what three divides, put to the front in reverse.
+static int keep_thirds( const void* context, int asker, int32_t* items, int count )
+{
+    const int* offset = context;
+    int kept = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const int32_t item = items[i];
+        items[i] = items[kept];
+        items[kept] = item;
+        kept += ( asker + item + *offset ) % 3 == 0 ? 1 : 0;
+    }
+    for ( int i = 0; i < kept / 2; ++i )
+    {
+        const int32_t item = items[i];
+        items[i] = items[kept - 1 - i];
+        items[kept - 1 - i] = item;
+    }
+    return kept;
+}
+
+static right_pairs find_right_thirds( const wisp_box_job* job, int offset )
+{
+    right_pairs right = find_right_pairs( job );
+    const int count = job->askers == NULL ? job->box_count : job->asker_count;
+    size_t kept = 0;
+    for ( int a = 0, k = 0; a < count; ++a )
+    {
+        const int end = right.begin[a + 1];
+        for ( ; k < end; ++k )
+        {
+            right.item[kept] = right.item[k];
+            kept += ( a + right.item[k] + offset ) % 3 == 0 ? 1 : 0;
+        }
+        right.begin[a + 1] = (int32_t)kept;
+    }
+    right.count = kept;
+    return right;
+}
+
+static void a_filter_keeps_what_it_wants_in_order( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST], askers[BOXES_MOST];
+    const int offset = 1;
+    finder* f = finder_open( 2 );
+    for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
+    {
+        make_boxes( boxes, (box_shape)shape, BOXES_MOST, 0 );
+        make_boxes( askers, (box_shape)shape, BOXES_MOST, 10 );
+        for ( int s = 0; s < 2 * WISP_COUNT( SEARCHES ); ++s )
+        {
+            const wisp_box_job job = {
+                .askers = s % 2 == 0 ? NULL : askers,
+                .asker_count = s % 2 == 0 ? 0 : BOXES_MOST,
+                .boxes = boxes,
+                .box_count = BOXES_MOST,
+                .search = SEARCHES[s / 2],
+                .kernels = kernels_select( NULL, NULL ),
+                .filter = keep_thirds,
+                .filter_context = &offset,
+            };
+            right_pairs right = find_right_thirds( &job, offset );
+            assert_int_equal( find( f, &job ), WISP_OK );
+            assert_right( &f->pairs, &job, &right );
+            free_right_pairs( &right );
+        }
+    }
+    finder_close( f );
+}
+
+static void others_ask_again_what_is_made_already( void** state )
+{
+    (void)state;
+    static wisp_box boxes[BOXES_MOST], askers[BOXES_MOST], moved[BOXES_MOST];
+    for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
+    {
+        finder* f = finder_open( 2 );
+        for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
+        {
+            make_boxes( boxes, (box_shape)shape, BOXES_MOST, 0 );
+            make_boxes( askers, (box_shape)shape, BOXES_MOST, 10 );
+            make_boxes( moved, (box_shape)shape, BOXES_MOST, 20 );
+            wisp_box_job job = { .boxes = boxes,
+                                 .box_count = BOXES_MOST,
+                                 .search = SEARCHES[s],
+                                 .kernels = kernels_select( NULL, NULL ) };
+            find_right( f, &job );
+            const int builds = f->pairs.build_count, refits = f->pairs.refit_count;
+            job.again = true;
+            job.askers = askers;
+            job.asker_count = BOXES_MOST / 5;
+            find_right( f, &job );
+            job.askers = moved;
+            job.asker_count = BOXES_MOST;
+            find_right( f, &job );
+            assert_int_equal( f->pairs.build_count, builds );
+            assert_int_equal( f->pairs.refit_count, refits );
+        }
+        finder_close( f );
+    }
+}
+
 static void the_number_of_workers_does_not_show( void** state )
 {
     (void)state;
@@ -490,6 +593,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_search_finds_the_pairs_of_a_double_loop ),
+        cmocka_unit_test( a_filter_keeps_what_it_wants_in_order ),
+        cmocka_unit_test( others_ask_again_what_is_made_already ),
         cmocka_unit_test( the_number_of_workers_does_not_show ),
         cmocka_unit_test( a_grid_compares_far_fewer_boxes_than_there_are ),
         cmocka_unit_test( nothing_is_allocated_once_warm ),

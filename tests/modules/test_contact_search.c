@@ -1,4 +1,4 @@
-// What searches changes the time and not one bit; and boundary particles as what is kept apart: their law (BND-X4), and what
+// What searches, and how far it looks, change the time and not one bit; and boundary particles as what is kept apart: their law (BND-X4), and what
 // passes between them.
 #include "contact_fixture.h"
 
@@ -7,10 +7,18 @@
 static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
                                              WISP_PAIR_SEARCH_BRUTE };
 
+typedef struct scene_counts
+{
+    int candidates; // at the end
+    int searches, renewals;
+} scene_counts;
+
 // A cloth that falls on a balloon on a sheet, so that there are points of all kinds. @return the hash of all state
-static uint64_t run_scene( wisp_pair_search search, wisp_contact_features features, float margin, int* candidates )
+static uint64_t run_scene( wisp_pair_search search, wisp_contact_features features, float margin,
+                           scene_counts* counts )
 {
     hosted h;
+    *counts = ( scene_counts ){ 0 };
     open_contact( &h, 8, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.search = search;
@@ -29,10 +37,15 @@ static uint64_t run_scene( wisp_pair_search search, wisp_contact_features featur
         set_contact( h.world, e[i], &def );
     }
     want_figures( h.world );
-    run_steps( h.world, 30, FRAME );
-    const wisp_contact_figures f = contact_figures( h.world );
-    assert_true( f.contacts > 0 );
-    *candidates = (int)f.candidates;
+    for ( int step = 0; step < 30; ++step )
+    {
+        run_steps( h.world, 1, FRAME );
+        const wisp_contact_figures f = contact_figures( h.world );
+        counts->candidates = (int)f.candidates;
+        counts->searches += f.searches;
+        counts->renewals += f.renewals;
+    }
+    assert_true( contact_figures( h.world ).contacts > 0 );
     const uint64_t hash = wisp_world_hash( h.world );
     close_world( &h );
     return hash;
@@ -43,18 +56,40 @@ static void what_searches_does_not_change_a_bit( void** state )
     (void)state;
     for ( int features = 0; features < WISP_CONTACT_FEATURES_COUNT; ++features )
     {
-        int first_count, count;
+        scene_counts first_counts, counts;
         const uint64_t first =
-            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_features)features, 2.0f, &first_count );
-        assert_true( first_count > 100 );
+            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_features)features, 2.0f, &first_counts );
+        assert_true( first_counts.candidates > 100 );
         for ( int i = 0; i < WISP_COUNT( SEARCHES ); ++i )
         {
-            assert_true( run_scene( SEARCHES[i], (wisp_contact_features)features, 2.0f, &count ) == first );
-            assert_int_equal( count, first_count );
+            assert_true( run_scene( SEARCHES[i], (wisp_contact_features)features, 2.0f, &counts ) == first );
+            assert_int_equal( counts.candidates, first_counts.candidates );
+            assert_int_equal( counts.renewals, first_counts.renewals );
         }
-        // a wider margin finds more candidates: what was compared above is no constant
-        run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_features)features, 6.0f, &count );
-        assert_true( count > first_count );
+    }
+}
+
+static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
+{
+    (void)state;
+    static const float MARGINS[] = { 0.05f, 0.3f, 1.0f, 6.0f, 30.0f };
+    for ( int features = 0; features < WISP_CONTACT_FEATURES_COUNT; ++features )
+    {
+        uint64_t first = 0;
+        scene_counts counts[WISP_COUNT( MARGINS )];
+        int renewals = 0;
+        for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
+        {
+            const uint64_t hash =
+                run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_features)features, MARGINS[i], counts + i );
+            first = i == 0 ? hash : first;
+            assert_true( hash == first );
+            renewals += counts[i].renewals;
+        }
+        // and it does change what is looked at: far more pairs, far less often; and points that stray are looked for alone
+        assert_true( counts[4].candidates > 2 * counts[0].candidates );
+        assert_true( counts[4].searches < counts[0].searches );
+        assert_true( features == WISP_CONTACT_SAMPLES ? renewals == 0 : renewals > 10 );
     }
 }
 
@@ -248,6 +283,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( what_searches_does_not_change_a_bit ),
+        cmocka_unit_test( how_far_pairs_are_looked_for_does_not_change_a_bit ),
         cmocka_unit_test( a_boundary_particle_moves_its_parents_by_their_weights ),
         cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
         cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),

@@ -23,6 +23,10 @@ typedef struct wisp_box
     float low[3], high[3]; ///< m
 } wisp_box;
 
+/// Which pairs of an asker count: moves those that do to the front, in any order.
+/// @param items [count] boxes that overlap the asker's, in any order @return how many count
+typedef int wisp_box_filter_fn( const void* context, int asker, int32_t* items, int count );
+
 typedef struct wisp_box_job
 {
     const wisp_box* askers; ///< [asker_count]; null: the boxes ask each other, and a pair is named by the lower one
@@ -32,6 +36,13 @@ typedef struct wisp_box_job
     wisp_pair_search search;
     size_t limit; ///< pairs at most, 0: as many as an int32_t can count; beyond it the call refuses and keeps nothing
     const wisp_kernels* kernels; ///< null: plain C, which takes two to three times as long for the same pairs
+    /// The boxes are those of the last call with these pairs, which succeeded: others ask, and neither grid nor tree is made
+    /// anew. With askers.
+    bool again;
+    /// Null: all pairs count. Else it is called for every asker that has some, by several workers at once, before anything is
+    /// kept or put in order: what is a pair by more than its boxes costs least there. It must judge each pair by itself.
+    wisp_box_filter_fn* filter;
+    const void* filter_context;
 } wisp_box_job;
 
 /// Pairs. Zero-initialised is empty; arrays belong to it and are valid until the next call.
@@ -45,7 +56,7 @@ typedef struct wisp_box_pairs
     uint64_t tested;                     ///< boxes compared in the last call
     int build_count, refit_count;        ///< of the tree since it was made
     double build_seconds, query_seconds; ///< of the last call: grid or tree; asking and sorting
-    wisp_buffer buffers[8];
+    wisp_buffer buffers[9];
     struct wisp_box_tree* tree; ///< null until one is asked for
 } wisp_box_pairs;
 
