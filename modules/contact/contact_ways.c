@@ -8,7 +8,7 @@
 enum
 {
     GRAIN = 2048,
-    SUBSTEPS_AHEAD = 8, // that points are taken to drift
+    SUBSTEPS_AHEAD = 5, // that points are taken to drift
 };
 
 // What is farther is no way of a point, but a number that went wrong.
