@@ -43,6 +43,9 @@ static void the_version_is_told( void** state )
     assert_int_equal( result.status, 0 );
     assert_string_equal( result.out, "wisp " WISP_VERSION_STRING "\n" );
     assert_string_equal( result.err, "" );
+    char numbers[32];
+    snprintf( numbers, sizeof( numbers ), "%d.%d.%d", WISP_VERSION_MAJOR, WISP_VERSION_MINOR, WISP_VERSION_PATCH );
+    assert_string_equal( numbers, WISP_VERSION_STRING );
 }
 
 static void help_of_every_verb_names_its_usage_and_the_exit_statuses( void** state )
