@@ -107,3 +107,18 @@ wisp_status truth_write_bytes( const char* path, const void* bytes, size_t size,
     good = file && fclose( file ) == 0 && good;
     return good ? WISP_OK : wisp_fail( error, WISP_IO_ERROR, "%s: could not be written", path );
 }
+
+wisp_status truth_check_beginning( const unsigned char* bytes, size_t size, int head, int tail, const char* name,
+                                   wisp_error* error )
+{
+    if ( size < (size_t)( head + tail ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %zu bytes are too few for a truth, its head alone has %d", name,
+                          size, head );
+    }
+    if ( memcmp( bytes, TRUTH_MAGIC, TRUTH_MAGIC_SIZE ) != 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: this is no truth file", name );
+    }
+    return WISP_OK;
+}

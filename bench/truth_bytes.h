@@ -17,6 +17,10 @@ void truth_put( unsigned char** at, int size, uint64_t value );
 void truth_put_double( unsigned char** at, double value );
 void truth_put_float( unsigned char** at, float value );
 
+/// Is there room for a head and a tail, and does it begin as truths do? @return WISP_BAD_INPUT, with a sentence that names the file
+wisp_status truth_check_beginning( const unsigned char* bytes, size_t size, int head, int tail, const char* name,
+                                   wisp_error* error );
+
 /// FNV-1a.
 uint64_t truth_checksum( const unsigned char* bytes, size_t size );
 

@@ -208,14 +208,10 @@ static size_t file_size( int numbers )
 static wisp_status check_frame( const unsigned char* bytes, size_t size, const char* name, int count, uint64_t hash,
                                 wisp_error* error )
 {
-    if ( size < HEAD + TAIL )
+    const wisp_status status = truth_check_beginning( bytes, size, HEAD, TAIL, name, error );
+    if ( status != WISP_OK )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %zu bytes are too few for a truth, its head alone has %d", name,
-                          size, HEAD );
-    }
-    if ( memcmp( bytes, TRUTH_MAGIC, TRUTH_MAGIC_SIZE ) != 0 )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: this is no truth file", name );
+        return status;
     }
     const unsigned char* at = bytes + TRUTH_MAGIC_SIZE;
     const uint32_t version = (uint32_t)truth_take( &at, 4 ), numbers = (uint32_t)truth_take( &at, 4 );

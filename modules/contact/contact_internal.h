@@ -259,7 +259,7 @@ wisp_status contact_build_soup( const contact_work* work );
 void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator );
 /// Points from the columns: where they are, and where they were safe.
 void contact_gather( const contact_work* work, bool is_start );
-/// Points back into the columns; what is safe and searched with the last iteration.
+/// Points back into the columns; what is safe with the last iteration.
 void contact_scatter( const contact_work* work, bool is_end );
 /// What is kept of a guest from substep to substep, into its columns.
 void contact_keep_guest( const contact_work* work, const contact_guest* guest );
