@@ -130,7 +130,7 @@ static void find_by_brute_force( const wisp_box_job* job, box_question* q )
     memcpy( &asker, g->box[0], sizeof( asker ) );
     for ( int i = g->above[0] + 1; i < job->box_count; ++i )
     {
-        bool is_hit = box_is_valid( job->boxes + i ) && box_overlaps( &asker, job->boxes + i );
+        bool is_hit = box_is_valid( job->boxes + i ) && wisp_box_overlaps( &asker, job->boxes + i );
         g->found[0][g->found_count[0]] = i;
         g->found_count[0] += is_hit ? 1 : 0;
         ++q->tested;

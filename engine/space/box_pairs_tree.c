@@ -270,7 +270,7 @@ static bool compare_box( struct RTCPointQueryFunctionArguments* arguments )
     const tree_walk* walk = arguments->userPtr;
     wisp_box_group* g = &walk->question->group;
     int32_t item = ( (const int32_t*)walk->tree->items.data )[arguments->primID];
-    bool is_hit = item > g->above[0] && box_overlaps( &walk->asker, walk->tree->boxes + item );
+    bool is_hit = item > g->above[0] && wisp_box_overlaps( &walk->asker, walk->tree->boxes + item );
     g->found[0][g->found_count[0]] = item;
     g->found_count[0] += is_hit ? 1 : 0;
     ++walk->question->tested;

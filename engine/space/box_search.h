@@ -25,17 +25,6 @@ static inline bool box_is_valid( const wisp_box* box )
     return is_valid;
 }
 
-/// Do two boxes that are valid overlap? Touching is overlapping.
-static inline bool box_overlaps( const wisp_box* a, const wisp_box* b )
-{
-    bool is_apart = false;
-    for ( int k = 0; k < 3; ++k )
-    {
-        is_apart |= a->low[k] > b->high[k] || b->low[k] > a->high[k];
-    }
-    return !is_apart;
-}
-
 /// A few questions at once: for each of some askers, the boxes that overlap it.
 typedef struct box_question
 {

@@ -158,14 +158,19 @@ static int count_cut( const contact_soup* s )
     return count;
 }
 
-void contact_hold( const contact_work* work )
+static void hold_all( contact_soup* s )
 {
-    guard_loop loop = { .soup = work->soup };
-    contact_soup* s = work->soup;
     for ( int i = 0; i < s->point_count; ++i )
     {
         s->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
     }
+}
+
+void contact_hold( const contact_work* work )
+{
+    guard_loop loop = { .soup = work->soup };
+    contact_soup* s = work->soup;
+    hold_all( s );
     work->memory->figures.guarded += count_cut( s );
     wisp_parallel_for( work->parallel, s->point_count, POINT_GRAIN, cut_ways, &loop );
     contact_measure_ways( work );
@@ -191,9 +196,9 @@ int contact_guard( const contact_work* work )
         wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );
         cuts = take_cuts( &loop, count );
     }
-    for ( int i = 0; i < s->point_count && cuts; ++i )
+    if ( cuts )
     {
-        s->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+        hold_all( s );
     }
     const int cut = count_cut( s );
     work->memory->tangled = atomic_load( &loop.is_crossed ) ? 1 : work->memory->tangled;

@@ -278,8 +278,6 @@ typedef enum contact_reached
 contact_reached contact_expect_ways( const contact_work* work );
 /// How far each point went.
 contact_reached contact_measure_ways( const contact_work* work );
-/// Is there a point that nobody can cut?
-bool contact_has_fixed( const contact_soup* s );
 /// Take it that a point goes on as in this substep, and count anew how far it goes astray.
 void contact_set_course( const contact_work* work, int point );
 /// The same for all points.
@@ -321,7 +319,10 @@ typedef struct contact_pieces
 
 /// Put a pair to its place, below CONTACT_BATCH.
 void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4] );
-/// @param quads [point][4] where they are measured @return [count] m, the same bits as with normals and weights
+/// @param quads [point][4] where they are measured
+/// @param weight, normal [group] as wisp_closest_job has them, or both null @return [count] m, the same bits either way
+const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
+                                     float ( *weight )[4][WISP_SLICE], float ( *normal )[3][WISP_SLICE] );
 const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
                                         int count );
 
@@ -353,10 +354,6 @@ int contact_search_lists( const contact_work* work, bool late_only );
 // contact_rows.c
 /// The points of a candidate.
 void contact_set_points( const contact_work* work, const contact_candidate* c, bool is_edge, contact_row* row );
-/// Points, weights, normals and distances of up to CONTACT_BATCH candidates, all of one kind.
-/// @param quads [point][4] where they are measured @param rows [count] the rest of them is left as it is
-void contact_measure_pairs( const contact_work* work, const float* quads, const contact_candidate* const* candidates,
-                            int count, bool are_edges, contact_row* rows );
 /// Rows of all pairs that may meet in this substep, in the order of points and edges, whatever found them.
 wisp_status contact_find_rows( const contact_work* work, wisp_error* error );
 /// Rows of the pairs that are missing because points are late, behind the others.
@@ -395,6 +392,12 @@ static inline float contact_drift_between( const float a[4], const float b[4] )
 {
     const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
     return 1.0001f * ( sqrtf( x * x + y * y + z * z ) + a[3] + b[3] );
+}
+
+/// May a point go farther astray than its reach?
+static inline bool contact_is_beyond( const contact_soup* s, int point )
+{
+    return s->spent[point] + s->astray[point] > s->reach[point];
 }
 
 static inline float contact_larger( float a, float b )

@@ -9,8 +9,8 @@ void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4]
     }
 }
 
-const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
-                                        int count )
+const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
+                                     float ( *weight )[4][WISP_SLICE], float ( *normal )[3][WISP_SLICE] )
 {
     const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
     // lanes without a pair repeat the last one
@@ -26,8 +26,16 @@ const float* contact_measure_distances( const contact_work* work, const float* q
         .quads = quads,
         .point4 = (const int32_t( * )[4][WISP_SLICE])pieces->point4,
         .distance = pieces->distance,
+        .weight = weight,
+        .normal = normal,
     };
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     ( pieces->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
     return pieces->distance[0];
+}
+
+const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
+                                        int count )
+{
+    return contact_measure_pieces( work, quads, pieces, count, NULL, NULL );
 }

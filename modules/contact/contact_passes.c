@@ -17,10 +17,12 @@ contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, conta
     };
 }
 
+// What failed half way left lists that miss pairs: the next step looks for all.
 static bool succeeds( const contact_work* work, wisp_status status, const wisp_error* error )
 {
     if ( status != WISP_OK )
     {
+        work->soup->is_listed = false;
         wisp_frame_fail( work->frame, status, "%s", error->sentence );
     }
     return status == WISP_OK;

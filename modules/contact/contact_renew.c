@@ -70,17 +70,12 @@ static void add_renewed( const contact_work* work, piece_type type, int item, co
     r->count += 1;
 }
 
-static bool is_astray( const contact_soup* s, int point )
-{
-    return s->spent[point] + s->astray[point] > s->reach[point];
-}
-
 static int count_astray( const contact_soup* s )
 {
     int count = 0;
     for ( int p = 0; p < s->point_count; ++p )
     {
-        count += is_astray( s, p ) ? 1 : 0;
+        count += contact_is_beyond( s, p ) ? 1 : 0;
     }
     return count;
 }
@@ -96,7 +91,7 @@ static bool renew_courses( const contact_work* work )
     }
     for ( int p = 0; p < s->point_count; ++p )
     {
-        marks[p] = is_astray( s, p ) ? 1 : 0;
+        marks[p] = contact_is_beyond( s, p ) ? 1 : 0;
     }
     for ( int p = 0; p < s->point_count; ++p )
     {
@@ -165,16 +160,6 @@ static bool ask_again( const asking* a, wisp_box_pairs* pairs, const wisp_box* b
     return fits;
 }
 
-static bool overlap( const wisp_box* a, const wisp_box* b )
-{
-    bool overlaps = true;
-    for ( int k = 0; k < 3; ++k )
-    {
-        overlaps = overlaps && a->low[k] <= b->high[k] && b->low[k] <= a->high[k];
-    }
-    return overlaps;
-}
-
 // Ask those whose boxes are no longer what was searched. @return false if the list has no room
 static bool ask_renewed( const asking* a, const contact_renewed* others, contact_kind kind, bool turned )
 {
@@ -186,7 +171,7 @@ static bool ask_renewed( const asking* a, const contact_renewed* others, contact
         int count = 0;
         for ( int k = 0; k < others->count; ++k )
         {
-            if ( overlap( a->renewed->boxes + i, others->boxes + k ) )
+            if ( wisp_box_overlaps( a->renewed->boxes + i, others->boxes + k ) )
             {
                 if ( count == OVERLAPS_MOST )
                 {

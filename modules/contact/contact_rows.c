@@ -7,8 +7,6 @@
 
 enum
 {
-    LANES = 8,
-    GROUPS = CONTACT_BATCH / LANES,
     ROW_GRAIN = 256,
 };
 
@@ -31,53 +29,49 @@ void contact_set_points( const contact_work* work, const contact_candidate* c, b
     memcpy( row->point + row->split, b, (size_t)( 4 - row->split ) * sizeof( int32_t ) );
 }
 
-// Closest points of up to a batch of pairs, eight at a time. Lanes without a pair repeat the last one.
-static void measure_pieces( const contact_work* work, const float* quads, int count, bool are_edges,
-                            contact_row* rows )
+// Closest points of up to a batch of pairs whose rows have their points.
+static void measure_pieces( const contact_work* work, int count, bool are_edges, contact_row* rows )
 {
-    _Alignas( 64 ) int32_t point4[GROUPS][4][LANES];
-    _Alignas( 64 ) float distance[GROUPS][LANES], weight[GROUPS][4][LANES], normal[GROUPS][3][LANES];
-    const int groups = ( count + LANES - 1 ) / LANES;
-    for ( int i = 0; i < groups * LANES; ++i )
+    _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
+    _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
+    contact_pieces pieces;
+    pieces.are_edges = are_edges;
+    for ( int i = 0; i < count; ++i )
     {
-        const contact_row* row = rows + ( i < count ? i : count - 1 );
-        for ( int k = 0; k < 4; ++k )
-        {
-            point4[i / LANES][k][i % LANES] = row->point[k] * 4;
-        }
+        contact_put_pieces( &pieces, i, rows[i].point );
     }
-    const wisp_closest_job job = { quads, (const int32_t( * )[4][LANES])point4, distance, weight, normal };
-    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
-    ( are_edges ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
+    const float* distance = contact_measure_pieces( work, work->soup->safe, &pieces, count, weight, normal );
     for ( int i = 0; i < count; ++i )
     {
         contact_row* row = rows + i;
-        row->distance = distance[i / LANES][i % LANES];
+        row->distance = distance[i];
         for ( int k = 0; k < 4; ++k )
         {
-            row->weight[k] = weight[i / LANES][k][i % LANES];
+            row->weight[k] = weight[i / WISP_SLICE][k][i % WISP_SLICE];
         }
         for ( int k = 0; k < 3; ++k )
         {
-            row->normal[k] = normal[i / LANES][k][i % LANES];
+            row->normal[k] = normal[i / WISP_SLICE][k][i % WISP_SLICE];
         }
     }
 }
 
-void contact_measure_pairs( const contact_work* work, const float* quads, const contact_candidate* const* candidates,
-                            int count, bool are_edges, contact_row* rows )
+// Points, weights, normals and distances of up to a batch of pairs, all of one kind, where they are safe.
+static void measure_pairs( const contact_work* work, const contact_candidate* const* candidates, int count,
+                           bool are_edges, contact_row* rows )
 {
+    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
     for ( int i = 0; i < count; ++i )
     {
         contact_set_points( work, candidates[i], are_edges, rows + i );
+        if ( are_samples )
+        {
+            contact_measure_samples( work->soup, work->soup->safe, candidates[i], rows + i );
+        }
     }
-    for ( int i = 0; i < count && work->state->world.features == WISP_CONTACT_SAMPLES; ++i )
+    if ( are_samples == false )
     {
-        contact_measure_samples( work->soup, quads, candidates[i], rows + i );
-    }
-    if ( work->state->world.features == WISP_CONTACT_EXACT && count > 0 )
-    {
-        measure_pieces( work, quads, count, are_edges, rows );
+        measure_pieces( work, count, are_edges, rows );
     }
 }
 
@@ -95,11 +89,17 @@ static void begin_row( const contact_work* work, const contact_candidate* c, con
 
 // ---- rows ----
 
+// By the first side, then by the second.
+static int order_of( const contact_candidate* c, int32_t a, int32_t b )
+{
+    const int first = ( c->a > a ) - ( c->a < a );
+    return first != 0 ? first : ( c->b > b ) - ( c->b < b );
+}
+
 static int compare( const void* a, const void* b )
 {
-    const contact_candidate *p = *(const contact_candidate*const*)a, *q = *(const contact_candidate*const*)b;
-    const int first = ( p->a > q->a ) - ( p->a < q->a );
-    return first != 0 ? first : ( p->b > q->b ) - ( p->b < q->b );
+    const contact_candidate* other = *(const contact_candidate* const*)b;
+    return order_of( *(const contact_candidate* const*)a, other->a, other->b );
 }
 
 static int take_near( const contact_list* list, const contact_candidate** met )
@@ -169,7 +169,7 @@ static void fill_rows( void* context, int begin, int end, int worker )
     {
         const int count = end - first < CONTACT_BATCH ? end - first : CONTACT_BATCH;
         contact_row* rows = loop->rows + first;
-        contact_measure_pairs( loop->work, loop->work->soup->safe, loop->met + first, count, loop->are_edges, rows );
+        measure_pairs( loop->work, loop->met + first, count, loop->are_edges, rows );
         for ( int i = 0; i < count; ++i )
         {
             begin_row( loop->work, loop->met[first + i], rows + i );
@@ -204,10 +204,8 @@ wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 
 static int compare_with_row( const void* candidate, const void* row )
 {
-    const contact_candidate* p = candidate;
-    const contact_row* q = row;
-    const int first = ( p->a > q->a ) - ( p->a < q->a );
-    return first != 0 ? first : ( p->b > q->b ) - ( p->b < q->b );
+    const contact_row* r = row;
+    return order_of( candidate, r->a, r->b );
 }
 
 // Those of two lists that are no rows yet, in order. @return how many

@@ -51,7 +51,7 @@ static void sum_ways( void* context, int begin, int end, int worker )
     }
 }
 
-bool contact_has_fixed( const contact_soup* s )
+static bool has_fixed( const contact_soup* s )
 {
     for ( int i = 0; i < s->point_count; ++i )
     {
@@ -69,7 +69,7 @@ static void find_common( way_loop* loop )
     contact_soup* s = work->soup;
     const int blocks = ( s->point_count + GRAIN - 1 ) / GRAIN;
     memset( s->common, 0, sizeof( s->common ) );
-    loop->sums = contact_has_fixed( s )
+    loop->sums = has_fixed( s )
                      ? NULL
                      : wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
     if ( loop->sums == NULL )
@@ -161,7 +161,7 @@ static void find_ways( void* context, int begin, int end, int worker )
         }
         s->gone[p] = stray_of( loop, way, s->drift + i );
         s->astray[p] = stray_of( loop, s->ahead + i, s->drift + i ) + s->ahead[i + 3];
-        const bool is_beyond = s->spent[p] + s->astray[p] > s->reach[p];
+        const bool is_beyond = contact_is_beyond( s, p );
         reached = is_beyond ? CONTACT_BEYOND : ( is_late && reached == CONTACT_WITHIN ? CONTACT_ELSEWHERE : reached );
     }
     raise_to( &loop->reached, (int)reached );

@@ -23,6 +23,17 @@ typedef struct wisp_box
     float low[3], high[3]; ///< m
 } wisp_box;
 
+/// Do two boxes overlap, neither of which is empty or without a number? Touching is overlapping.
+static inline bool wisp_box_overlaps( const wisp_box* a, const wisp_box* b )
+{
+    bool is_apart = false;
+    for ( int k = 0; k < 3; ++k )
+    {
+        is_apart |= a->low[k] > b->high[k] || b->low[k] > a->high[k];
+    }
+    return !is_apart;
+}
+
 /// Which pairs of an asker count: moves those that do to the front, in any order.
 /// @param items [count] boxes that overlap the asker's, in any order @return how many count
 typedef int wisp_box_filter_fn( const void* context, int asker, int32_t* items, int count );
