@@ -73,50 +73,82 @@ static lane8v guarded( const wisp_adhesion_job* job, lane8v move, lane8 nearest 
 typedef struct attract_sums
 {
     lane8v force;
-    lane8 nearest;
+    lane8 nearest, weights;
+    int near;
 } attract_sums;
 
+// What a first sweep does. Constants where this is inlined.
+typedef struct attract_law
+{
+    bool planar, measuring, printed; // printed: epsilon counts
+} attract_law;
+
+// Further than any radius: it takes the place of a distance that has no direction.
+static const float NOWHERE = 3e38f;
+
 LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
-                                       lane8v p, bool planar, attract_sums sums )
+                                       lane8v p, attract_law law, attract_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
     const lane8 epsilon = lane8_set1( job->epsilon ), one = lane8_set1( 1.0f ), zero = lane8_zero();
-    const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE;
+    const lane8 nowhere = lane8_set1( NOWHERE );
+    const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
+    const int32_t* entries = list->entries + first;
     const float* current = job->current;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, planar ), p );
-        lane8 r = lane8_sqrt( squared_length( d, planar ) );
+        lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
+        lane8 r = lane8_sqrt( squared_length( d, law.planar ) );
+        r = lane8_select( lane8_eq( r, zero ), nowhere, r );
         lane8 u = lane8_sub( one, lane8_mul( r, inverse_h ) );
-        lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, zero ) );
-        lane8 pull = lane8_div( lane8_mul( u, u ), lane8_add( r, epsilon ) );
+        lane8m inside = lane8_lt( r, h );
+        lane8 weight = lane8_mul( u, u );
+        lane8 pull = lane8_div( weight, law.printed ? lane8_add( r, epsilon ) : r );
         pull = lane8_select( inside, pull, zero );
         sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
         sums.force.y = lane8_mul_add( d.y, pull, sums.force.y );
-        sums.force.z = planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
-        sums.nearest = lane8_min( sums.nearest, lane8_select( inside, r, sums.nearest ) );
+        sums.force.z = law.planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
+        // who is beyond h does not matter: where nobody is nearer there is no force to hold back
+        sums.nearest = lane8_min( sums.nearest, r );
+        if ( law.measuring )
+        {
+            size_t at = first + (size_t)k * WISP_SLICE;
+            weight = lane8_select( inside, weight, zero );
+            lane8_store( job->measured->distance + at, r );
+            lane8_store( job->measured->weight + at, weight );
+            sums.weights = lane8_add( sums.weights, weight );
+            sums.near += __builtin_popcount( lane8m_bits( inside ) );
+        }
     }
     return sums;
 }
 
-static lane8 squared_distance( lane8v a, lane8v b )
+// Whose vertices have left their leash, and how far the furthest is from where it was searched, squared.
+LANE_INLINE lane8 follow( const wisp_adhesion_job* job, int slice, lane8v p, lane8 most )
 {
-    lane8v d = lane8v_sub( a, b );
-    return lane8v_dot( d, d );
+    lane8v d = lane8v_sub( p, load_slice( job->searched, slice ) );
+    lane8 moved = lane8v_dot( d, d );
+    job->strayed[slice] = (uint8_t)lane8m_bits( lane8_gt( moved, lane8_set1( job->leash * job->leash ) ) );
+    return lane8_max( most, moved );
 }
 
-LANE_INLINE float attract_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, bool planar )
+LANE_INLINE float attract_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, attract_law law )
 {
     const lane8 step = lane8_set1( job->step ), zero = lane8_zero();
     lane8 most = zero;
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
         lane8v p = load_slice( job->current, slice );
-        p.z = planar ? zero : p.z;
-        attract_sums sums = { { zero, zero, zero }, lane8_set1( 3e38f ) };
+        p.z = law.planar ? zero : p.z;
+        attract_sums sums = { { zero, zero, zero }, lane8_set1( NOWHERE ), zero, 0 };
         for ( int i = 0; i < job->attracting_count; ++i )
         {
-            sums = attract_list( job, job->attracting + i, slice, p, planar, sums );
+            sums = attract_list( job, job->attracting + i, slice, p, law, sums );
+        }
+        if ( law.measuring )
+        {
+            lane8_store( job->measured->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
+            job->measured->near[slice] = sums.near;
         }
         lane8v move = lane8v_scale( sums.force, step );
         move = job->guard ? guarded( job, move, sums.nearest ) : move;
@@ -127,15 +159,27 @@ LANE_INLINE float attract_slices( const wisp_adhesion_job* job, int slice_first,
         lane8v tentative = lane8v_add( p, move );
         lane8v_store( job->displacement + (size_t)slice * 3 * WISP_SLICE, move );
         store_slice( job->tentative, slice, tentative );
-        most = lane8_max( most, squared_distance( tentative, load_slice( job->searched, slice ) ) );
+        most = job->gap == WISP_GAP_WET ? follow( job, slice, tentative, most ) : most;
     }
     return largest( most );
 }
 
+LANE_INLINE float attract_in( const wisp_adhesion_job* job, int slice_first, int slice_last, bool planar )
+{
+    if ( job->epsilon != 0.0f )
+    {
+        return job->measuring
+                   ? attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, true, true } )
+                   : attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, false, true } );
+    }
+    return job->measuring ? attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, true, false } )
+                          : attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, false, false } );
+}
+
 float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
 {
-    return job->planar ? attract_slices( job, slice_first, slice_last, true )
-                       : attract_slices( job, slice_first, slice_last, false );
+    return job->planar ? attract_in( job, slice_first, slice_last, true )
+                       : attract_in( job, slice_first, slice_last, false );
 }
 
 // What a slice's reference neighbours say about the change of their distances.
@@ -166,14 +210,16 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
         const int32_t* entry = entries + k * WISP_SLICE;
         lane8v d1 = lane8v_sub( load_entry( job->tentative, entry, law.planar ), moved );
         lane8 r1 = lane8_sqrt( squared_length( d1, law.planar ) );
+        const size_t at = first + (size_t)k * WISP_SLICE;
         lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( job->current, entry, law.planar ), p ) )
-                                    : lane8_load( job->reference_distance + first + (size_t)k * WISP_SLICE );
+                                    : lane8_load( job->measured->distance + at );
         lane8 change = law.gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
         change = lane8_mul( change, inverse_h );
         change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : lane8_max( change, zero );
         change = lane8_min( change, one );
-        lane8 weight = kernel_weight( r0, h, inverse_h );
-        sums.weights = lane8_add( sums.weights, weight );
+        lane8 weight =
+            law.by_iteration ? kernel_weight( r0, h, inverse_h ) : lane8_load( job->measured->weight + at );
+        sums.weights = law.by_iteration ? lane8_add( sums.weights, weight ) : sums.weights;
         sums.changes = lane8_mul_add( weight, change, sums.changes );
     }
     return sums;
@@ -183,6 +229,8 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
 LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, brake_law law )
 {
     brake_sums sums = { lane8_zero(), lane8_zero() };
+    sums.weights =
+        law.by_iteration ? sums.weights : lane8_load( job->measured->weight_sum + (size_t)slice * WISP_SLICE );
     for ( int i = 0; i < job->reference_count; ++i )
     {
         sums = brake_list( job, job->reference + i, slice, law, sums );
@@ -206,7 +254,7 @@ LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, i
         lane8v move = lane8v_scale( lane8v_load( job->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
         lane8v next = lane8v_add( load_slice( job->current, slice ), move );
         store_slice( job->next, slice, next );
-        most = lane8_max( most, squared_distance( next, load_slice( job->searched, slice ) ) );
+        most = follow( job, slice, next, most );
     }
     return largest( most );
 }
@@ -231,31 +279,11 @@ LANE_INLINE float brake_by_gap( const wisp_adhesion_job* job, int slice_first, i
 float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
 {
     // the default has a plane of its own; the studies of the source's other laws run in space
-    bool by_iteration = job->reference_distance == NULL;
+    bool by_iteration = job->measured == NULL;
     if ( by_iteration )
     {
         return brake_by_gap( job, slice_first, slice_last, true, false );
     }
     return job->planar ? brake_by_gap( job, slice_first, slice_last, false, true )
                        : brake_by_gap( job, slice_first, slice_last, false, false );
-}
-
-int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
-                                 int slice_first, int slice_last )
-{
-    const lane8 h = lane8_set1( radius );
-    int64_t count = 0;
-    for ( int slice = slice_first; slice < slice_last; ++slice )
-    {
-        const lane8v p = load_slice( quads, slice );
-        const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
-        for ( int k = 0; k < list->length[slice]; ++k )
-        {
-            size_t at = first + (size_t)k * WISP_SLICE;
-            lane8 r = lane8v_length( lane8v_sub( load_entry( quads, list->entries + at, false ), p ) );
-            lane8_store( distance + at, r );
-            count += __builtin_popcount( lane8m_bits( lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) ) ) );
-        }
-    }
-    return count;
 }

@@ -16,11 +16,11 @@ void KERNEL( strand_align )( const wisp_strand_align_job* job, int group_begin, 
 void KERNEL( strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
 void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
                              wisp_range_search_result* result );
+void KERNEL( interleave )( int32_t* lists, int stride, const int* counts, int slice, const int32_t* rename,
+                           int32_t* packed );
 void KERNEL( box_overlap )( const wisp_box_stream* stream, const int32_t* runs, int run_count,
                             wisp_box_group* group );
 void KERNEL( rank_order )( int32_t* items, int count, int32_t* out );
-int64_t KERNEL( pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
-                                 int slice_first, int slice_last );
 float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
 float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
 

@@ -2,24 +2,6 @@
 // eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
 #include "kernel_isa.h"
 
-// Eight queries while they are searched: what they ask, and a near and a shell list each.
-typedef struct search_slice
-{
-    float x[WISP_SLICE], y[WISP_SLICE], z[WISP_SLICE];
-    int32_t owner[WISP_SLICE];
-    int cell[WISP_SLICE][3];
-    int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
-    int near_count[WISP_SLICE], shell_count[WISP_SLICE]; // one beyond the limit says that there were more
-    bool planar;                                         // all in the items' own plane
-} search_slice;
-
-// The same rounding as the grid's when it was built, so that an item is found in the cell it was put into.
-static int cell_along( const wisp_range_search_job* job, float coordinate, int axis )
-{
-    int cell = (int)( ( coordinate - job->origin[axis] ) * job->inverse_cell );
-    return cell < 0 ? 0 : ( cell >= job->dims[axis] ? job->dims[axis] - 1 : cell );
-}
-
 static int at_least( int a, int low )
 {
     return a < low ? low : a;
@@ -30,45 +12,73 @@ static int at_most( int a, int high )
     return a > high ? high : a;
 }
 
-static void load_queries( const wisp_range_search_job* job, int slice, int count, search_slice* s )
+// Eight queries while they are searched: what they ask, and where their lists end.
+typedef struct search_slice
 {
-    s->planar = job->planar;
-    for ( int l = 0; l < count; ++l )
-    {
-        const float* q = job->quads + 4 * ( (size_t)slice * WISP_SLICE + (size_t)l );
-        s->x[l] = q[0];
-        s->y[l] = q[1];
-        s->z[l] = q[2];
-        s->planar = s->planar && q[2] == job->origin[2];
-        memcpy( s->owner + l, q + 3, sizeof( int32_t ) );
-        for ( int axis = 0; axis < 3; ++axis )
-        {
-            s->cell[l][axis] = cell_along( job, q[axis], axis );
-        }
-    }
+    float x[WISP_SLICE], y[WISP_SLICE], z[WISP_SLICE];
+    int32_t owner[WISP_SLICE];
+    int32_t cell[3][WISP_SLICE]; // along axis[0], axis[1], axis[2]
+    int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
+    int32_t *near_most[WISP_SLICE], *shell_most[WISP_SLICE];
+    bool planar; // all in the items' own plane
+} search_slice;
+
+// The same rounding as the grid's when it was built, so that an item is found in the cell it was put into. Clamped before
+// it becomes an integer, which says the same.
+static lane8i cell_along( const wisp_range_search_job* job, const lane8 place[3], int axis )
+{
+    lane8 along =
+        lane8_mul( lane8_sub( place[axis], lane8_set1( job->origin[axis] ) ), lane8_set1( job->inverse_cell[axis] ) );
+    along = lane8_min( lane8_max( along, lane8_zero() ), lane8_set1( (float)( job->dims[axis] - 1 ) ) );
+    return lane8_truncate( along );
 }
 
+static void load_queries( const wisp_range_search_job* job, int slice, int count, search_slice* s )
+{
+    // lanes that nobody asks for repeat the first
+    const float* quads = job->quads + 4 * (size_t)slice * WISP_SLICE;
+    _Alignas( 32 ) float whole[WISP_SLICE][4];
+    for ( int l = 0; l < WISP_SLICE && count < WISP_SLICE; ++l )
+    {
+        memcpy( whole[l], l < count ? quads + 4 * l : quads, sizeof( whole[l] ) );
+    }
+    lane8 place[3], owner;
+    lane8_load_xyzw_contiguous( count < WISP_SLICE ? whole[0] : quads, place, place + 1, place + 2, &owner );
+    lane8_storeu( s->x, place[0] );
+    lane8_storeu( s->y, place[1] );
+    lane8_storeu( s->z, place[2] );
+    lane8i_storeu( s->owner, lane8_cast_int( owner ) );
+    for ( int rank = 0; rank < 3; ++rank )
+    {
+        lane8i_storeu( s->cell[rank], cell_along( job, place, job->axis[rank] ) );
+    }
+    s->planar = job->planar && lane8m_all( lane8_eq( place[2], lane8_set1( job->origin[2] ) ) );
+}
+
+// How a run of slots is searched. Constants where this is inlined.
+typedef struct search_law
+{
+    bool planar;
+    bool bounded; // a list may run into the limit
+} search_law;
+
 // Slots [begin, end) against queries [first, last). Every vector is packed, hit or not: the branch would be a coin toss.
-// `planar` is a constant where this is inlined.
 LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
-                             int end, bool planar )
+                             int end, search_law law )
 {
     const lane8 near2 = lane8_set1( job->near_radius * job->near_radius );
     const lane8 shell2 = lane8_set1( job->shell_radius * job->shell_radius );
-    const int most = job->limit + 1;
     for ( int j = begin; j < end; j += WISP_SLICE )
     {
         lane8 x = lane8_loadu( job->x + j ), y = lane8_loadu( job->y + j ), z = lane8_loadu( job->z + j );
         lane8i owner = lane8i_loadu( job->owner + j );
-        lane8i slot =
-            job->rename != NULL ? lane8i_loadu( job->rename + j ) : lane8i_add( lane8i_set1( j ), lane8i_iota() );
+        lane8i slot4 = lane8i_shift_left( lane8i_add( lane8i_set1( j ), lane8i_iota() ), 2 );
         lane8m inside = lane8m_first( end - j );
         for ( int l = first; l < last; ++l )
         {
-            lane8 dx = lane8_sub( x, lane8_set1( s->x[l] ) );
-            lane8 dy = lane8_sub( y, lane8_set1( s->y[l] ) );
+            lane8 dx = lane8_sub( x, lane8_set1( s->x[l] ) ), dy = lane8_sub( y, lane8_set1( s->y[l] ) );
             lane8 d2 = lane8_mul_add( dy, dy, lane8_mul( dx, dx ) );
-            if ( planar == false )
+            if ( law.planar == false )
             {
                 lane8 dz = lane8_sub( z, lane8_set1( s->z[l] ) );
                 d2 = lane8_mul_add( dz, dz, d2 );
@@ -76,13 +86,44 @@ LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, 
             lane8m others = lane8m_and_not( inside, lane8i_eq( owner, lane8i_set1( s->owner[l] ) ) );
             lane8m near = lane8m_and( lane8_lt( d2, near2 ), others );
             lane8m shell = lane8m_and_not( lane8m_and( lane8_lt( d2, shell2 ), others ), near );
-            int near_count = s->near_count[l], shell_count = s->shell_count[l];
-            near_count += lane8i_compress_store( s->near[l] + near_count, slot, near );
-            shell_count += lane8i_compress_store( s->shell[l] + shell_count, slot, shell );
-            s->near_count[l] = at_most( near_count, most );
-            s->shell_count[l] = at_most( shell_count, most );
+            int32_t *near_end = s->near[l], *shell_end = s->shell[l];
+            near_end += lane8i_compress_store( near_end, slot4, near );
+            shell_end += lane8i_compress_store( shell_end, slot4, shell );
+            if ( law.bounded )
+            {
+                near_end = near_end < s->near_most[l] ? near_end : s->near_most[l];
+                shell_end = shell_end < s->shell_most[l] ? shell_end : s->shell_most[l];
+            }
+            s->near[l] = near_end;
+            s->shell[l] = shell_end;
         }
     }
+}
+
+// Queries [first, last) that look at the same rows. A row runs along the grid's fastest axis, of which they look at cells
+// from `lowest` to `highest` and their reach around them.
+typedef struct search_group
+{
+    int first, last;
+    int lowest, highest;
+} search_group;
+
+// Neighbours in a row go together, as long as the run of slots does not become much longer than each one's own.
+static search_group find_group( const wisp_range_search_job* job, const search_slice* s, int first, int count )
+{
+    const int32_t *fast = s->cell[0], *middle = s->cell[1], *slow = s->cell[2];
+    search_group g = { first, first + 1, fast[first], fast[first] };
+    for ( ; g.last < count; ++g.last )
+    {
+        int lowest = at_most( fast[g.last], g.lowest ), highest = at_least( fast[g.last], g.highest );
+        if ( middle[g.last] != middle[first] || slow[g.last] != slow[first] || highest - lowest > 2 * job->reach[0] )
+        {
+            break;
+        }
+        g.lowest = lowest;
+        g.highest = highest;
+    }
+    return g;
 }
 
 // Cells to look at along one of the grid's axes, first and last.
@@ -91,82 +132,40 @@ typedef struct search_span
     int first, last;
 } search_span;
 
-static search_span span_along( const wisp_range_search_job* job, const int* cell, int axis )
+static search_span reach_from( const wisp_range_search_job* job, int rank, int lowest, int highest )
 {
-    return ( search_span ){ at_least( cell[axis] - job->reach, 0 ),
-                            at_most( cell[axis] + job->reach, job->dims[axis] - 1 ) };
+    const int reach = job->reach[rank], dims = job->dims[job->axis[rank]];
+    return ( search_span ){ at_least( lowest - reach, 0 ), at_most( highest + reach, dims - 1 ) };
 }
 
-// Queries of one cell look at the same rows. A row runs along the grid's fastest axis.
-static void search_cell( const wisp_range_search_job* job, search_slice* s, int first, int last )
+static void search_rows( const wisp_range_search_job* job, search_slice* s, search_group g )
 {
-    const int* cell = s->cell[first];
-    const search_span fast = span_along( job, cell, job->axis[0] );
-    const search_span middle = span_along( job, cell, job->axis[1] );
-    const search_span slow = span_along( job, cell, job->axis[2] );
+    const search_span fast = reach_from( job, 0, g.lowest, g.highest );
+    const search_span middle = reach_from( job, 1, s->cell[1][g.first], s->cell[1][g.first] );
+    const search_span slow = reach_from( job, 2, s->cell[2][g.first], s->cell[2][g.first] );
+    const int length = job->dims[job->axis[0]], rows = job->dims[job->axis[1]];
+    int left = job->limit; // no list can run into the limit before so many slots were seen
     for ( int c = slow.first; c <= slow.last; ++c )
     {
-        for ( int b = middle.first; b <= middle.last; ++b )
+        const int32_t* row = job->cell_begin + ( c * rows + middle.first ) * length;
+        for ( int b = middle.first; b <= middle.last; ++b, row += length )
         {
-            const int32_t* row = job->cell_begin + ( c * job->dims[job->axis[1]] + b ) * job->dims[job->axis[0]];
             int begin = row[fast.first], end = row[fast.last + 1];
-            if ( s->planar )
+            left = at_least( left - ( end - begin ), -1 );
+            if ( s->planar && left >= 0 )
             {
-                search_run( job, s, first, last, begin, end, true );
+                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ true, false } );
+            }
+            else if ( s->planar )
+            {
+                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ true, true } );
             }
             else
             {
-                search_run( job, s, first, last, begin, end, false );
+                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ false, true } );
             }
         }
     }
-}
-
-static void search_all( const wisp_range_search_job* job, search_slice* s, int count )
-{
-    for ( int first = 0, last; first < count; first = last )
-    {
-        last = first + 1;
-        while ( last < count && memcmp( s->cell[first], s->cell[last], sizeof( s->cell[first] ) ) == 0 )
-        {
-            ++last;
-        }
-        search_cell( job, s, first, last );
-    }
-}
-
-// Eight lists side by side, one a lane, as long as the longest; a lane's own number fills its end. Numbers are stored
-// times four, so that a quad is addressed without a shift. @return that length
-static int pack( int32_t* const lists[WISP_SLICE], int counts[WISP_SLICE], const int32_t pads[WISP_SLICE], int limit,
-                 int32_t* packed )
-{
-    int longest = 0;
-    for ( int l = 0; l < WISP_SLICE; ++l )
-    {
-        counts[l] = at_most( counts[l], limit );
-        longest = at_least( longest, counts[l] );
-    }
-    for ( int l = 0; l < WISP_SLICE; ++l )
-    {
-        for ( int k = counts[l]; k < longest; k += WISP_SLICE )
-        {
-            lane8i_storeu( lists[l] + k, lane8i_set1( pads[l] ) );
-        }
-    }
-    for ( int k = 0; k < longest; k += WISP_SLICE )
-    {
-        lane8i rows[WISP_SLICE];
-        for ( int l = 0; l < WISP_SLICE; ++l )
-        {
-            rows[l] = lane8i_loadu( lists[l] + k );
-        }
-        lane8i_transpose( rows );
-        for ( int l = 0; l < WISP_SLICE; ++l )
-        {
-            lane8i_storeu( packed + ( k + l ) * WISP_SLICE, lane8i_shift_left( rows[l], 2 ) );
-        }
-    }
-    return longest;
 }
 
 void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
@@ -174,20 +173,71 @@ void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int co
 {
     const int stride = job->limit + WISP_SEARCH_SLACK;
     search_slice s;
-    int32_t pads[WISP_SLICE];
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
-        s.near[l] = result->scratch + l * stride;
-        s.shell[l] = result->scratch + ( WISP_SLICE + l ) * stride;
-        s.near_count[l] = s.shell_count[l] = 0;
-        pads[l] = slice * WISP_SLICE + l;
+        s.near[l] = result->near + l * stride;
+        s.shell[l] = result->shell + l * stride;
+        // one beyond the limit says that there were more
+        s.near_most[l] = s.near[l] + job->limit + 1;
+        s.shell_most[l] = s.shell[l] + job->limit + 1;
     }
     load_queries( job, slice, count, &s );
-    search_all( job, &s, count );
-    for ( int l = 0; l < count; ++l )
+    for ( search_group g = { 0, 0, 0, 0 }; g.last < count; )
     {
-        result->capped += s.near_count[l] > job->limit || s.shell_count[l] > job->limit ? 1 : 0;
+        g = find_group( job, &s, g.last, count );
+        search_rows( job, &s, g );
     }
-    result->near_length = pack( s.near, s.near_count, pads, job->limit, result->near );
-    result->shell_length = pack( s.shell, s.shell_count, pads, job->limit, result->shell );
+    result->near_length = result->shell_length = 0;
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        int near_count = (int)( s.near[l] - result->near ) - l * stride;
+        int shell_count = (int)( s.shell[l] - result->shell ) - l * stride;
+        result->capped += near_count > job->limit || shell_count > job->limit ? 1 : 0;
+        result->near_count[l] = at_most( near_count, job->limit );
+        result->shell_count[l] = at_most( shell_count, job->limit );
+        result->near_length = at_least( result->near_length, result->near_count[l] );
+        result->shell_length = at_least( result->shell_length, result->shell_count[l] );
+    }
+}
+
+static void rename_all( const int32_t* rename, int32_t* list, int count )
+{
+    for ( int k = 0; k < count; ++k )
+    {
+        list[k] = 4 * rename[list[k] / 4];
+    }
+}
+
+// Eight numbers of a list, its query's own behind the end.
+LANE_INLINE lane8i load_padded( const int32_t* list, int k, int count, int own4 )
+{
+    lane8m inside = lane8m_first( count - k );
+    return lane8i_select( inside, lane8i_loadu( list + k ), lane8i_set1( own4 ) );
+}
+
+void KERNEL( interleave )( int32_t* lists, int stride, const int* counts, int slice, const int32_t* rename,
+                           int32_t* packed )
+{
+    int longest = 0;
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        longest = at_least( longest, counts[l] );
+        if ( rename != NULL )
+        {
+            rename_all( rename, lists + l * stride, counts[l] );
+        }
+    }
+    for ( int k = 0; k < longest; k += WISP_SLICE )
+    {
+        lane8i rows[WISP_SLICE];
+        for ( int l = 0; l < WISP_SLICE; ++l )
+        {
+            rows[l] = load_padded( lists + l * stride, k, counts[l], 4 * ( slice * WISP_SLICE + l ) );
+        }
+        lane8i_transpose( rows );
+        for ( int l = 0; l < at_most( longest - k, WISP_SLICE ); ++l )
+        {
+            lane8i_storeu( packed + ( k + l ) * WISP_SLICE, rows[l] );
+        }
+    }
 }

@@ -6,7 +6,7 @@
 
 enum
 {
-    GRID_GRAIN = 4096,       // items a block
+    GRID_GRAIN = 1024,       // items a block
     GRID_CELLS_PER_ITEM = 4, // more cells than this are empty and cost more to clear than they save
     GRID_PADDING = 16,       // slots behind the last one that a wide load may touch
 };
@@ -39,9 +39,10 @@ void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )
     *grid = ( wisp_grid ){ 0 };
 }
 
+// The fourth of each is what the owners' bits make of it.
 typedef struct grid_bounds
 {
-    float low[3], high[3];
+    float low[4], high[4];
 } grid_bounds;
 
 // What the loops of a build share.
@@ -57,22 +58,27 @@ typedef struct grid_build
     int32_t* owner;
 } grid_build;
 
+static void widen( grid_bounds* bounds, const float* low, const float* high )
+{
+    for ( int axis = 0; axis < 4; ++axis )
+    {
+        bounds->low[axis] = low[axis] < bounds->low[axis] ? low[axis] : bounds->low[axis];
+        bounds->high[axis] = high[axis] > bounds->high[axis] ? high[axis] : bounds->high[axis];
+    }
+}
+
 static void find_bounds( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const grid_build* b = context;
+    const float* q = b->quads + 4 * (size_t)begin;
     grid_bounds bounds;
-    for ( int axis = 0; axis < 3; ++axis )
+    memcpy( bounds.low, q, sizeof( bounds.low ) );
+    memcpy( bounds.high, q, sizeof( bounds.high ) );
+    for ( int i = begin + 1; i < end; ++i )
     {
-        float low = b->quads[4 * (size_t)begin + (size_t)axis], high = low;
-        for ( int i = begin + 1; i < end; ++i )
-        {
-            float c = b->quads[4 * (size_t)i + (size_t)axis];
-            low = c < low ? c : low;
-            high = c > high ? c : high;
-        }
-        bounds.low[axis] = low;
-        bounds.high[axis] = high;
+        q += 4;
+        widen( &bounds, q, q );
     }
     b->bounds[begin / GRID_GRAIN] = bounds;
 }
@@ -82,11 +88,7 @@ static grid_bounds join_bounds( const grid_bounds* bounds, int count )
     grid_bounds all = bounds[0];
     for ( int i = 1; i < count; ++i )
     {
-        for ( int axis = 0; axis < 3; ++axis )
-        {
-            all.low[axis] = bounds[i].low[axis] < all.low[axis] ? bounds[i].low[axis] : all.low[axis];
-            all.high[axis] = bounds[i].high[axis] > all.high[axis] ? bounds[i].high[axis] : all.high[axis];
-        }
+        widen( &all, bounds[i].low, bounds[i].high );
     }
     return all;
 }
@@ -112,8 +114,31 @@ static void order_axes( wisp_grid* grid )
     }
 }
 
+// Cut cells along the fastest axis.
+static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double most )
+{
+    const int fastest = grid->axis[0];
+    const double rows = (double)grid->dims[grid->axis[1]] * (double)grid->dims[grid->axis[2]];
+    double extent = (double)bounds.high[fastest] - (double)bounds.low[fastest], dims;
+    for ( ;; --fine )
+    {
+        dims = 1.0 + (double)(int64_t)( extent * (double)fine / (double)grid->cell );
+        if ( fine == 1 || rows * dims <= most )
+        {
+            break;
+        }
+    }
+    grid->fine = fine;
+    grid->dims[fastest] = (int)dims;
+    for ( int axis = 0; axis < 3; ++axis )
+    {
+        grid->inverse_cell[axis] = 1.0f / grid->cell;
+    }
+    grid->inverse_cell[fastest] = (float)fine / grid->cell;
+}
+
 // Widen cells by steps of a quarter until there are no more than the items can use.
-static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
+static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int fine )
 {
     // Subtracting the origin and dividing round: together by less than 3 units in the last place of the extent.
     double extent_most = 0.0;
@@ -148,30 +173,38 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell )
         grid->dims[axis] = (int)dims[axis];
     }
     grid->cell = cell;
-    grid->inverse_cell = 1.0f / cell;
     grid->coarse = cell > 1.5f * wanted;
     grid->planar = bounds.low[2] == bounds.high[2];
     order_axes( grid );
+    cut_cells( grid, bounds, fine, most );
 }
 
-static int cell_along( const wisp_grid* grid, float coordinate, int axis )
-{
-    int cell = (int)( ( coordinate - grid->origin[axis] ) * grid->inverse_cell );
-    return cell < 0 ? 0 : ( cell >= grid->dims[axis] ? grid->dims[axis] - 1 : cell );
-}
-
+// The same roundings as in the search, so that an item is found in the cell it was put into. Clamped before it becomes an
+// integer: that says the same, and goes for all axes at once.
 static void find_cells( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const grid_build* b = context;
     const wisp_grid* g = b->grid;
+    const int to_middle = g->dims[g->axis[0]], to_slow = to_middle * g->dims[g->axis[1]];
+    int stride[4] = { 0 };
+    stride[g->axis[0]] = 1;
+    stride[g->axis[1]] = to_middle;
+    stride[g->axis[2]] = to_slow;
+    const float origin[4] = { g->origin[0], g->origin[1], g->origin[2], 0.0f };
+    const float scale[4] = { g->inverse_cell[0], g->inverse_cell[1], g->inverse_cell[2], 0.0f };
+    const float last[4] = { (float)( g->dims[0] - 1 ), (float)( g->dims[1] - 1 ), (float)( g->dims[2] - 1 ), 0.0f };
     for ( int i = begin; i < end; ++i )
     {
         const float* q = b->quads + 4 * (size_t)i;
-        int fast = cell_along( g, q[g->axis[0]], g->axis[0] );
-        int middle = cell_along( g, q[g->axis[1]], g->axis[1] );
-        int slow = cell_along( g, q[g->axis[2]], g->axis[2] );
-        b->cell_of[i] = ( slow * g->dims[g->axis[1]] + middle ) * g->dims[g->axis[0]] + fast;
+        int cell[4];
+        for ( int axis = 0; axis < 4; ++axis )
+        {
+            float along = ( q[axis] - origin[axis] ) * scale[axis];
+            along = along > 0.0f ? along : 0.0f;
+            cell[axis] = (int)( along < last[axis] ? along : last[axis] );
+        }
+        b->cell_of[i] = cell[0] * stride[0] + cell[1] * stride[1] + cell[2] * stride[2];
     }
 }
 
@@ -240,9 +273,9 @@ static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
 }
 
 wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
-                             float cell )
+                             float cell, int fine )
 {
-    WISP_ASSERT( cell > 0.0f && count >= 0 );
+    WISP_ASSERT( cell > 0.0f && fine > 0 && count >= 0 );
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     grid_build b = { .grid = grid, .quads = quads };
     grid->count = count;
@@ -256,7 +289,7 @@ wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, con
         wisp_parallel_for( parallel, count, GRID_GRAIN, find_bounds, &b );
         bounds = join_bounds( b.bounds, ( count + GRID_GRAIN - 1 ) / GRID_GRAIN );
     }
-    choose_cells( grid, bounds, cell );
+    choose_cells( grid, bounds, cell, fine );
     int cells = grid->dims[0] * grid->dims[1] * grid->dims[2];
     if ( wisp_buffer_reserve( grid->buffers + 3, allocator, ( (size_t)cells + 1 ) * sizeof( int32_t ) ) == false )
     {

@@ -32,76 +32,82 @@ typedef struct neighbour_search
 {
     const wisp_kernels* kernels;
     wisp_range_search_job job;
+    const int32_t* rename;
     int query_count;
     neighbour_pool near, shell;
     const wisp_parallel* parallel;
-    size_t list; // ints of a packed list
+    size_t list; // ints from a query's list to the next one
     _Atomic uint64_t capped;
     _Atomic bool starved;
 } neighbour_search;
 
 enum
 {
-    NEIGHBOURS_SCRATCH_LISTS = 4, // near and shell, packed; both again, a list a query
+    NEIGHBOURS_SCRATCH_LISTS = 2, // near and shell
 };
 
-static void keep( neighbour_pool* pool, int slice, const int32_t* packed, int length )
+static void keep( neighbour_search* s, neighbour_pool* pool, int slice, int32_t* lists, const int* counts,
+                  int length )
 {
     size_t at = atomic_fetch_add_explicit( &pool->used, (size_t)length, memory_order_relaxed );
     pool->begin[slice] = (int32_t)at;
     pool->length[slice] = length;
-    if ( at + (size_t)length <= pool->capacity && length > 0 )
+    if ( at + (size_t)length <= pool->capacity )
     {
-        memcpy( pool->entries + at * WISP_SLICE, packed, (size_t)length * WISP_SLICE * sizeof( int32_t ) );
+        s->kernels->interleave( lists, (int)s->list, counts, slice, s->rename, pool->entries + at * WISP_SLICE );
     }
 }
 
 static void search_slices( void* context, int begin, int end, int worker )
 {
     neighbour_search* s = context;
+    size_t lists = s->list * WISP_SLICE;
     int32_t* scratch =
-        wisp_parallel_scratch( s->parallel, worker, NEIGHBOURS_SCRATCH_LISTS * s->list * sizeof( int32_t ) );
+        wisp_parallel_scratch( s->parallel, worker, NEIGHBOURS_SCRATCH_LISTS * lists * sizeof( int32_t ) );
     if ( scratch == NULL )
     {
         atomic_store( &s->starved, true );
         return;
     }
-    wisp_range_search_result found = { .near = scratch,
-                                       .shell = scratch + s->list,
-                                       .scratch = scratch + 2 * s->list };
+    wisp_range_search_result found = { .near = scratch, .shell = scratch + lists };
     for ( int slice = begin; slice < end; ++slice )
     {
         int left = s->query_count - slice * WISP_SLICE;
         s->kernels->range_search( &s->job, slice, left < WISP_SLICE ? left : WISP_SLICE, &found );
-        keep( &s->near, slice, found.near, found.near_length );
-        keep( &s->shell, slice, found.shell, found.shell_length );
+        keep( s, &s->near, slice, found.near, found.near_count, found.near_length );
+        keep( s, &s->shell, slice, found.shell, found.shell_count, found.shell_length );
     }
     atomic_fetch_add_explicit( &s->capped, (uint64_t)found.capped, memory_order_relaxed );
 }
 
+// As many cells to each side as a neighbour may be away, rounding included.
+static int count_cells( float radius, const wisp_grid* grid, int fine )
+{
+    float cells = ( radius + grid->slack ) * (float)fine / grid->cell;
+    return cells < 1e6f ? (int)ceilf( cells ) : 1000000;
+}
+
 static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbour_query* query )
 {
-    // as many cells to each side as a neighbour may be away, rounding included
     float radius = query->shell_radius > query->near_radius ? query->shell_radius : query->near_radius;
-    float cells = ( radius + grid->slack ) / grid->cell;
+    const int reach = count_cells( radius, grid, 1 );
     wisp_range_search_job job = {
         .x = grid->x,
         .y = grid->y,
         .z = grid->z,
         .owner = grid->owner,
-        .rename = query->rename,
         .cell_begin = grid->cell_begin,
-        .origin = { grid->origin[0], grid->origin[1], grid->origin[2] },
-        .inverse_cell = grid->inverse_cell,
-        .dims = { grid->dims[0], grid->dims[1], grid->dims[2] },
-        .axis = { grid->axis[0], grid->axis[1], grid->axis[2] },
-        .reach = cells < 1e6f ? (int)ceilf( cells ) : 1000000,
+        .reach = { count_cells( radius, grid, grid->fine ), reach, reach },
         .near_radius = query->near_radius,
         .shell_radius = query->shell_radius,
         .limit = query->limit,
         .quads = query->quads,
         .planar = grid->planar,
     };
+    memcpy( job.origin, grid->origin, sizeof( job.origin ) );
+    memcpy( job.inverse_cell, grid->inverse_cell, sizeof( job.inverse_cell ) );
+    memcpy( job.dims, grid->dims, sizeof( job.dims ) );
+    memcpy( job.axis, grid->axis, sizeof( job.axis ) );
     return job;
 }
 
@@ -149,7 +155,7 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
-    size_t list = (size_t)( query->limit + WISP_SEARCH_SLACK ) * WISP_SLICE;
+    size_t list = (size_t)query->limit + WISP_SEARCH_SLACK;
     wisp_buffer* places = neighbours->buffers;
     if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false )
     {
@@ -159,6 +165,7 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
     neighbour_search s = {
         .kernels = kernels,
         .job = make_job( grid, query ),
+        .rename = query->rename,
         .query_count = query->query_count,
         .near = { .begin = place, .length = place + slices },
         .shell = { .begin = place + 2 * (size_t)slices, .length = place + 3 * (size_t)slices },

@@ -2,41 +2,17 @@
 // beside it on one worker each.
 //
 //   pack      lanes -> items in the user's order
-//   sort      items -> slots by cell, so that neighbours lie side by side
-//   search    lists of all vertices of other strands within h, and within a skin around it; r0 of the former
-//   iterate   attract: tentative positions; brake: lambda from r0 and r1 = distance of the tentative positions
+//   search    items -> slots by cell, so that neighbours lie side by side; lists of all vertices of other strands within
+//             h, and within a skin around it
+//   iterate   attract: tentative positions, at first r0, too; brake: lambda from r0 and r1 = distance of the tentative
+//             positions; keep up: whoever is near now is listed (clump_search.c)
 //   unpack    slots -> lanes
 //
-// The lists outlive an iteration as long as no vertex has moved further than half the skin: pairs beyond h add exact
-// zeros to the sums. When the skin is used up, the vertices are searched again where they are now; the brake keeps the
-// first list, whose pairs are those of the reference shape.
-#include "frozen_hair_state.h"
+// Pairs beyond h add exact zeros to the sums. When the vertices are searched again, the brake keeps the first list, whose
+// pairs are those of the reference shape.
+#include "clump.h"
 
-#include "wisp/space.h"
-
-#include <stdatomic.h>
 #include <string.h>
-
-enum
-{
-    CLUMP_GRAIN = 4096, // slots a block of a copying loop
-    CLUMP_SLICES = 32,  // slices a block of a summing loop
-    CLUMP_GROUPS = 8,   // groups of strands a block
-};
-
-// The lists reach this share of h further at most. Wider ones cost every iteration, narrower ones are used up and searched
-// again (bench case "paper").
-static const float CLUMP_SKIN_MOST = 0.6f;
-
-typedef struct clump_workspace
-{
-    wisp_grid grid, moved_grid;
-    wisp_neighbours lists, moved_lists;
-    wisp_buffer items;    // quads in the user's order, and their vertex numbers and lanes
-    wisp_buffer slots;    // everything by slot
-    wisp_buffer distance; // r0 an entry
-    wisp_buffer most;     // largest displacement a block
-} clump_workspace;
 
 size_t frozen_clump_workspace_size( void )
 {
@@ -50,32 +26,14 @@ void frozen_clump_workspace_release( void* workspace, const wisp_allocator* allo
     wisp_grid_release( &w->moved_grid, allocator );
     wisp_neighbours_release( &w->lists, allocator );
     wisp_neighbours_release( &w->moved_lists, allocator );
-    wisp_buffer_release( &w->items, allocator );
-    wisp_buffer_release( &w->slots, allocator );
-    wisp_buffer_release( &w->distance, allocator );
-    wisp_buffer_release( &w->most, allocator );
+    wisp_neighbours_release( &w->stray_lists, allocator );
+    wisp_buffer* const buffers[] = { &w->items, &w->slots,  &w->slices,     &w->measured,
+                                     &w->most,  &w->strays, &w->late_pairs, &w->late_lists };
+    for ( int i = 0; i < WISP_COUNT( buffers ); ++i )
+    {
+        wisp_buffer_release( buffers[i], allocator );
+    }
 }
-
-// One run of the stage.
-typedef struct clump_run
-{
-    const wisp_parallel* parallel;
-    const wisp_kernels* kernels;
-    const wisp_strand_topology* strands;
-    const frozen_clump* params;
-    clump_workspace* w;
-    float* position; // [row][3][16]
-    int count, slices;
-    float skin;                                // m
-    float* item_quads;                         // [item][4]
-    int32_t *item_vertex, *item_lane;          // [item] index in the strand; row * 16 + lane
-    int32_t *slot_vertex, *slot_lane;          // [slot]
-    float *current, *tentative, *next, *spare; // [slot][4]
-    const float* searched;                     // [slot][4] where the lists were made
-    wisp_adhesion_job job;
-    float* most; // [block]
-    _Atomic uint64_t neighbours;
-} clump_run;
 
 // ---- pack and unpack ----
 
@@ -105,19 +63,6 @@ static void pack_items( void* context, int begin, int end, int worker )
             run->item_vertex[item] = v;
             run->item_lane[item] = lane;
         }
-    }
-}
-
-static void fill_slots( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const clump_run* run = context;
-    const int32_t* item = run->w->grid.item;
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        memcpy( run->current + 4 * (size_t)slot, run->item_quads + 4 * (size_t)item[slot], 4 * sizeof( float ) );
-        run->slot_vertex[slot] = run->item_vertex[item[slot]];
-        run->slot_lane[slot] = run->item_lane[item[slot]];
     }
 }
 
@@ -155,91 +100,6 @@ static void repeat_tips( void* context, int begin, int end, int worker )
     }
 }
 
-// ---- search ----
-
-static void copy_moved( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const clump_run* run = context;
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        float* q = run->item_quads + 4 * (size_t)slot;
-        memcpy( q, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
-        memcpy( q + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
-    }
-}
-
-static void measure( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    clump_run* run = context;
-    int64_t count = run->kernels->pair_distance( run->current, &run->w->lists.near, run->params->radius,
-                                                 run->w->distance.data, begin, end );
-    atomic_fetch_add_explicit( &run->neighbours, (uint64_t)count, memory_order_relaxed );
-}
-
-// A step of sigma is what a vertex moves in an iteration, about; two may move towards each other. The last iteration's
-// moves need no list.
-static float choose_skin( const frozen_clump* c )
-{
-    float skin = 2.0f * c->step * (float)( c->iterations - 1 );
-    return skin < CLUMP_SKIN_MOST * c->radius ? skin : CLUMP_SKIN_MOST * c->radius;
-}
-
-// Near is what rounding may put on the border of h.
-static float near_radius( const clump_run* run )
-{
-    return run->params->radius * 1.0001f;
-}
-
-static wisp_neighbour_query make_query( const clump_run* run, const float* quads, const int32_t* rename )
-{
-    return ( wisp_neighbour_query ){
-        .quads = quads,
-        .query_count = run->count,
-        .near_radius = near_radius( run ),
-        .shell_radius = near_radius( run ) + run->skin,
-        .limit = run->params->neighbour_limit,
-        .rename = rename,
-    };
-}
-
-static wisp_status search( clump_run* run )
-{
-    clump_workspace* w = run->w;
-    wisp_status status =
-        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, near_radius( run ) + run->skin );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
-    wisp_neighbour_query query = make_query( run, run->current, NULL );
-    status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
-    size_t bytes = w->lists.near_entries * WISP_SLICE * sizeof( float );
-    if ( status != WISP_OK ||
-         wisp_buffer_reserve( &w->distance, wisp_parallel_allocator( run->parallel ), bytes ) == false )
-    {
-        return WISP_NO_MEMORY;
-    }
-    wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, measure, run );
-    return WISP_OK;
-}
-
-static wisp_status search_again( clump_run* run )
-{
-    clump_workspace* w = run->w;
-    wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
-    wisp_status status =
-        wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, near_radius( run ) + run->skin );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    wisp_neighbour_query query = make_query( run, run->item_quads, w->moved_grid.item );
-    return wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, &w->moved_grid, &query );
-}
-
 // ---- iterate ----
 
 static void attract( void* context, int begin, int end, int worker )
@@ -265,8 +125,7 @@ static void advance( clump_run* run, float** result )
     *result = before == run->searched ? run->spare : before;
 }
 
-// One iteration. @return how far a vertex is at most from where it was searched, m
-static float iterate( clump_run* run, int iteration )
+static void iterate( clump_run* run, int iteration )
 {
     wisp_adhesion_job* job = &run->job;
     job->current = run->current;
@@ -289,21 +148,21 @@ static float iterate( clump_run* run, int iteration )
     {
         most = run->most[i] > most ? run->most[i] : most;
     }
-    return most;
+    run->moved = most;
 }
 
 static void make_job( clump_run* run, const frozen_settings* settings, const frozen_event* event )
 {
-    const clump_workspace* w = run->w;
     const frozen_clump* c = run->params;
-    float* displacement = run->spare + 4 * (size_t)run->slices * WISP_SLICE;
     run->job = ( wisp_adhesion_job ){
-        .displacement = displacement,
-        .owner = w->grid.owner,
+        .displacement = run->displacement,
+        .owner = run->w->grid.owner,
         .vertex = run->slot_vertex,
-        .reference = { w->lists.near },
+        .reference = { run->w->lists.near },
         .reference_count = 1,
-        .reference_distance = c->gap_by_iteration ? NULL : w->distance.data,
+        .measured = &run->measured,
+        .leash = run->skin / 2.0001f, // two may have moved towards each other, and rounding is on nobody's side
+        .strayed = run->strayed,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
         .radius = c->radius,
         .step = c->step,
@@ -316,46 +175,45 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
     };
 }
 
-// Where vertices are as they were searched, the near list has them all; once they have moved, the shell counts too.
-// r0 by iteration is measured over the neighbours of the moment, so that the brake follows.
-static void use_lists( clump_run* run, const wisp_neighbours* lists, bool fresh )
+// Where vertices are as they were searched, the near list has them all; once they have moved, the shell counts too, and
+// who is late. r0 by iteration is measured over the neighbours of the moment, so that the brake follows.
+static void use_lists( clump_run* run, int iteration )
 {
     wisp_adhesion_job* job = &run->job;
-    job->attracting[0] = lists->near;
-    job->attracting[1] = lists->shell;
-    job->attracting_count = fresh ? 1 : 2;
-    if ( run->params->gap_by_iteration )
+    const wisp_neighbour_list lists[3] = { run->lists->near, run->lists->shell, run->late };
+    memcpy( job->attracting, lists, sizeof( lists ) );
+    job->attracting_count = run->moved == 0.0f ? 1 : ( run->late.length == NULL ? 2 : 3 );
+    job->measuring = iteration == 0;
+    if ( run->params->gap_by_iteration && iteration > 0 )
     {
-        job->reference[0] = lists->near;
-        job->reference[1] = lists->shell;
+        memcpy( job->reference, lists, sizeof( lists ) );
         job->reference_count = job->attracting_count;
+        job->measured = NULL;
     }
 }
 
-static wisp_status iterate_all( clump_run* run, wisp_frozen_hair_report* report )
+static void count_neighbours( clump_run* run )
 {
-    const wisp_neighbours* lists = &run->w->lists;
-    float moved = 0.0f; // of any vertex since the lists were made
-    for ( int k = 0; k < run->params->iterations; ++k )
+    for ( int slice = 0; slice < run->slices; ++slice )
     {
-        // two vertices may have moved towards each other, and rounding is on nobody's side
-        if ( 2.0001f * moved > run->skin )
-        {
-            wisp_status status = search_again( run );
-            if ( status != WISP_OK )
-            {
-                return status;
-            }
-            lists = &run->w->moved_lists;
-            report->searches += 1;
-            report->capped += lists->capped;
-            run->searched = run->item_quads;
-            moved = 0.0f;
-        }
-        use_lists( run, lists, moved == 0.0f );
-        moved = iterate( run, k );
+        run->report->neighbours += (uint64_t)run->measured.near[slice];
     }
-    return WISP_OK;
+}
+
+static wisp_status iterate_all( clump_run* run )
+{
+    wisp_status status = WISP_OK;
+    for ( int k = 0; k < run->params->iterations && status == WISP_OK; ++k )
+    {
+        status = k == 0 ? WISP_OK : clump_keep_up( run );
+        if ( status == WISP_OK )
+        {
+            use_lists( run, k );
+            iterate( run, k );
+        }
+    }
+    count_neighbours( run );
+    return status;
 }
 
 // ---- memory ----
@@ -366,8 +224,10 @@ static bool reserve( clump_run* run )
     clump_workspace* w = run->w;
     size_t items = (size_t)run->count + WISP_SLICE, slots = (size_t)run->slices * WISP_SLICE;
     size_t blocks = (size_t)( run->slices / CLUMP_SLICES + 1 );
+    size_t slices = (size_t)run->slices;
     if ( wisp_buffer_reserve( &w->items, allocator, items * 6 * 4 ) == false ||
-         wisp_buffer_reserve( &w->slots, allocator, slots * ( 4 * 4 + 3 + 2 ) * 4 ) == false ||
+         wisp_buffer_reserve( &w->slots, allocator, slots * ( 4 * 4 + 3 + 2 + 1 ) * 4 ) == false ||
+         wisp_buffer_reserve( &w->slices, allocator, slices * ( sizeof( int32_t ) + 1 ) ) == false ||
          wisp_buffer_reserve( &w->most, allocator, blocks * sizeof( float ) ) == false )
     {
         return false;
@@ -379,9 +239,12 @@ static bool reserve( clump_run* run )
     run->tentative = run->current + 4 * slots;
     run->next = run->tentative + 4 * slots;
     run->spare = run->next + 4 * slots;
-    run->slot_vertex = (int32_t*)( run->spare + ( 4 + 3 ) * slots );
-    run->searched = run->current;
+    run->displacement = run->spare + 4 * slots;
+    run->measured.weight_sum = run->displacement + 3 * slots;
+    run->slot_vertex = (int32_t*)( run->measured.weight_sum + slots );
     run->slot_lane = run->slot_vertex + slots;
+    run->measured.near = w->slices.data;
+    run->strayed = (uint8_t*)( run->measured.near + slices );
     run->most = w->most.data;
 
     // the last slice's empty lanes are vertices that never move
@@ -406,11 +269,11 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
         .strands = t,
         .params = wisp_frame_column( frame, span->entity, state->clump, 0 ),
         .w = wisp_frame_workspace( frame, state->workspace, span->worker ),
+        .report = report,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .count = t->vertex_count,
         .slices = ( t->vertex_count + WISP_SLICE - 1 ) / WISP_SLICE,
     };
-    run.skin = choose_skin( run.params );
     if ( run.count == 0 )
     {
         return;
@@ -421,16 +284,13 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     wisp_parallel_for( run.parallel, t->group_count, CLUMP_GROUPS, pack_items, &run );
-    wisp_status status = search( &run );
+    wisp_status status = clump_search( &run );
     if ( status == WISP_OK )
     {
-        report->searches = 1;
-        report->neighbours = atomic_load( &run.neighbours );
-        report->capped = run.w->lists.capped;
         report->coarse_grid = run.w->grid.coarse;
         make_job( &run, wisp_frame_column( frame, span->entity, state->settings, 0 ),
                   wisp_frame_column( frame, span->entity, state->event, 0 ) );
-        status = iterate_all( &run, report );
+        status = iterate_all( &run );
     }
     if ( status != WISP_OK )
     {

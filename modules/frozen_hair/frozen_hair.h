@@ -81,7 +81,8 @@ typedef struct wisp_frozen_hair_report
     uint64_t event;       ///< number of the last command, from 0
     uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
     uint64_t capped;      ///< vertices whose neighbour list ran into the limit
-    uint32_t searches;    ///< neighbour searches of the last command
+    uint64_t late;        ///< pairs, both directions, that came near from beyond the lists of a search
+    uint32_t searches;    ///< neighbour searches of the last command for all vertices
     uint32_t coarse_grid; ///< 1: cells were wider than the radius because the scene is sparse
 } wisp_frozen_hair_report;
 

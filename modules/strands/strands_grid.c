@@ -277,7 +277,7 @@ static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, c
         status == WISP_OK ? gather_items( t, position, loop->weight, w->quads.data, w->entries.data ) : 0;
     if ( status == WISP_OK && count > 0 )
     {
-        status = wisp_grid_build( &w->grid, parallel, w->quads.data, count, cell );
+        status = wisp_grid_build( &w->grid, parallel, w->quads.data, count, cell, 1 );
     }
     int nodes = 1;
     for ( int k = 0; k < 3; ++k )

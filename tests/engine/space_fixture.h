@@ -103,6 +103,7 @@ typedef struct space
     // of the build that runs
     const cloud* items;
     float cell;
+    int fine; // 0 is 1
     const wisp_neighbour_query* query;
     wisp_status status;
 } space;
@@ -129,7 +130,9 @@ static inline void space_close( space* s )
 static inline void run_grid_build( void* context )
 {
     space* s = context;
-    s->status = wisp_grid_build( &s->grid, jobs_everyone( s->pool ), s->items->quads, s->items->count, s->cell );
+    int fine = s->fine > 0 ? s->fine : 1;
+    s->status =
+        wisp_grid_build( &s->grid, jobs_everyone( s->pool ), s->items->quads, s->items->count, s->cell, fine );
 }
 
 static inline wisp_status build_grid( space* s, const cloud* items, float cell )

@@ -208,7 +208,7 @@ typedef struct attraction
 static void attract( attraction* a, const wisp_kernels* kernels, const wisp_parallel* parallel, const cloud* c,
                      float h, bool planar )
 {
-    assert_int_equal( wisp_grid_build( &a->grid, parallel, c->quads[0], CLOUD, 1.6f * h ), WISP_OK );
+    assert_int_equal( wisp_grid_build( &a->grid, parallel, c->quads[0], CLOUD, 1.6f * h, 3 ), WISP_OK );
     memset( a->quads, 0, sizeof( a->quads ) );
     memset( a->vertex, 0, sizeof( a->vertex ) );
     for ( int slot = 0; slot < CLOUD; ++slot )
@@ -232,6 +232,7 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
         .radius = h,
         .step = 0.1f * h,
         .planar = planar,
+        .gap = WISP_GAP_PROSE,
     };
     kernels->adhesion_attract( &job, 0, a->neighbours.slice_count );
 }

@@ -30,7 +30,7 @@ static int cell_of( const wisp_grid* g, const float* quad )
     int cell[3];
     for ( int axis = 0; axis < 3; ++axis )
     {
-        int c = (int)( ( quad[axis] - g->origin[axis] ) * g->inverse_cell );
+        int c = (int)( ( quad[axis] - g->origin[axis] ) * g->inverse_cell[axis] );
         cell[axis] = c < 0 ? 0 : ( c >= g->dims[axis] ? g->dims[axis] - 1 : c );
     }
     const int *a = g->axis, *d = g->dims;
@@ -103,6 +103,7 @@ static void many_blocks_of_items_are_sorted_alike( void** state )
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
         space* s = space_open( WORKER_COUNTS[w], baseline() );
+        s->fine = 1 + w % 4;
         assert_int_equal( build_grid( s, &c, 0.05f ), WISP_OK );
         assert_sorted_naively( &s->grid, &c );
         space_close( s );
@@ -119,7 +120,8 @@ static double outside_cell( const wisp_grid* g, const float* quad )
     {
         int axis = g->axis[i], place = rest % g->dims[axis];
         rest /= g->dims[axis];
-        double low = (double)g->origin[axis] + place * (double)g->cell, high = low + (double)g->cell;
+        double edge = (double)g->cell / ( i == 0 ? g->fine : 1 );
+        double low = (double)g->origin[axis] + place * edge, high = low + edge;
         most = fmax( most, fmax( low - (double)quad[axis], (double)quad[axis] - high ) );
     }
     return most;
@@ -132,6 +134,7 @@ static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** st
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 5000 );
+        s->fine = 1 + shape % 4;
         assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
         double most = 0.0;
         for ( int i = 0; i < c.count; ++i )
@@ -183,6 +186,34 @@ static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
         assert_int_equal( 1 << g->axis[0] | 1 << g->axis[1] | 1 << g->axis[2], 7 );
         assert_true( cells_of_rank( g, 0 ) <= cells_of_rank( g, 1 ) &&
                      cells_of_rank( g, 1 ) <= cells_of_rank( g, 2 ) );
+        free( c.quads );
+    }
+    space_close( s );
+}
+
+static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many( void** state )
+{
+    (void)state;
+    space* s = space_open( 1, baseline() );
+    for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
+    {
+        cloud c = make_cloud( (cloud_shape)shape, 5000 );
+        s->fine = 1;
+        assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
+        const wisp_grid cubes = s->grid;
+        s->fine = 4;
+        assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
+        const wisp_grid* g = &s->grid;
+        assert_memory_equal( g->axis, cubes.axis, sizeof( cubes.axis ) );
+        assert_int_equal( g->dims[g->axis[1]], cubes.dims[g->axis[1]] );
+        assert_int_equal( g->dims[g->axis[2]], cubes.dims[g->axis[2]] );
+        int cut = g->dims[g->axis[0]], whole = cubes.dims[g->axis[0]];
+        double rows = (double)g->dims[g->axis[1]] * g->dims[g->axis[2]], most = 4.0 * c.count + 64.0;
+        assert_in_range( g->fine, 1, 4 );
+        assert_in_range( cut, g->fine * ( whole - 1 ) + 1, g->fine * whole );
+        assert_true( rows * cut <= most );
+        // a cut less than asked for has a reason
+        assert_true( g->fine == 4 || rows * ( g->fine + 1 ) * whole > most );
         free( c.quads );
     }
     space_close( s );
@@ -325,7 +356,9 @@ static void check_every_cloud( space* s, int first_count, int last_count )
         for ( int i = first_count; i <= last_count; ++i )
         {
             cloud c = make_cloud( (cloud_shape)shape, count_of( (cloud_shape)shape, i ) );
+            s->fine = 1 + i % 4;
             int64_t alone = check_cloud( s, &c, radius, 0.0f, NO_LIMIT );
+            s->fine = 4 - i % 4;
             int64_t with_shell = check_cloud( s, &c, radius, 1.25f * radius, NO_LIMIT );
             // a check of nothing would show nothing; on the lattice all but the shell is empty
             assert_true( c.count < 1000 || shape == CLOUD_LATTICE || alone > 0 );
@@ -400,7 +433,7 @@ static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
 {
     for ( int i = 2; i < c->count; i += 2 )
     {
-        double border = (double)g->origin[0] + (double)g->cell * test_random( i, 0, g->dims[0] - 2 );
+        double border = (double)g->origin[0] + (double)g->cell / g->fine * test_random( i, 0, g->dims[0] - 2 );
         float x = (float)border;
         for ( int k = test_random( i, 1, 7 ); k > 0; --k )
         {
@@ -429,9 +462,12 @@ static void items_on_the_borders_of_cells_find_each_other( void** state )
     }
     space* s = space_open( 1, baseline() );
     // the ends decide about the cells, so that they stay as they are when the others move
-    assert_int_equal( build_grid( s, &c, radius ), WISP_OK );
-    place_on_borders( &c, &s->grid, radius );
-    assert_true( check_cloud( s, &c, radius, 0.0f, NO_LIMIT ) >= BORDER_ITEMS - 2 );
+    for ( s->fine = 1; s->fine <= 4; ++s->fine )
+    {
+        assert_int_equal( build_grid( s, &c, radius ), WISP_OK );
+        place_on_borders( &c, &s->grid, radius );
+        assert_true( check_cloud( s, &c, radius, 0.0f, NO_LIMIT ) >= BORDER_ITEMS - 2 );
+    }
     free( c.quads );
     space_close( s );
 }
@@ -513,6 +549,7 @@ static void a_radius_wider_or_narrower_than_the_cells_finds_the_same( void** sta
     static const float CELLS[] = { 0.01f, 0.06f, 0.3f, 0.9f, 50.0f };
     for ( int i = 0; i < WISP_COUNT( CELLS ); ++i )
     {
+        s->fine = 1 + i % 3;
         assert_int_equal( build_grid( s, &c, CELLS[i] ), WISP_OK );
         wisp_neighbour_query query = { c.quads, c.count, 0.3f, 0.4f, NO_LIMIT, s->grid.item };
         assert_int_equal( search( s, &query ), WISP_OK );
@@ -637,6 +674,7 @@ int main( void )
         cmocka_unit_test( an_item_lies_in_its_cell_or_no_further_off_than_the_slack ),
         cmocka_unit_test( cells_are_as_wide_as_wanted_unless_there_would_be_too_many ),
         cmocka_unit_test( the_axis_with_the_fewest_cells_is_the_fastest ),
+        cmocka_unit_test( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many ),
         cmocka_unit_test( slots_behind_the_last_may_be_read ),
         cmocka_unit_test( baseline_finds_what_brute_force_finds ),
         cmocka_unit_test( every_instruction_set_finds_what_brute_force_finds ),

@@ -15,6 +15,7 @@ typedef struct hair_shadow
     double offset; ///< m, the largest distance between engine and oracle in one step
     double share;  ///< the largest offset / tolerance of a vertex; at most 1
     uint64_t neighbours, capped;
+    uint64_t late;     ///< pairs that came near from beyond the lists, of the last command with all its iterations
     uint32_t searches; ///< of the last command with all its iterations
 } hair_shadow;
 

@@ -7,8 +7,9 @@
 
 static void say( const char* what, hair_shadow s )
 {
-    print_message( "           %s: %.2g m off, %.0f %% of the tolerance, %llu neighbours, %u searches\n", what,
-                   s.offset, 100.0 * s.share, (unsigned long long)s.neighbours, (unsigned)s.searches );
+    print_message( "           %s: %.2g m off, %.0f %% of the tolerance, %llu neighbours, %u searches, %llu late\n",
+                   what, s.offset, 100.0 * s.share, (unsigned long long)s.neighbours, (unsigned)s.searches,
+                   (unsigned long long)s.late );
 }
 
 // Strands 4 mm apart, so that a vertex has some thirty neighbours within the default radius of 1 cm.
@@ -157,6 +158,24 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
         say( gap_names[def.gap], shadow );
         assert_in_range( shadow.searches, 2, 8 );
         assert_int_equal( shadow.capped, 0 );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// Between the two a few vertices stray from their leash, and the pairs that the lists lack are found one by one.
+static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
+        wisp_frozen_hair_def def = hair_clump_only();
+        def.guard = false;
+        def.clump_step = ( n & 1 ) != 0 ? 0.0012f : 0.0014f;
+        def.gap_by_iteration = n / 2 == 1;
+        hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
+        say( def.gap_by_iteration ? "by iteration" : "by stage", shadow );
+        assert_in_range( shadow.late, 2, 200 );
         hair_groom_destroy( &groom );
     }
 }
@@ -366,6 +385,7 @@ int main( void )
         cmocka_unit_test( every_switch_of_the_stage_changes_the_result ),
         cmocka_unit_test( up_to_twelve_iterations_follow_the_oracle ),
         cmocka_unit_test( large_steps_search_again_and_still_follow_the_oracle ),
+        cmocka_unit_test( pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one ),
         cmocka_unit_test( lists_of_slow_hair_outlive_an_iteration ),
         cmocka_unit_test( radii_from_nothing_near_to_everything_near_follow_the_oracle ),
         cmocka_unit_test( the_report_counts_exactly_the_pairs_within_the_radius ),

@@ -59,12 +59,11 @@ typedef struct wisp_range_search_job
 {
     const float *x, *y, *z;    ///< [slot] items sorted by cell, padded by 16
     const int32_t* owner;      ///< [slot] items of the query's own owner are left out
-    const int32_t* rename;     ///< [slot] what to report for a slot, null for the slot itself
     const int32_t* cell_begin; ///< [cell_count + 1]
     float origin[3];           ///< m
-    float inverse_cell;        ///< 1/m
+    float inverse_cell[3];     ///< 1/m
     int dims[3], axis[3];      ///< as in wisp_grid
-    int reach;                 ///< cells to look at to each side
+    int reach[3];              ///< cells to look at to each side, along axis[0], axis[1], axis[2]
     float near_radius;         ///< m, below it a neighbour is near
     float shell_radius;        ///< m, from the near radius to here it is in the shell; 0: no shell
     int limit;                 ///< at most so many near ones and so many in the shell, the first in order
@@ -75,12 +74,13 @@ typedef struct wisp_range_search_job
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.
 #define WISP_SEARCH_SLACK 16
 
-/// What eight queries found. Arrays are the caller's.
+/// What eight queries found, as lists that lie one behind the other. Arrays are the caller's.
 typedef struct wisp_range_search_result
 {
-    int32_t *near, *shell;         ///< [length][8] 4 times the number, room for limit + slack; a query's own pads
-    int near_length, shell_length; ///< entries a query, the longest of the eight
-    int32_t* scratch;              ///< [16][limit + slack]
+    int32_t *near, *shell;      ///< [8][limit + slack] 4 times the numbers, lane by lane
+    int near_count[WISP_SLICE]; ///< of a lane's list
+    int shell_count[WISP_SLICE];
+    int near_length, shell_length; ///< the longest of the eight
     int capped;                    ///< grows by the queries that ran into the limit
 } wisp_range_search_result;
 
@@ -112,6 +112,15 @@ typedef struct wisp_neighbour_list
     const int32_t* entries; ///< [entry][8] 4 times the numbers of neighbours; a lane's own number pads
 } wisp_neighbour_list;
 
+/// What the brake remembers of the pairs of a list at the reference shape.
+typedef struct wisp_reference_pairs
+{
+    float* distance;   ///< [entry][8] m, r0
+    float* weight;     ///< [entry][8] g(r0), 0 for padding and beyond the radius
+    float* weight_sum; ///< [slot]
+    int32_t* near;     ///< [slice] pairs above 0 and below the radius
+} wisp_reference_pairs;
+
 /// Pairwise adhesion with a gap-keeping brake (FRZ, eq. 14-19), one Jacobi iteration in two sweeps.
 /// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
 typedef struct wisp_adhesion_job
@@ -123,11 +132,14 @@ typedef struct wisp_adhesion_job
     const float* searched;             ///< [slot][4] where the attracting lists were searched
     const int32_t* owner;              ///< [slot] strand
     const int32_t* vertex;             ///< [slot] index in the strand; 0 does not move
-    wisp_neighbour_list attracting[2]; ///< the first sweep's lists, added one after the other
+    wisp_neighbour_list attracting[3]; ///< the first sweep's lists, added one after the other
     int attracting_count;
-    wisp_neighbour_list reference[2]; ///< the second sweep's lists: neighbours at the reference shape
+    wisp_neighbour_list reference[3]; ///< the second sweep's lists: neighbours at the reference shape
     int reference_count;
-    const float* reference_distance; ///< [entry][8] m, r0 of reference[0]; null: measured at `current`
+    wisp_reference_pairs* measured; ///< of reference[0]; null: the second sweep measures at `current`
+    bool measuring;                 ///< the first sweep, over reference[0] alone, fills `measured`
+    float leash;                    ///< m, further than this from where it was searched a vertex has strayed
+    uint8_t* strayed; ///< [slice] a bit a lane, of the sweep that moves: the second, the first without brake
     wisp_random_key key;
     uint32_t iteration;
     float radius;       ///< h, m
@@ -538,6 +550,12 @@ typedef struct wisp_kernels
     /// Neighbours of queries [8 slice, 8 slice + count), count <= 8.
     void ( *range_search )( const wisp_range_search_job* job, int slice, int count,
                             wisp_range_search_result* result );
+    /// Lay eight lists side by side, a query's own number behind the shorter ones.
+    /// @param lists [8][stride] as range_search wrote them; renamed and padded in place
+    /// @param rename [slot] what to report for a slot, null for the slot itself
+    /// @param packed [longest][8], longest that of counts
+    void ( *interleave )( int32_t* lists, int stride, const int* counts, int slice, const int32_t* rename,
+                          int32_t* packed );
     /// Find the boxes of some runs of slots that overlap the askers, touching included, in the order of slots. A lone asker
     /// adds to its list. Lists have room for all that is compared and 8 more.
     /// @param runs [run_count][2] first slot, and the one behind the last. Slots are compared in whole eights, so that the
@@ -546,11 +564,7 @@ typedef struct wisp_kernels
     /// Put different numbers, none negative, in rising order. Takes time with the square of the count.
     /// @param items [count] padded by 8, which may be overwritten @param out another array, padded likewise
     void ( *rank_order )( int32_t* items, int count, int32_t* out );
-    /// Distances of a list's pairs at one shape. distance [entry][8]
-    /// @return how many are above 0 and below the radius
-    int64_t ( *pair_distance )( const float* quads, const wisp_neighbour_list* list, float radius, float* distance,
-                                int slice_first, int slice_last );
-    /// Both sweeps return how far a vertex is at most from where it was searched, m: at its tentative, at its next place.
+    /// @return how far a vertex is at most from where it was searched, m; 0 of a first sweep that a brake follows
     float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
     float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
 

@@ -20,7 +20,9 @@ typedef struct wisp_grid
 {
     int count;
     float origin[3];
-    float cell, inverse_cell;  ///< m, 1/m
+    float cell;                ///< m, edge along axis[1] and axis[2]
+    int fine;                  ///< edges along axis[0] are so many times shorter
+    float inverse_cell[3];     ///< 1/m, along x, y, z
     int dims[3];               ///< cells along x, y, z
     int axis[3];               ///< 0, 1, 2 for x, y, z: fastest first. Cell (cx, cy, cz) = c is number
                                ///< (c[axis[2]] dims[axis[1]] + c[axis[1]]) dims[axis[0]] + c[axis[0]]
@@ -37,9 +39,11 @@ typedef struct wisp_grid
 /// Sort items into cells.
 /// @param quads [count][4] x, y, z in m, finite; owner as int bits
 /// @param cell m, > 0: the wanted edge; wider if the grid would need more than 4 cells an item
+/// @param fine > 0: cut cells along the fastest axis into so many, fewer if that makes more than 4 cells an item. Runs of
+///             cells then fit a radius better; 1: cubes
 /// @return WISP_NO_MEMORY
 WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
-                                      float cell );
+                                      float cell, int fine );
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
 
 /// Neighbours of queries in slices of eight, in two lists: near ones, and a shell around them that lets the lists be

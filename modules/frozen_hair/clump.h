@@ -1,0 +1,64 @@
+/// What the files of the clump stage share: one run of it, and its memory.
+#pragma once
+
+#include "frozen_hair_state.h"
+
+#include "wisp/space.h"
+
+enum
+{
+    CLUMP_GRAIN = 1024, // slots a block of a copying loop
+    CLUMP_SLICES = 32,  // slices a block of a summing loop
+    CLUMP_GROUPS = 8,   // groups of strands a block
+};
+
+typedef struct clump_workspace
+{
+    wisp_grid grid, moved_grid;
+    wisp_neighbours lists, moved_lists, stray_lists;
+    wisp_buffer items;    // quads in the user's order, and their vertex numbers and lanes
+    wisp_buffer slots;    // everything by slot
+    wisp_buffer slices;   // everything by slice
+    wisp_buffer measured; // r0 and g(r0) an entry
+    wisp_buffer most;     // largest displacement a block
+    wisp_buffer strays;   // quads of the vertices that have left their leash, and their slots
+    wisp_buffer late_pairs, late_lists;
+} clump_workspace;
+
+// One run of the stage.
+typedef struct clump_run
+{
+    const wisp_parallel* parallel;
+    const wisp_kernels* kernels;
+    const wisp_strand_topology* strands;
+    const frozen_clump* params;
+    clump_workspace* w;
+    wisp_frozen_hair_report* report;
+    float* position; // [row][3][16]
+    int count, slices;
+    float skin;                                // m
+    float* item_quads;                         // [item][4]
+    int32_t *item_vertex, *item_lane;          // [item] index in the strand; row * 16 + lane
+    int32_t *slot_vertex, *slot_lane;          // [slot]
+    float *current, *tentative, *next, *spare; // [slot][4]
+    float* displacement;                       // [slice][3][8]
+    uint8_t* strayed;                          // [slice] a bit a lane
+    float* most;                               // [block]
+    wisp_reference_pairs measured;
+
+    // the lists in use
+    const wisp_grid* grid;
+    const int32_t* rename; // [slot of the grid] slot; null: the same
+    const wisp_neighbours* lists;
+    const float* searched;    // [slot][4] where the lists were made
+    float moved;              // m, of any vertex since then
+    wisp_neighbour_list late; // who has come within the radius from beyond the lists
+    wisp_adhesion_job job;
+} clump_run;
+
+/// Make the lists of the reference shape. @return WISP_NO_MEMORY
+wisp_status clump_search( clump_run* run );
+
+/// Whatever has moved: afterwards the lists in use have all pairs that are within the radius now.
+/// @return WISP_NO_MEMORY
+wisp_status clump_keep_up( clump_run* run );

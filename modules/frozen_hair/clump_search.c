@@ -1,0 +1,337 @@
+// Who is near whom, at first and while the vertices move.
+//
+// The lists reach a skin further than h. A pair that they lack was further apart than h and the skin together when they
+// were made, so while no vertex has moved further than half the skin, its leash, they have all pairs. Few vertices leave
+// their leash: the neighbours of these strays are looked for one by one, and pairs that the lists lack make the late
+// list. Where many stray, the vertices are searched again where they are now.
+#include "clump.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// The skin in steps of sigma and iterations that need the lists, at most this share of h. A wider one costs every
+// iteration, a narrower one has more strays (bench case "paper").
+static const float CLUMP_SKIN_STEPS = 1.1f;
+static const float CLUMP_SKIN_MOST = 0.6f;
+
+enum
+{
+    CLUMP_FINE = 4,        // cells a radius along the grid's rows
+    CLUMP_STRAYS_MOST = 8, // of so many vertices one may stray before all are searched again
+};
+
+// Near is what rounding may put on the border of h.
+static float near_radius( const clump_run* run )
+{
+    return run->params->radius * 1.0001f;
+}
+
+static float shell_radius( const clump_run* run )
+{
+    return near_radius( run ) + run->skin;
+}
+
+// A step of sigma is what a vertex moves in an iteration at most, about. The last iteration's moves need no list.
+static float choose_skin( const frozen_clump* c )
+{
+    float skin = CLUMP_SKIN_STEPS * c->step * (float)( c->iterations - 1 );
+    return skin < CLUMP_SKIN_MOST * c->radius ? skin : CLUMP_SKIN_MOST * c->radius;
+}
+
+// ---- the reference shape ----
+
+static void fill_slots( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const clump_run* run = context;
+    const int32_t* item = run->w->grid.item;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        memcpy( run->current + 4 * (size_t)slot, run->item_quads + 4 * (size_t)item[slot], 4 * sizeof( float ) );
+        run->slot_vertex[slot] = run->item_vertex[item[slot]];
+        run->slot_lane[slot] = run->item_lane[item[slot]];
+    }
+}
+
+static wisp_neighbour_query make_query( const clump_run* run, const float* quads )
+{
+    return ( wisp_neighbour_query ){
+        .quads = quads,
+        .query_count = run->count,
+        .near_radius = near_radius( run ),
+        .shell_radius = shell_radius( run ),
+        .limit = run->params->neighbour_limit,
+        .rename = run->rename,
+    };
+}
+
+// Lists of all vertices where they are.
+static void use( clump_run* run, const wisp_neighbours* lists, const float* searched )
+{
+    run->lists = lists;
+    run->searched = searched;
+    run->moved = 0.0f;
+    run->late = ( wisp_neighbour_list ){ NULL, NULL, NULL };
+    run->report->searches += 1;
+    run->report->capped += lists->capped;
+}
+
+wisp_status clump_search( clump_run* run )
+{
+    clump_workspace* w = run->w;
+    run->skin = choose_skin( run->params );
+    wisp_status status =
+        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, shell_radius( run ), CLUMP_FINE );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    run->grid = &w->grid;
+    run->rename = NULL;
+    wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
+    wisp_neighbour_query query = make_query( run, run->current );
+    status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
+    size_t entries = w->lists.near_entries * WISP_SLICE;
+    if ( status != WISP_OK || wisp_buffer_reserve( &w->measured, wisp_parallel_allocator( run->parallel ),
+                                                   2 * entries * sizeof( float ) ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    run->measured.distance = w->measured.data;
+    run->measured.weight = run->measured.distance + entries;
+    use( run, &w->lists, run->current );
+    return WISP_OK;
+}
+
+// ---- all again ----
+
+static void copy_moved( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const clump_run* run = context;
+    for ( int slot = begin; slot < end; ++slot )
+    {
+        float* q = run->item_quads + 4 * (size_t)slot;
+        memcpy( q, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
+        memcpy( q + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
+    }
+}
+
+static wisp_status search_again( clump_run* run )
+{
+    clump_workspace* w = run->w;
+    wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
+    wisp_status status = wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count,
+                                          shell_radius( run ), CLUMP_FINE );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    run->grid = &w->moved_grid;
+    run->rename = w->moved_grid.item;
+    wisp_neighbour_query query = make_query( run, run->item_quads );
+    status = wisp_neighbours_build( &w->moved_lists, run->parallel, run->kernels, run->grid, &query );
+    use( run, &w->moved_lists, run->item_quads );
+    return status;
+}
+
+// ---- strays ----
+
+static int count_strays( const clump_run* run )
+{
+    int count = 0;
+    for ( int slice = 0; slice < run->slices; ++slice )
+    {
+        count += __builtin_popcount( run->strayed[slice] );
+    }
+    return count;
+}
+
+// Vertices that have left their leash, as queries where they are now.
+typedef struct stray_queries
+{
+    float* quads;  // [stray][4], whole slices
+    int32_t* slot; // [stray]
+    int count;
+} stray_queries;
+
+static bool collect_strays( clump_run* run, int count, stray_queries* out )
+{
+    // room for as many as there may be, so that a step with more of them than the last one allocates nothing
+    size_t room = (size_t)( run->count / CLUMP_STRAYS_MOST + 1 + WISP_SLICE ) / WISP_SLICE * WISP_SLICE;
+    wisp_buffer* buffer = &run->w->strays;
+    if ( wisp_buffer_reserve( buffer, wisp_parallel_allocator( run->parallel ), room * 5 * sizeof( float ) ) ==
+         false )
+    {
+        return false;
+    }
+    *out = ( stray_queries ){ .quads = buffer->data, .count = count };
+    out->slot = (int32_t*)( out->quads + 4 * room );
+    memset( out->quads, 0, room * 4 * sizeof( float ) );
+    int at = 0;
+    for ( int slice = 0; slice < run->slices; ++slice )
+    {
+        for ( unsigned bits = run->strayed[slice]; bits != 0; bits &= bits - 1 )
+        {
+            int slot = slice * WISP_SLICE + __builtin_ctz( bits );
+            float* q = out->quads + 4 * (size_t)at;
+            memcpy( q, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
+            memcpy( q + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
+            out->slot[at++] = slot;
+        }
+    }
+    return true;
+}
+
+// With the roundings of the search, so that a pair is in the lists or late, never both and never neither.
+static float squared_distance( const float* quads, int a, int b )
+{
+    const float *p = quads + 4 * (size_t)a, *q = quads + 4 * (size_t)b;
+    float x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
+    return x * x + y * y + z * z;
+}
+
+static int compare_pairs( const void* a, const void* b )
+{
+    uint64_t x = *(const uint64_t*)a, y = *(const uint64_t*)b;
+    return x < y ? -1 : x > y;
+}
+
+// Whether the lists lack a pair that is near now. Most pairs are in the lists.
+static bool is_late( const clump_run* run, float listed2, int a, int b )
+{
+    const int32_t* owner = run->w->grid.owner;
+    const float near = near_radius( run );
+    return squared_distance( run->searched, a, b ) >= listed2 &&
+           squared_distance( run->current, a, b ) < near * near && owner[a] != owner[b];
+}
+
+// Late pairs of the strays, each in both directions, in rising order. Two strays find each other twice, and where a list
+// is padded a number means any slot, so that a pair may be met again.
+// @param pairs [2 entries of the strays' lists]
+static size_t find_late_pairs( const clump_run* run, const stray_queries* strays, uint64_t* pairs )
+{
+    const wisp_neighbour_list* found = &run->w->stray_lists.shell;
+    const float listed2 = shell_radius( run ) * shell_radius( run );
+    size_t count = 0;
+    for ( int i = 0; i < strays->count; ++i )
+    {
+        const int slice = i / WISP_SLICE, a = strays->slot[i];
+        const int32_t* entry = found->entries + (size_t)found->begin[slice] * WISP_SLICE + i % WISP_SLICE;
+        for ( int k = 0; k < found->length[slice]; ++k, entry += WISP_SLICE )
+        {
+            int b = *entry / 4;
+            if ( is_late( run, listed2, a, b ) )
+            {
+                pairs[count++] = (uint64_t)a << 32 | (uint64_t)b;
+                pairs[count++] = (uint64_t)b << 32 | (uint64_t)a;
+            }
+        }
+    }
+    qsort( pairs, count, sizeof( *pairs ), compare_pairs );
+    size_t kept = 0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        if ( kept == 0 || pairs[kept - 1] != pairs[i] )
+        {
+            pairs[kept++] = pairs[i];
+        }
+    }
+    return kept;
+}
+
+// Lists of one slice from its pairs, the longest lane as long as there are pairs at most. @return entries a lane
+static int list_slice( const uint64_t* pairs, size_t count, int slice, int32_t* entries )
+{
+    int lengths[WISP_SLICE] = { 0 }, longest = 0;
+    for ( size_t i = 0; i < count; ++i )
+    {
+        int lane = (int)( pairs[i] >> 32 ) % WISP_SLICE, k = lengths[lane]++;
+        if ( k == longest )
+        {
+            for ( int l = 0; l < WISP_SLICE; ++l )
+            {
+                entries[k * WISP_SLICE + l] = 4 * ( slice * WISP_SLICE + l );
+            }
+            ++longest;
+        }
+        entries[k * WISP_SLICE + lane] = 4 * (int32_t)( pairs[i] & UINT32_MAX );
+    }
+    return longest;
+}
+
+static bool list_late_pairs( clump_run* run, const uint64_t* pairs, size_t count )
+{
+    const size_t slices = (size_t)run->slices, rows = count > slices ? count : slices;
+    const size_t ints = 2 * slices + rows * WISP_SLICE;
+    wisp_buffer* buffer = &run->w->late_lists;
+    if ( wisp_buffer_reserve( buffer, wisp_parallel_allocator( run->parallel ), ints * sizeof( int32_t ) ) == false )
+    {
+        return false;
+    }
+    int32_t *begin = buffer->data, *length = begin + slices, *entries = length + slices;
+    memset( begin, 0, 2 * slices * sizeof( int32_t ) );
+    int32_t used = 0;
+    for ( size_t i = 0, end; i < count; i = end )
+    {
+        int slice = (int)( pairs[i] >> 32 ) / WISP_SLICE;
+        for ( end = i + 1; end < count && (int)( pairs[end] >> 32 ) / WISP_SLICE == slice; ++end )
+        {
+        }
+        begin[slice] = used;
+        length[slice] = list_slice( pairs + i, end - i, slice, entries + (size_t)used * WISP_SLICE );
+        used += length[slice];
+    }
+    run->late = ( wisp_neighbour_list ){ begin, length, entries };
+    return true;
+}
+
+// @param complete receives false if a list ran into the limit
+static wisp_status search_strays( clump_run* run, int count, bool* complete )
+{
+    clump_workspace* w = run->w;
+    stray_queries strays;
+    if ( collect_strays( run, count, &strays ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    wisp_neighbour_query query = {
+        .quads = strays.quads,
+        .query_count = count,
+        // others lie in the grid where they were; who is closer than this is in the lists
+        .near_radius = fmaxf( shell_radius( run ) - 1.0001f * run->moved, 0.0f ),
+        .shell_radius = near_radius( run ) + 1.0001f * run->moved,
+        .limit = run->params->neighbour_limit,
+        .rename = run->rename,
+    };
+    wisp_status status = wisp_neighbours_build( &w->stray_lists, run->parallel, run->kernels, run->grid, &query );
+    *complete = w->stray_lists.capped == 0;
+    if ( status != WISP_OK || *complete == false )
+    {
+        return status;
+    }
+    size_t most = 2 * w->stray_lists.shell_entries * WISP_SLICE;
+    most = most > (size_t)run->count ? most : (size_t)run->count;
+    const wisp_allocator* allocator = wisp_parallel_allocator( run->parallel );
+    if ( wisp_buffer_reserve( &w->late_pairs, allocator, most * sizeof( uint64_t ) ) == false )
+    {
+        return WISP_NO_MEMORY;
+    }
+    size_t late = find_late_pairs( run, &strays, w->late_pairs.data );
+    run->report->late += late;
+    return late == 0 || list_late_pairs( run, w->late_pairs.data, late ) ? WISP_OK : WISP_NO_MEMORY;
+}
+
+wisp_status clump_keep_up( clump_run* run )
+{
+    run->late = ( wisp_neighbour_list ){ NULL, NULL, NULL };
+    int strays = run->moved > run->job.leash ? count_strays( run ) : 0;
+    if ( strays == 0 )
+    {
+        return WISP_OK;
+    }
+    bool complete = false;
+    wisp_status status = strays > run->count / CLUMP_STRAYS_MOST ? WISP_OK : search_strays( run, strays, &complete );
+    return status == WISP_OK && complete == false ? search_again( run ) : status;
+}
