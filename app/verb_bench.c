@@ -2,6 +2,7 @@
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
+#include "io_file.h"
 #include "nearest.h"
 #include "progress.h"
 #include "report/report.h"
@@ -59,7 +60,9 @@ static const struct argp_option option_list[] = {
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
     { "report", KEY_REPORT, "FILE", 0, "Also write one HTML page to FILE: charts, pictures, tables and notes", 0 },
     { "pictures", KEY_PICTURES, "FOLDER", 0,
-      "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER and link them", 0 },
+      "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER, which is made if need be, and link "
+      "them",
+      0 },
     { "compare", KEY_COMPARE, NULL, 0,
       "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
     { "scene", KEY_SCENE, "NAME", 0,
@@ -328,6 +331,10 @@ int verb_bench( int argc, char** argv )
     wisp_status status = describe( &out.machine, &error );
     status = status == WISP_OK ? check_writable( arguments.output, &error ) : status;
     status = status == WISP_OK ? check_writable( arguments.report, &error ) : status;
+    if ( status == WISP_OK && arguments.options.pictures != NULL )
+    {
+        status = io_folder_make( arguments.options.pictures, &error );
+    }
     status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
     if ( status == WISP_OK )
     {

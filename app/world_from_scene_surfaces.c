@@ -149,6 +149,7 @@ static wisp_status cook( const wisp_scene* scene, int surface, unsigned char nee
     def.hinges = ( needs & NEEDS_HINGES ) != 0;
     def.tethers = ( needs & NEEDS_TETHERS ) != 0;
     def.levels = entry->levels;
+    def.finest_level = entry->finest_level;
     def.sweep = entry->sweep;
     def.tile_size = entry->tile_size;
     wisp_error cause = { 0 };

@@ -302,6 +302,14 @@ void io_output_discard( io_output* output )
     forget( output );
 }
 
+wisp_status io_folder_make( const char* path, wisp_error* error )
+{
+    struct stat info;
+    bool is_there = mkdir( path, 0777 ) == 0;
+    is_there = is_there || ( errno == EEXIST && stat( path, &info ) == 0 && S_ISDIR( info.st_mode ) );
+    return is_there ? WISP_OK : system_refused( error, path, "make a folder" );
+}
+
 // ---- numbers ---------------------------------------------------------------------------------------------------
 
 wisp_status io_numbers_begin( io_numbers* numbers, wisp_error* error )

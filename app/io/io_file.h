@@ -33,6 +33,10 @@ wisp_status io_output_commit( io_output* output, wisp_error* error );
 /// Forget what was written. The old file is untouched.
 void io_output_discard( io_output* output );
 
+/// Make a folder, whose parent is there; one that is there already is as good.
+/// @return WISP_IO_ERROR the operating system refused
+wisp_status io_folder_make( const char* path, wisp_error* error );
+
 /// Numbers in files have decimal points, whatever the host's locale says. Applies to the calling thread only.
 typedef struct io_numbers
 {

@@ -1,13 +1,10 @@
 // ParaView: a .vtp file a body and frame, and a .pvd file that lists them with their times. Arrays are base64 inside
 // the XML: exact as raw bytes are, and still XML for every other reader. The array's length in bytes and its numbers
 // are one base64 stream, as VTK's own writer has it.
-#define _XOPEN_SOURCE 700
 
 #include "record_internal.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 
 // ---- base64 ----------------------------------------------------------------------------------------------------
 
@@ -214,16 +211,6 @@ static void write_escaped( FILE* out, const char* text )
     }
 }
 
-static wisp_status make_folder( const char* folder, wisp_error* error )
-{
-    struct stat info;
-    if ( mkdir( folder, 0777 ) == 0 || ( errno == EEXIST && stat( folder, &info ) == 0 && S_ISDIR( info.st_mode ) ) )
-    {
-        return WISP_OK;
-    }
-    return record_refused( folder, "make a folder", error );
-}
-
 static wisp_status pvd_start( const wisp_recorder* recorder, pvd_file* file, wisp_error* error )
 {
     wisp_status status = io_output_open( recorder->path, &file->list, error );
@@ -231,7 +218,7 @@ static wisp_status pvd_start( const wisp_recorder* recorder, pvd_file* file, wis
     {
         return status;
     }
-    status = make_folder( file->folder, error );
+    status = io_folder_make( file->folder, error );
     if ( status != WISP_OK )
     {
         io_output_discard( &file->list );

@@ -169,7 +169,8 @@ extern "C"
         const wisp_scene_fill* fill_path; ///< [fill_path_count] times rise
         int fill_path_count;
 
-        int levels; ///< coarse levels of the fabric at most, 0: none
+        int levels;       ///< coarse levels of the fabric at most, 0: none
+        int finest_level; ///< as wisp_fabric_def has it
         wisp_sweep sweep;
         int tile_size;
         bool has_collision;

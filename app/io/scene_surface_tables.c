@@ -168,6 +168,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "balloon", SCENE_BLOCK, .at = AT( has_balloon ), .block = &BALLOON_BLOCK },
     { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK },
     { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ) },
+    { "finest_level", SCENE_WHOLE, .at = AT( finest_level ), .range = RANGE( 1, WISP_FABRIC_MAX_LEVELS ) },
     { "sweep", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size },
     { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK },

@@ -276,7 +276,7 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
 
 static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
 {
-    static const char* const fabric_keys[] = { "repair", "require", "levels", "sweep", "tile_size" };
+    static const char* const fabric_keys[] = { "repair", "require", "levels", "finest_level", "sweep", "tile_size" };
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_made + instance;
     if ( sources == 0 )
@@ -409,6 +409,10 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     {
         return scene_refuse_node( r, node, "'levels' are used by cloth alone, and there is no key 'cloth'" );
     }
+    if ( s->levels == 0 && scene_child( r, node, "finest_level" ) != NULL )
+    {
+        return scene_refuse_node( r, node, "'finest_level' is where levels begin, but 'levels' is 0" );
+    }
     status = s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK;
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
     status = status || !s->has_cloth ? status : check_cloth( r, node, s );
@@ -431,6 +435,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
         .cloth = wisp_default_cloth_def(),
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
+        .finest_level = wisp_default_fabric_def().finest_level,
         .sweep = wisp_default_fabric_def().sweep,
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),

@@ -196,6 +196,13 @@ static void points_that_cannot_be_written_are_refused( void** state )
     assert_usage( "run ball.yaml --boundary a.obj", "'a.obj' does not end in .ply" );
 }
 
+static void a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured( void** state )
+{
+    (void)state;
+    assert_refused( "bench boundary --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
+    assert_refused( "bench contact --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
+}
+
 // ---- pictures ----
 
 typedef struct picture
@@ -290,6 +297,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( several_surfaces_are_a_file_each ),
         cmocka_unit_test( files_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( points_that_cannot_be_written_are_refused ),
+        cmocka_unit_test( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured ),
         cmocka_unit_test( points_are_drawn_unless_nobody_wants_them ),
         cmocka_unit_test( the_start_has_no_points_yet ),
         cmocka_unit_test( points_of_what_has_none_are_refused ),

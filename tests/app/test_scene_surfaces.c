@@ -99,7 +99,8 @@ static const char CLOTH_KEYS[] =
     "    pin_box: { min: [-1, 0, -1], max: [1, 0.5, 1] }\n    pin_nearest: [[0, 1, 0], [0, 2, 0]]\n"
     "    pin_keyframes: [{ time: 0.5, translate: [0, 1, 0] }, { time: 1, rotate: { degrees: [0, 90, 0] } }]\n"
     "    pin_pivot: [9, 8, 7]\n    velocity: [1, 0, 0]\n    angular_velocity: [0, 2, 0]\n    gravity: [0, 0, 0]\n"
-    "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    levels: 4\n    sweep: list\n    tile_size: 128\n"
+    "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    levels: 4\n    finest_level: 2\n    sweep: list\n    "
+    "tile_size: 128\n"
     "    collision: { thickness: 0.01, friction: 2, recovery_speed: 3, layers: [0, 5] }\n"
     "    want: [quality, speed, strain, normals, points, contacts]\n"
     "    cloth: { solver: pbd, warp_compliance: 1e-3, weft_compliance: 2e-3, shear_compliance: 3e-3, "
@@ -155,6 +156,7 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     assert_vector( s->gravity, 0.0f, 0.0f, 0.0f );
     assert_true( s->strain_limit[0] == 0.75f && s->strain_limit[1] == 1.25f );
     assert_int_equal( s->levels, 4 );
+    assert_int_equal( s->finest_level, 2 );
     assert_int_equal( s->sweep, WISP_SWEEP_LIST );
     assert_int_equal( s->tile_size, 128 );
     assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction == 2.0f );

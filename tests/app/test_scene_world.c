@@ -229,6 +229,21 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
     release( &f );
 }
 
+static void levels_begin_where_the_scene_says( void** state )
+{
+    (void)state;
+    fixture f;
+    good( &f,
+          "wisp: 1\nsurfaces:\n"
+          "  - { name: all, make: { shape: plane, columns: 33, rows: 33 }, levels: 3, cloth: { level_passes: 1 } }\n"
+          "  - { name: late, make: { shape: plane, columns: 33, rows: 33 }, levels: 1, finest_level: 2,"
+          " cloth: { level_passes: 1 } }\n" );
+    const wisp_fabric *all = f.world.surfaces[0].fabric, *late = f.world.surfaces[1].fabric;
+    assert_int_equal( late->level_count, 1 );
+    assert_true( late->levels[0].vertex_count < all->levels[0].vertex_count / 2 );
+    release( &f );
+}
+
 static void pins_are_named_by_number_by_place_and_by_box( void** state )
 {
     (void)state;
@@ -548,6 +563,7 @@ int main( void )
         cmocka_unit_test( a_plane_is_shown_as_a_square_that_looks_up ),
         cmocka_unit_test( a_surface_starts_scaled_then_turned_then_moved ),
         cmocka_unit_test( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else ),
+        cmocka_unit_test( levels_begin_where_the_scene_says ),
         cmocka_unit_test( pins_are_named_by_number_by_place_and_by_box ),
         cmocka_unit_test( numbers_of_vertices_are_those_of_the_file_also_after_a_repair ),
         cmocka_unit_test( an_outlet_near_a_point_has_the_vertices_within_its_radius ),
