@@ -69,6 +69,7 @@ static wisp_status enter( const triangle_plan* plan, const triangle_drop* drop, 
     wisp_status status = triangle_scene_make( drop->vertices, &run->scene, error );
     triangle_setting setting = triangle_default_setting();
     setting.cloth.stretch_stiffness = drop->stretch_stiffness;
+    setting.cloth.stiff_repeats = 1; // the source solves once a step, however fine the mesh
     for ( int e = 0; e <= run->timed_count && status == WISP_OK; ++e )
     {
         setting.wants_figures = e == run->timed_count;

@@ -76,6 +76,7 @@ static wisp_status enter( int vertices, int steps, hang_race* race, wisp_error* 
     find_corners( &race->scene.mesh, race->pins );
     triangle_setting setting = triangle_default_setting();
     setting.has_ball = false;
+    setting.cloth.stiff_repeats = 1; // plain C solves once a step
     setting.pins = race->pins;
     setting.pin_count = 2;
     status = triangle_enter( &race->scene, &setting, &race->ours, error );

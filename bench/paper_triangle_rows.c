@@ -51,9 +51,10 @@ static int begin_table( const triangle_plan* plan, results* out )
     cells_put( &row, "contacts at the end" );
     cells_put( &row, "unsolved / indefinite" );
     cells_put( &row, "hash" );
-    return cells_begin_table(
-        &row, "Triangle cloth, Table 1: cloth of 1 m x 1 m falls onto a ball, whole step with collision, dt 0.01 s",
-        out );
+    return cells_begin_table( &row,
+                              "Triangle cloth, Table 1: cloth of 1 m x 1 m falls onto a ball, whole step with "
+                              "collision, dt 0.01 s, one solve",
+                              out );
 }
 
 static void add_line( const triangle_plan* plan, const triangle_line* line, int table, results* out )

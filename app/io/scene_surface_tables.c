@@ -113,6 +113,7 @@ static const scene_field IMPLICIT_FIELDS[] = {
     { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS },
     { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS },
     { "newton_repeats", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ) },
+    { "stiff_repeats", SCENE_WHOLE, .at = IMPLICIT( stiff_repeats ), .range = RANGE( 1, 64 ) },
     { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ) },
     { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ) },
     { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ) },

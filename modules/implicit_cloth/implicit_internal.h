@@ -12,7 +12,7 @@
 typedef struct implicit_material
 {
     int32_t axial_damping, full_jacobian, bdf2;
-    int32_t newton_repeats, max_iterations, warm_start, look_ahead, wants_figures;
+    int32_t newton_repeats, stiff_repeats, max_iterations, warm_start, look_ahead, wants_figures;
     float tolerance;
     float before; ///< s, length of the substep before; 0: there was none
 } implicit_material;

@@ -56,6 +56,7 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
     assert_true( d->stiffness == def.stiffness && d->weights == def.weights && d->damping_form == def.damping_form );
     assert_true( d->jacobian == def.jacobian && d->integrator == def.integrator );
     assert_int_equal( d->newton_repeats, def.newton_repeats );
+    assert_int_equal( d->stiff_repeats, def.stiff_repeats );
     assert_int_equal( d->max_iterations, def.max_iterations );
     assert_true( d->warm_start == def.warm_start && d->look_ahead == def.look_ahead );
     assert_int_equal( d->made_by_default, def.made_by_default );
@@ -79,6 +80,7 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
         "{ stiffness: sheet, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
         "compression_stiffness: "
         "150, damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, newton_repeats: 3, "
+        "stiff_repeats: 5, "
         "tolerance: 1e-6, max_iterations: 77, warm_start: false, look_ahead: false, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
@@ -90,6 +92,7 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
     assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
     assert_int_equal( d->integrator, WISP_IMPLICIT_BDF2 );
     assert_int_equal( d->newton_repeats, 3 );
+    assert_int_equal( d->stiff_repeats, 5 );
     assert_int_equal( d->max_iterations, 77 );
     assert_true( d->tolerance == 1e-6f && !d->warm_start && !d->look_ahead && !s->has_quad_links );
     wisp_scene_release( &scene );

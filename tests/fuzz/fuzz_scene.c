@@ -160,7 +160,7 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
     demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
     demand( d->integrator >= 0 && d->integrator < WISP_IMPLICIT_INTEGRATOR_COUNT );
-    demand( d->newton_repeats >= 1 && d->newton_repeats <= 64 );
+    demand( d->newton_repeats >= 1 && d->newton_repeats <= 64 && d->stiff_repeats >= 1 && d->stiff_repeats <= 64 );
     demand( d->tolerance >= 1e-7f && d->tolerance <= 0.1f );
     demand( d->max_iterations >= 0 && d->max_iterations <= 1000000 );
     demand( !d->stretch_pairs && !d->bend_pairs && d->stretch_pair_count == 0 && d->bend_pair_count == 0 );

@@ -366,6 +366,33 @@ static void repeats_come_to_the_nonlinear_step( void** state )
     assert_true( left[1] < 0.016 );
 }
 
+// At 2e4 N/m in steps of 1/64 s k h^2 / m is far beyond 1024.
+static void stiff_substeps_are_solved_for_as_often_as_they_may_be( void** state )
+{
+    (void)state;
+    int most[3] = { 0 };
+    for ( int n = 0; n < 3; ++n )
+    {
+        const int repeats[3] = { 1, 3, 16 };
+        hosted h;
+        open_implicit( &h, 1 );
+        wisp_implicit_cloth_def def = exact_def();
+        def.stretch_stiffness = 2e4f;
+        def.stiff_repeats = repeats[n];
+        wisp_entity e = add_sheet( h.world, &def, 6, true );
+        for ( int step = 0; step < 10; ++step )
+        {
+            run_steps( h.world, 1, DT );
+            const int now = figures_of( h.world, e ).repeats;
+            most[n] = now > most[n] ? now : most[n];
+        }
+        close_world( &h );
+    }
+    assert_int_equal( most[0], 1 );
+    assert_int_equal( most[1], 3 );
+    assert_in_range( most[2], 4, 16 );
+}
+
 // ---- what is counted ----
 
 static void a_solve_that_ends_at_its_limit_is_counted( void** state )
@@ -517,6 +544,7 @@ int main( void )
         IMPLICIT_TEST( a_pin_pulls_with_the_velocity_it_is_moved_with ),
         IMPLICIT_TEST( figures_hold_the_energy_of_bending ),
         cmocka_unit_test( repeats_come_to_the_nonlinear_step ),
+        cmocka_unit_test( stiff_substeps_are_solved_for_as_often_as_they_may_be ),
         IMPLICIT_TEST( a_solve_that_ends_at_its_limit_is_counted ),
         cmocka_unit_test( negative_curvature_is_counted_and_only_with_the_whole_derivative ),
         IMPLICIT_TEST( links_between_coincident_vertices_are_counted ),

@@ -98,6 +98,7 @@ static void every_count_and_choice_has_its_range( void** state )
         int bad[3];
     } fields[] = {
         FIELD( newton_repeats, 0, 65, INT32_MIN ),
+        FIELD( stiff_repeats, 0, 65, INT32_MIN ),
         FIELD( max_iterations, -1, 1000001, INT32_MAX ),
         FIELD( stiffness, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
         FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
