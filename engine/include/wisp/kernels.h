@@ -551,7 +551,7 @@ typedef struct wisp_kernels
     void ( *range_search )( const wisp_range_search_job* job, int slice, int count,
                             wisp_range_search_result* result );
     /// Lay eight lists side by side, a query's own number behind the shorter ones.
-    /// @param lists [8][stride] as range_search wrote them; renamed and padded in place
+    /// @param lists [8][stride] as range_search wrote them; renamed in place
     /// @param rename [slot] what to report for a slot, null for the slot itself
     /// @param packed [longest][8], longest that of counts
     void ( *interleave )( int32_t* lists, int stride, const int* counts, int slice, const int32_t* rename,
