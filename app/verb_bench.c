@@ -8,12 +8,8 @@
 #include "report/report.h"
 #include "wisp/wisp.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #define CASES_MAX 64
 #define SCENES_MAX 64 // a bit each in the options
@@ -250,35 +246,6 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
 
 // ---- what is written ----
 
-// Learning that a file cannot be written is cheap before an hour of measuring. Leaves everything as it was.
-static wisp_status check_writable( const char* path, wisp_error* error )
-{
-    struct stat facts;
-    int number = 0;
-    if ( path == NULL )
-    {
-        return WISP_OK;
-    }
-    if ( stat( path, &facts ) == 0 )
-    {
-        number = S_ISDIR( facts.st_mode ) ? EISDIR : access( path, W_OK ) == 0 ? 0 : errno;
-    }
-    else
-    {
-        int file = open( path, O_CREAT | O_EXCL | O_WRONLY, 0600 );
-        // A link to a file that is not there yet can be written through.
-        number = file >= 0 || errno == EEXIST ? 0 : errno;
-        if ( file >= 0 )
-        {
-            close( file );
-            unlink( path );
-        }
-    }
-    return number == 0
-               ? WISP_OK
-               : wisp_fail( error, WISP_IO_ERROR, "%s: nothing can be written there: %s", path, strerror( number ) );
-}
-
 // The names of the cases, for people.
 static void name_cases( const bench_arguments* arguments, char* out, size_t size )
 {
@@ -329,8 +296,8 @@ int verb_bench( int argc, char** argv )
     results out = { 0 };
     wisp_error error = { 0 };
     wisp_status status = describe( &out.machine, &error );
-    status = status == WISP_OK ? check_writable( arguments.output, &error ) : status;
-    status = status == WISP_OK ? check_writable( arguments.report, &error ) : status;
+    status = status == WISP_OK ? verb_check_writable( arguments.output, &error ) : status;
+    status = status == WISP_OK ? verb_check_writable( arguments.report, &error ) : status;
     if ( status == WISP_OK && arguments.options.pictures != NULL )
     {
         status = io_folder_make( arguments.options.pictures, &error );

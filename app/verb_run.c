@@ -439,6 +439,23 @@ static wisp_status simulate_and_record( const run_options* options, scene_world*
     return status;
 }
 
+// What is written after the last step only.
+static wisp_status check_files( const run_options* options, const wisp_scene* scene, wisp_error* error )
+{
+    for ( int i = 0; i < scene->output_count; ++i )
+    {
+        const wisp_scene_output* output = &scene->outputs[i];
+        wisp_error cause = { 0 };
+        wisp_status status = verb_check_writable( output->file, &cause );
+        if ( status != WISP_OK )
+        {
+            return wisp_fail( error, status, "%s:%d:%d: %s", scene->name, output->line, output->column,
+                              cause.sentence );
+        }
+    }
+    return verb_check_writable( options->output, error );
+}
+
 static wisp_status run_scene( const run_options* options, const wisp_scene* scene, results* out, wisp_error* error )
 {
     scene_world world;
@@ -469,7 +486,8 @@ int verb_run( int argc, char** argv )
         return verb_fail( &error );
     }
     results out = { 0 };
-    wisp_status status = run_scene( &options, &scene, &out, &error );
+    wisp_status status = check_files( &options, &scene, &error );
+    status = status == WISP_OK ? run_scene( &options, &scene, &out, &error ) : status;
     if ( status == WISP_OK )
     {
         status = results_write_file( &out, options.format, options.output, &error );

@@ -197,6 +197,7 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     tune_scene_facts facts;
     options->search.knobs = knobs;
     wisp_status status = options->output ? check_output( options, knobs, scene, error ) : WISP_OK;
+    status = status == WISP_OK ? verb_check_writable( options->output, error ) : status;
     if ( status != WISP_OK )
     {
         return status;

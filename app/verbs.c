@@ -3,8 +3,11 @@
 #include "nearest.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 const char* const option_isa_words[3] = { "baseline", "avx2", "avx512" };
 
@@ -13,6 +16,34 @@ int verb_fail( const wisp_error* error )
     const char* sentence = error->sentence[0] ? error->sentence : wisp_status_name( error->status );
     fprintf( stderr, "wisp: %s\n", sentence );
     return STATUS_FAILED;
+}
+
+wisp_status verb_check_writable( const char* path, wisp_error* error )
+{
+    struct stat facts;
+    int number = 0;
+    if ( path == NULL )
+    {
+        return WISP_OK;
+    }
+    if ( stat( path, &facts ) == 0 )
+    {
+        number = S_ISDIR( facts.st_mode ) ? EISDIR : access( path, W_OK ) == 0 ? 0 : errno;
+    }
+    else
+    {
+        int file = open( path, O_CREAT | O_EXCL | O_WRONLY, 0600 );
+        // A link to a file that is not there yet can be written through.
+        number = file >= 0 || errno == EEXIST ? 0 : errno;
+        if ( file >= 0 )
+        {
+            close( file );
+            unlink( path );
+        }
+    }
+    return number == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_IO_ERROR, "%s: nothing can be written there: %s", path, strerror( number ) );
 }
 
 int option_whole( struct argp_state* state, const char* option, const char* text, int low, int high )

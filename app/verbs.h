@@ -32,6 +32,10 @@ verb_fn verb_tune;
 /// Print the one sentence of a failure to stderr. @return STATUS_FAILED
 int verb_fail( const wisp_error* error );
 
+/// Learning that a file cannot be written is cheap before an hour of work. Leaves everything as it was.
+/// @param path may be null, for no file @return WISP_IO_ERROR the operating system would refuse
+wisp_status verb_check_writable( const char* path, wisp_error* error );
+
 /// A whole number of an option, or argp_error(), which ends the program with STATUS_USAGE.
 int option_whole( struct argp_state* state, const char* option, const char* text, int low, int high );
 /// A number of an option, in (0, high].

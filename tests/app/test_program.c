@@ -210,6 +210,23 @@ static void results_that_cannot_be_written_fail_the_run( void** state )
     }
 }
 
+static void what_cannot_be_written_is_told_before_the_first_step( void** state )
+{
+    (void)state;
+    write_file( "lost.yaml", "wisp: 1\n"
+                             "strands:\n"
+                             "  - name: hair\n"
+                             "    make: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
+                             "    want: [points]\n"
+                             "output:\n"
+                             "  - { strands: hair, file: absent/hair.obj }\n" );
+    assert_refused( "run lost.yaml --record early.wisp", "lost.yaml:7:5: absent/hair.obj: nothing can be written" );
+    assert_refused( "run good.yaml --record early.wisp --output absent/summary.csv",
+                    "absent/summary.csv: nothing can be written" );
+    // a recording begins with the start of the scene
+    assert_int_not_equal( access( "early.wisp", F_OK ), 0 );
+}
+
 // ---- what it does ----
 
 static json_t* run_for_json( const char* command )
@@ -420,6 +437,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene ),
         cmocka_unit_test( a_list_of_numbers_must_have_one_for_each_strand_of_the_file ),
         cmocka_unit_test( results_that_cannot_be_written_fail_the_run ),
+        cmocka_unit_test( what_cannot_be_written_is_told_before_the_first_step ),
         cmocka_unit_test( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set ),
         cmocka_unit_test( a_run_prints_passes_counters_and_hash ),
         cmocka_unit_test( every_format_can_be_asked_for ),
