@@ -70,6 +70,9 @@ static int unknown_verb( const char* word )
 int main( int argc, char** argv )
 {
     int place = 0;
+    // argp calls the program by argv[0] in its messages, and a message begins alike wherever the program lies.
+    char program[] = "wisp";
+    argv[0] = program;
     const struct argp parser = { .parser = parse_program, .args_doc = "VERB [ARGUMENT...]", .doc = program_doc };
     argp_parse( &parser, argc, argv, ARGP_IN_ORDER, NULL, &place );
 
@@ -77,7 +80,6 @@ int main( int argc, char** argv )
     {
         if ( strcmp( argv[place], verbs[i].name ) == 0 )
         {
-            // argp calls the program by argv[0] in its messages.
             char name[40];
             snprintf( name, sizeof( name ), "wisp %s", verbs[i].name );
             argv[place] = name;

@@ -108,6 +108,7 @@ static void an_unknown_option_is_wrong_usage( void** state )
 {
     (void)state;
     assert_usage( "--colour", "--colour" );
+    assert_memory_equal( result.err, "wisp: ", 6 );
     assert_usage( "run good.yaml --fast", "--fast" );
     assert_usage( "plan good.yaml -x", "x" );
     assert_usage( "bench --stpes", "--stpes" );
