@@ -107,8 +107,8 @@ static inline char* fixture_info( const wisp_groom* groom, wisp_status expected 
 
 static inline void assert_contains( const char* text, const char* words )
 {
-    if ( strstr( text, words ) == NULL )
+    if ( text == NULL || strstr( text, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in:\n%s", words, text );
+        fail_msg( "expected \"%s\" in:\n%s", words, text == NULL ? "nothing at all" : text );
     }
 }

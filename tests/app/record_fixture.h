@@ -107,9 +107,9 @@ static inline void fixture_record( const char* path, const wisp_recorder_def* de
 
 static inline void assert_contains( const char* text, const char* words )
 {
-    if ( strstr( text, words ) == NULL )
+    if ( text == NULL || strstr( text, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in:\n%s", words, text );
+        fail_msg( "expected \"%s\" in:\n%s", words, text == NULL ? "nothing at all" : text );
     }
 }
 
