@@ -6,9 +6,10 @@
 
 enum
 {
-    GRID_GRAIN = 1024,       // items a block
-    GRID_CELLS_PER_ITEM = 4, // more cells than this are empty and cost more to clear than they save
-    GRID_PADDING = 16,       // slots behind the last one that a wide load may touch
+    GRID_GRAIN = 1024,          // items a block
+    GRID_CELLS_PER_ITEM = 4,    // more cells than this are empty and cost more to clear than they save
+    GRID_CELLS_ALONG = 1 << 24, // cells along an axis at most: so far floats count them
+    GRID_PADDING = 16,          // slots behind the last one that a wide load may touch
 };
 
 bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes )
@@ -123,7 +124,7 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
     for ( ;; --fine )
     {
         dims = 1.0 + (double)(int64_t)( extent * (double)fine / (double)grid->cell );
-        if ( fine == 1 || rows * dims <= most )
+        if ( fine == 1 || ( rows * dims <= most && dims <= GRID_CELLS_ALONG ) )
         {
             break;
         }
@@ -137,7 +138,7 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
     grid->inverse_cell[fastest] = (float)fine / grid->cell;
 }
 
-// Widen cells by steps of a quarter until there are no more than the items can use.
+// Widen cells by steps of a quarter until there are no more than the items can use, and floats can count.
 static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int fine )
 {
     // Subtracting the origin and dividing round: together by less than 3 units in the last place of the extent.
@@ -155,14 +156,15 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
     double dims[3];
     for ( ;; cell *= 1.25f )
     {
-        double cells = 1.0;
+        double cells = 1.0, along = 0.0;
         for ( int axis = 0; axis < 3; ++axis )
         {
             double extent = (double)bounds.high[axis] - (double)bounds.low[axis];
             dims[axis] = 1.0 + (double)(int64_t)( extent / (double)cell );
             cells *= dims[axis];
+            along = dims[axis] > along ? dims[axis] : along;
         }
-        if ( cells <= most )
+        if ( cells <= most && along <= GRID_CELLS_ALONG )
         {
             break;
         }

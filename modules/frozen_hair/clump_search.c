@@ -10,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The skin in steps of sigma and iterations that need the lists, at most this share of h. A wider one costs every
-// iteration, a narrower one has more strays (bench case "paper").
+// The skin: so many steps of sigma for each iteration that needs the lists, at most this share of h. A wider one costs
+// every iteration, a narrower one has more strays (bench case "paper").
 static const float CLUMP_SKIN_STEPS = 1.1f;
 static const float CLUMP_SKIN_MOST = 0.6f;
 
@@ -72,7 +72,6 @@ static void use( clump_run* run, const wisp_neighbours* lists, const float* sear
     run->lists = lists;
     run->searched = searched;
     run->moved = 0.0f;
-    run->late = ( wisp_neighbour_list ){ NULL, NULL, NULL };
     run->report->searches += 1;
     run->report->capped += lists->capped;
 }
@@ -106,15 +105,20 @@ wisp_status clump_search( clump_run* run )
 
 // ---- all again ----
 
+// A vertex where it is now, as grids and searches have it.
+static void copy_vertex( const clump_run* run, int slot, float* quad )
+{
+    memcpy( quad, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
+    memcpy( quad + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
+}
+
 static void copy_moved( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const clump_run* run = context;
     for ( int slot = begin; slot < end; ++slot )
     {
-        float* q = run->item_quads + 4 * (size_t)slot;
-        memcpy( q, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
-        memcpy( q + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
+        copy_vertex( run, slot, run->item_quads + 4 * (size_t)slot );
     }
 }
 
@@ -175,9 +179,7 @@ static bool collect_strays( clump_run* run, int count, stray_queries* out )
         for ( unsigned bits = run->strayed[slice]; bits != 0; bits &= bits - 1 )
         {
             int slot = slice * WISP_SLICE + __builtin_ctz( bits );
-            float* q = out->quads + 4 * (size_t)at;
-            memcpy( q, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
-            memcpy( q + 3, run->w->grid.owner + slot, sizeof( int32_t ) );
+            copy_vertex( run, slot, out->quads + 4 * (size_t)at );
             out->slot[at++] = slot;
         }
     }

@@ -67,8 +67,8 @@ typedef struct wisp_implicit_cloth_def
     wisp_implicit_integrator integrator; ///< default Euler
 
     int newton_repeats; ///< linear solves a substep, 1 .. 64, default 1: as the source; more approach Euler's nonlinear step.
-    int stiff_repeats; ///< where k h^2 / m is beyond 1024: as many as it takes, up to this, 1 .. 64, default 16. No more than
-                       ///< newton_repeats: those alone, as in other substeps, which may gain energy
+    int stiff_repeats; ///< where k h^2 / m is beyond 1024: as many as it takes, up to this, 1 .. 64, default 16. 1: newton_repeats
+                       ///< and nothing else, as in other substeps, which may gain energy
     float tolerance;    ///< of a solve: its residual over that of standing still, in [1e-7, 0.1], default 1e-4
     int max_iterations; ///< of a solve, 0 .. 1000000; default 0: three a vertex
     bool warm_start;    ///< start a solve from the last one's answer, default true

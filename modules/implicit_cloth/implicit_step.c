@@ -318,7 +318,7 @@ static implicit_tally solve( wisp_frame* frame, step* s )
     implicit_tally total = { 0 };
     int undirected = 0;
     const int asked = s->system.material->newton_repeats;
-    const int most = s->stiff ? s->system.material->stiff_repeats : asked;
+    const int stiff = s->system.material->stiff_repeats, most = s->stiff && asked < stiff ? stiff : asked;
     const int least = s->stiff && asked < 2 ? 2 : asked; // the first one also takes pins where they go, up or down
     double slope = 0.0;
     for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
@@ -460,7 +460,7 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
     const float h = wisp_frame_seconds( frame );
     const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
-    s->stiff = ratio > RATIO_STIFF && m->stiff_repeats > m->newton_repeats;
+    s->stiff = ratio > RATIO_STIFF && m->stiff_repeats > 1;
     const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
     if ( m->bdf2 != 0 && ratio > RATIO_BDF2 )
     {
