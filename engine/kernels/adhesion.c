@@ -36,12 +36,11 @@ static void store_slice( float* quads, int slice, lane8v p )
     lane8_store_xyzw_contiguous( quads + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
 }
 
-// g(r) of eq. 14 where 0 < r < h, else 0.
-static lane8 kernel_weight( lane8 r, lane8 h, lane8 inverse_h )
+// g(r) of eq. 14: 0 from h on.
+LANE_INLINE lane8 kernel_weight( lane8 r, lane8 inverse_h )
 {
-    lane8 u = lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) );
-    lane8m inside = lane8m_and( lane8_lt( r, h ), lane8_gt( r, lane8_zero() ) );
-    return lane8_select( inside, lane8_mul( u, u ), lane8_zero() );
+    lane8 u = lane8_max( lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) ), lane8_zero() );
+    return lane8_mul( u, u );
 }
 
 static float largest( lane8 squared )
@@ -90,21 +89,20 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
                                        lane8v p, attract_law law, attract_sums sums )
 {
     const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
-    const lane8 epsilon = lane8_set1( job->epsilon ), one = lane8_set1( 1.0f ), zero = lane8_zero();
-    const lane8 nowhere = lane8_set1( NOWHERE );
+    const lane8 epsilon = lane8_set1( job->epsilon ), zero = lane8_zero(), nowhere = lane8_set1( NOWHERE );
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
+    const int length = list->length[slice];
     const int32_t* entries = list->entries + first;
     const float* current = job->current;
-    for ( int k = 0; k < list->length[slice]; ++k )
+    float* distances = law.measuring ? job->measured->distance + first : NULL;
+    float* weights = law.measuring ? job->measured->weight + first : NULL;
+    for ( int k = 0; k < length; ++k )
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
         lane8 r = lane8_sqrt( squared_length( d, law.planar ) );
         r = lane8_select( lane8_eq( r, zero ), nowhere, r );
-        lane8 u = lane8_sub( one, lane8_mul( r, inverse_h ) );
-        lane8m inside = lane8_lt( r, h );
-        lane8 weight = lane8_mul( u, u );
+        lane8 weight = kernel_weight( r, inverse_h );
         lane8 pull = lane8_div( weight, law.printed ? lane8_add( r, epsilon ) : r );
-        pull = lane8_select( inside, pull, zero );
         sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
         sums.force.y = lane8_mul_add( d.y, pull, sums.force.y );
         sums.force.z = law.planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
@@ -112,12 +110,10 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
         sums.nearest = lane8_min( sums.nearest, r );
         if ( law.measuring )
         {
-            size_t at = first + (size_t)k * WISP_SLICE;
-            weight = lane8_select( inside, weight, zero );
-            lane8_store( job->measured->distance + at, r );
-            lane8_store( job->measured->weight + at, weight );
+            lane8_store( distances + k * WISP_SLICE, r );
+            lane8_store( weights + k * WISP_SLICE, weight );
             sums.weights = lane8_add( sums.weights, weight );
-            sums.near += __builtin_popcount( lane8m_bits( inside ) );
+            sums.near += __builtin_popcount( lane8m_bits( lane8_lt( r, h ) ) );
         }
     }
     return sums;
@@ -188,17 +184,18 @@ typedef struct brake_sums
     lane8 weights, changes;
 } brake_sums;
 
-// A brake's law. All three are constants where this is inlined.
+// A brake's law. The first three are constants where this is inlined.
 typedef struct brake_law
 {
     int gap;
     bool by_iteration, planar;
+    float inverse_h; // 1/m
 } brake_law;
 
 LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
                                    brake_law law, brake_sums sums )
 {
-    const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
+    const lane8 inverse_h = lane8_set1( law.inverse_h );
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
     lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
     moved.z = law.planar ? zero : moved.z;
@@ -217,9 +214,16 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
         change = lane8_mul( change, inverse_h );
         change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : lane8_max( change, zero );
         change = lane8_min( change, one );
-        lane8 weight =
-            law.by_iteration ? kernel_weight( r0, h, inverse_h ) : lane8_load( job->measured->weight + at );
-        sums.weights = law.by_iteration ? lane8_add( sums.weights, weight ) : sums.weights;
+        lane8 weight;
+        if ( law.by_iteration )
+        {
+            weight = lane8_select( lane8_gt( r0, zero ), kernel_weight( r0, inverse_h ), zero );
+            sums.weights = lane8_add( sums.weights, weight );
+        }
+        else
+        {
+            weight = lane8_load( job->measured->weight + at );
+        }
         sums.changes = lane8_mul_add( weight, change, sums.changes );
     }
     return sums;
@@ -262,17 +266,18 @@ LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, i
 LANE_INLINE float brake_by_gap( const wisp_adhesion_job* job, int slice_first, int slice_last, bool by_iteration,
                                 bool planar )
 {
+    const float inverse_h = 1.0f / job->radius;
     switch ( job->gap )
     {
         case WISP_GAP_PRINTED:
             return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_PRINTED, by_iteration, planar } );
+                                 ( brake_law ){ WISP_GAP_PRINTED, by_iteration, planar, inverse_h } );
         case WISP_GAP_CLOSING:
             return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_CLOSING, by_iteration, planar } );
+                                 ( brake_law ){ WISP_GAP_CLOSING, by_iteration, planar, inverse_h } );
         default:
             return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_PROSE, by_iteration, planar } );
+                                 ( brake_law ){ WISP_GAP_PROSE, by_iteration, planar, inverse_h } );
     }
 }
 

@@ -36,7 +36,7 @@ LANE_INLINE int32_t* pack( const int32_t* item, const int32_t* eights, int count
 {
     for ( int k = 0; k < count; ++k )
     {
-        found += lane8i_compress_store( found, lane8i_loadu( item + eights[k] ), hits[k] );
+        found += lane8i_compress_store( found, lane8i_loadu( item + eights[k] ), lane8m_bits( hits[k] ) );
     }
     return found;
 }

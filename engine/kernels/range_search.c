@@ -20,7 +20,8 @@ typedef struct search_slice
     int32_t cell[3][WISP_SLICE]; // along axis[0], axis[1], axis[2]
     int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
     int32_t *near_most[WISP_SLICE], *shell_most[WISP_SLICE];
-    bool planar; // all in the items' own plane
+    float within; // m, the wider of the radii
+    bool planar;  // all in the items' own plane
 } search_slice;
 
 // The same rounding as the grid's when it was built, so that an item is found in the cell it was put into. Clamped before
@@ -53,6 +54,7 @@ static void load_queries( const wisp_range_search_job* job, int slice, int count
         lane8i_storeu( s->cell[rank], cell_along( job, place, job->axis[rank] ) );
     }
     s->planar = job->planar && lane8m_all( lane8_eq( place[2], lane8_set1( job->origin[2] ) ) );
+    s->within = job->shell_radius > job->near_radius ? job->shell_radius : job->near_radius;
 }
 
 // How a run of slots is searched. Constants where this is inlined.
@@ -62,41 +64,87 @@ typedef struct search_law
     bool bounded; // a list may run into the limit
 } search_law;
 
-// Slots [begin, end) against queries [first, last). Every vector is packed, hit or not: the branch would be a coin toss.
-LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
-                             int end, search_law law )
+enum
+{
+    RUN_EIGHTS = 4, // vectors of slots that are searched together at most
+};
+
+// Some vectors of slots from `begin` against queries [first, last); the last vector counts where `inside` says. Their
+// number is a constant where this is inlined: runs are short, and the end of a loop over one would be hard to foresee.
+// Every vector is packed, hit or not: that branch would be a coin toss.
+LANE_INLINE void search_eights( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
+                                int eights, lane8m inside, search_law law )
 {
     const lane8 near2 = lane8_set1( job->near_radius * job->near_radius );
-    const lane8 shell2 = lane8_set1( job->shell_radius * job->shell_radius );
-    for ( int j = begin; j < end; j += WISP_SLICE )
+    const lane8 within2 = lane8_set1( s->within * s->within );
+    const float *x = job->x + begin, *y = job->y + begin, *z = job->z + begin;
+    const int32_t* owner = job->owner + begin;
+    const lane8i slot4 = lane8i_shift_left( lane8i_add( lane8i_set1( begin ), lane8i_iota() ), 2 );
+    for ( int l = first; l < last; ++l )
     {
-        lane8 x = lane8_loadu( job->x + j ), y = lane8_loadu( job->y + j ), z = lane8_loadu( job->z + j );
-        lane8i owner = lane8i_loadu( job->owner + j );
-        lane8i slot4 = lane8i_shift_left( lane8i_add( lane8i_set1( j ), lane8i_iota() ), 2 );
-        lane8m inside = lane8m_first( end - j );
-        for ( int l = first; l < last; ++l )
+        const lane8 px = lane8_set1( s->x[l] ), py = lane8_set1( s->y[l] ), pz = lane8_set1( s->z[l] );
+        const lane8i own = lane8i_set1( s->owner[l] );
+        int32_t *near_end = s->near[l], *shell_end = s->shell[l];
+        for ( int e = 0; e < eights; ++e )
         {
-            lane8 dx = lane8_sub( x, lane8_set1( s->x[l] ) ), dy = lane8_sub( y, lane8_set1( s->y[l] ) );
+            const int j = e * WISP_SLICE;
+            lane8 dx = lane8_sub( lane8_loadu( x + j ), px ), dy = lane8_sub( lane8_loadu( y + j ), py );
             lane8 d2 = lane8_mul_add( dy, dy, lane8_mul( dx, dx ) );
             if ( law.planar == false )
             {
-                lane8 dz = lane8_sub( z, lane8_set1( s->z[l] ) );
+                lane8 dz = lane8_sub( lane8_loadu( z + j ), pz );
                 d2 = lane8_mul_add( dz, dz, d2 );
             }
-            lane8m others = lane8m_and_not( inside, lane8i_eq( owner, lane8i_set1( s->owner[l] ) ) );
-            lane8m near = lane8m_and( lane8_lt( d2, near2 ), others );
-            lane8m shell = lane8m_and_not( lane8m_and( lane8_lt( d2, shell2 ), others ), near );
-            int32_t *near_end = s->near[l], *shell_end = s->shell[l];
-            near_end += lane8i_compress_store( near_end, slot4, near );
-            shell_end += lane8i_compress_store( shell_end, slot4, shell );
+            lane8m same = lane8i_eq( lane8i_loadu( owner + j ), own );
+            lane8m within = lane8m_and_not( lane8_lt( d2, within2 ), same );
+            lane8m near = lane8m_and_not( lane8_lt( d2, near2 ), same );
+            if ( e == eights - 1 )
+            {
+                within = lane8m_and( within, inside );
+                near = lane8m_and( near, inside );
+            }
+            uint32_t near_bits = lane8m_bits( near ), shell_bits = lane8m_bits( within ) ^ near_bits;
+            lane8i here = lane8i_add( slot4, lane8i_set1( 4 * j ) );
+            near_end += lane8i_compress_store( near_end, here, near_bits );
+            shell_end += lane8i_compress_store( shell_end, here, shell_bits );
             if ( law.bounded )
             {
                 near_end = near_end < s->near_most[l] ? near_end : s->near_most[l];
                 shell_end = shell_end < s->shell_most[l] ? shell_end : s->shell_most[l];
             }
-            s->near[l] = near_end;
-            s->shell[l] = shell_end;
         }
+        s->near[l] = near_end;
+        s->shell[l] = shell_end;
+    }
+}
+
+// Slots [begin, end) against queries [first, last).
+LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
+                             int end, search_law law )
+{
+    const lane8m all = lane8m_first( WISP_SLICE );
+    for ( ; end - begin > RUN_EIGHTS * WISP_SLICE; begin += RUN_EIGHTS * WISP_SLICE )
+    {
+        search_eights( job, s, first, last, begin, RUN_EIGHTS, all, law );
+    }
+    const int eights = ( end - begin + WISP_SLICE - 1 ) / WISP_SLICE;
+    const lane8m inside = lane8m_first( end - begin - ( eights - 1 ) * WISP_SLICE );
+    switch ( eights )
+    {
+        case 1:
+            search_eights( job, s, first, last, begin, 1, inside, law );
+            break;
+        case 2:
+            search_eights( job, s, first, last, begin, 2, inside, law );
+            break;
+        case 3:
+            search_eights( job, s, first, last, begin, 3, inside, law );
+            break;
+        case RUN_EIGHTS:
+            search_eights( job, s, first, last, begin, RUN_EIGHTS, inside, law );
+            break;
+        default: // nobody is there
+            break;
     }
 }
 
@@ -168,18 +216,56 @@ static void search_rows( const wisp_range_search_job* job, search_slice* s, sear
     }
 }
 
+// How long a slice's lists are, and how long the longest.
+static void count_found( const search_slice* s, int limit, wisp_range_search_result* result )
+{
+    const int stride = 2 * limit + WISP_SEARCH_SLACK, shell_stride = limit + WISP_SEARCH_SLACK;
+    int capped = 0, near_length = 0, length = 0;
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        int near = (int)( s->near[l] - result->lists ) - l * stride;
+        int shell = (int)( s->shell[l] - result->shell ) - l * shell_stride;
+        capped += near > limit || shell > limit ? 1 : 0;
+        near = at_most( near, limit );
+        result->near_count[l] = near;
+        result->count[l] = near + at_most( shell, limit );
+        near_length = at_least( near_length, near );
+        length = at_least( length, result->count[l] );
+    }
+    result->capped += capped;
+    result->near_length = near_length;
+    result->length = length;
+}
+
+// The shell's lists behind the near ones, in eights.
+static void append_shell( int limit, wisp_range_search_result* result )
+{
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        int32_t* out = result->lists + l * ( 2 * limit + WISP_SEARCH_SLACK ) + result->near_count[l];
+        const int32_t* shell = result->shell + l * ( limit + WISP_SEARCH_SLACK );
+        const int count = result->count[l] - result->near_count[l];
+        int k = 0;
+        do
+        {
+            lane8i_storeu( out + k, lane8i_loadu( shell + k ) );
+            k += WISP_SLICE;
+        } while ( k < count );
+    }
+}
+
 void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
                              wisp_range_search_result* result )
 {
-    const int stride = job->limit + WISP_SEARCH_SLACK;
+    const int limit = job->limit, stride = 2 * limit + WISP_SEARCH_SLACK, shell_stride = limit + WISP_SEARCH_SLACK;
     search_slice s;
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
-        s.near[l] = result->near + l * stride;
-        s.shell[l] = result->shell + l * stride;
+        s.near[l] = result->lists + l * stride;
+        s.shell[l] = result->shell + l * shell_stride;
         // one beyond the limit says that there were more
-        s.near_most[l] = s.near[l] + job->limit + 1;
-        s.shell_most[l] = s.shell[l] + job->limit + 1;
+        s.near_most[l] = s.near[l] + limit + 1;
+        s.shell_most[l] = s.shell[l] + limit + 1;
     }
     load_queries( job, slice, count, &s );
     for ( search_group g = { 0, 0, 0, 0 }; g.last < count; )
@@ -187,17 +273,8 @@ void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int co
         g = find_group( job, &s, g.last, count );
         search_rows( job, &s, g );
     }
-    result->near_length = result->shell_length = 0;
-    for ( int l = 0; l < WISP_SLICE; ++l )
-    {
-        int near_count = (int)( s.near[l] - result->near ) - l * stride;
-        int shell_count = (int)( s.shell[l] - result->shell ) - l * stride;
-        result->capped += near_count > job->limit || shell_count > job->limit ? 1 : 0;
-        result->near_count[l] = at_most( near_count, job->limit );
-        result->shell_count[l] = at_most( shell_count, job->limit );
-        result->near_length = at_least( result->near_length, result->near_count[l] );
-        result->shell_length = at_least( result->shell_length, result->shell_count[l] );
-    }
+    count_found( &s, limit, result );
+    append_shell( limit, result );
 }
 
 static void rename_all( const int32_t* rename, int32_t* list, int count )

@@ -43,8 +43,8 @@
 ///   lane8_transpose_quads( q )                          rows to x, y, z, w in lanes, and back
 ///   lane8_spread_xyz( a, q )                            rows: lane r of a three times and 0, lane r + 4 likewise
 ///   lane8_spread_first( row ), _second, _third, _last   that number of each quad, four times
-///   lane8i_compress_store( out, v, m )                  -> how many; packs the lanes of m in front, in lane order;
-///                                                       out has room for eight, the rest may be overwritten
+///   lane8i_compress_store( out, v, bits )               -> how many; packs the lanes whose bits are set in front, in
+///                                                       lane order; bits < 256; out has room for eight, the rest may be overwritten
 ///
 ///   lane8i_transpose( rows )                            rows is lane8i[8]: row l and lane k change places
 ///

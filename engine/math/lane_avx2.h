@@ -91,9 +91,8 @@ static const uint64_t lane_compress_rows[256] = { LANE_ROWS_64( 0 ), LANE_ROWS_6
 #undef LANE_ROWS_16
 #undef LANE_ROWS_64
 
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
 {
-    uint32_t bits = lane8m_bits( m );
     __m128i bytes = _mm_loadl_epi64( (const __m128i*)&lane_compress_rows[bits] );
     _mm256_storeu_si256( (__m256i*)out, _mm256_permutevar8x32_epi32( v, _mm256_cvtepu8_epi32( bytes ) ) );
     return __builtin_popcount( bits );

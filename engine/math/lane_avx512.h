@@ -49,10 +49,10 @@ LANE_INLINE lane8i lane8i_select( lane8m m, lane8i a, lane8i b )
 }
 
 // Compressing in a register and storing all of it is many times faster on some processors than vpcompressd to memory.
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
 {
-    _mm256_storeu_si256( (__m256i*)out, _mm256_maskz_compress_epi32( m, v ) );
-    return __builtin_popcount( m );
+    _mm256_storeu_si256( (__m256i*)out, _mm256_maskz_compress_epi32( (__mmask8)bits, v ) );
+    return __builtin_popcount( bits );
 }
 
 typedef __m512 lane16;

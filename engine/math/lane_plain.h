@@ -220,13 +220,13 @@ LANE_INLINE lane8 lane8_spread_last( lane8 row )
     return lane_spread_number( row, 3 );
 }
 
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
 {
     int count = 0;
     for ( int l = 0; l < 8; ++l )
     {
         out[count] = v.v[l];
-        count -= m.v[l];
+        count += (int)( bits >> l & 1u );
     }
     return count;
 }

@@ -334,11 +334,10 @@ LANE_INLINE lane8 lane8_spread_last( lane8 row )
     return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xff ), _mm_shuffle_ps( row.high, row.high, 0xff ) };
 }
 
-LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, lane8m m )
+LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )
 {
     int32_t values[8];
     lane8i_storeu( values, v );
-    uint32_t bits = lane8m_bits( m );
     int count = 0;
     for ( int l = 0; l < 8; ++l )
     {

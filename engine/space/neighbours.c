@@ -6,7 +6,7 @@
 
 enum
 {
-    NEIGHBOURS_GRAIN = 16, // slices a block
+    NEIGHBOURS_SLICES = 8, // a block
 };
 
 void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator )
@@ -18,66 +18,95 @@ void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator*
     *neighbours = ( wisp_neighbours ){ 0 };
 }
 
-// Entries of one kind of list. Blocks take room as they come, so where a list lies depends on chance; what it holds does
-// not, and nothing reads anything but its own list.
-typedef struct neighbour_pool
+// What blocks write while others read the search: on a line of its own, or each would take it from the others.
+typedef struct neighbour_counts
 {
-    int32_t *begin, *length, *entries;
-    size_t capacity; // entries
-    _Atomic size_t used;
-} neighbour_pool;
+    _Alignas( 64 ) _Atomic size_t entries;
+    _Atomic uint64_t capped;
+    _Atomic bool starved;
+} neighbour_counts;
 
 // What the blocks of a search share.
 typedef struct neighbour_search
 {
     const wisp_kernels* kernels;
-    wisp_range_search_job job;
-    const int32_t* rename;
-    int query_count;
-    neighbour_pool near, shell;
     const wisp_parallel* parallel;
-    size_t list; // ints from a query's list to the next one
-    _Atomic uint64_t capped;
-    _Atomic bool starved;
+    const wisp_neighbour_query* query;
+    wisp_range_search_job job;
+    int32_t *begin, *near_length, *length; // [slice]
+    int32_t* near_count;                   // [slice][8]
+    int32_t* entries;
+    size_t capacity; // entries
+    neighbour_counts* counts;
 } neighbour_search;
 
-enum
+// Memory of a worker: lists as a search leaves them, and those of a block as they shall lie.
+typedef struct neighbour_scratch
 {
-    NEIGHBOURS_SCRATCH_LISTS = 2, // near and shell
-};
+    int32_t *lists, *shell, *packed;
+    int stride; // ints from a query's list to the next one's
+} neighbour_scratch;
 
-static void keep( neighbour_search* s, neighbour_pool* pool, int slice, int32_t* lists, const int* counts,
-                  int length )
+static bool take_scratch( const neighbour_search* s, int worker, neighbour_scratch* out )
 {
-    size_t at = atomic_fetch_add_explicit( &pool->used, (size_t)length, memory_order_relaxed );
-    pool->begin[slice] = (int32_t)at;
-    pool->length[slice] = length;
-    if ( at + (size_t)length <= pool->capacity )
-    {
-        s->kernels->interleave( lists, (int)s->list, counts, slice, s->rename, pool->entries + at * WISP_SLICE );
-    }
+    const size_t limit = (size_t)s->query->limit, stride = 2 * limit + WISP_SEARCH_SLACK;
+    const size_t lists = WISP_SLICE * stride, shell = WISP_SLICE * ( limit + WISP_SEARCH_SLACK );
+    const size_t packed = NEIGHBOURS_SLICES * WISP_SLICE * 2 * limit;
+    int32_t* ints = wisp_parallel_scratch( s->parallel, worker, ( lists + shell + packed ) * sizeof( int32_t ) );
+    *out = ( neighbour_scratch ){ ints, ints + lists, ints + lists + shell, (int)stride };
+    return ints != NULL;
 }
 
-static void search_slices( void* context, int begin, int end, int worker )
+// @return entries of all slices of the block, side by side in `packed`
+static size_t search_slices( neighbour_search* s, const neighbour_scratch* scratch, int begin, int end )
 {
-    neighbour_search* s = context;
-    size_t lists = s->list * WISP_SLICE;
-    int32_t* scratch =
-        wisp_parallel_scratch( s->parallel, worker, NEIGHBOURS_SCRATCH_LISTS * lists * sizeof( int32_t ) );
-    if ( scratch == NULL )
-    {
-        atomic_store( &s->starved, true );
-        return;
-    }
-    wisp_range_search_result found = { .near = scratch, .shell = scratch + lists };
+    wisp_range_search_result found = { .lists = scratch->lists, .shell = scratch->shell };
+    size_t entries = 0;
     for ( int slice = begin; slice < end; ++slice )
     {
-        int left = s->query_count - slice * WISP_SLICE;
+        int left = s->query->query_count - slice * WISP_SLICE;
         s->kernels->range_search( &s->job, slice, left < WISP_SLICE ? left : WISP_SLICE, &found );
-        keep( s, &s->near, slice, found.near, found.near_count, found.near_length );
-        keep( s, &s->shell, slice, found.shell, found.shell_count, found.shell_length );
+        s->kernels->interleave( found.lists, scratch->stride, found.count, slice, s->query->rename,
+                                scratch->packed + entries * WISP_SLICE );
+        memcpy( s->near_count + (size_t)slice * WISP_SLICE, found.near_count, sizeof( found.near_count ) );
+        s->near_length[slice] = found.near_length;
+        s->length[slice] = found.length;
+        entries += (size_t)found.length;
     }
-    atomic_fetch_add_explicit( &s->capped, (uint64_t)found.capped, memory_order_relaxed );
+    if ( found.capped > 0 )
+    {
+        atomic_fetch_add_explicit( &s->counts->capped, (uint64_t)found.capped, memory_order_relaxed );
+    }
+    return entries;
+}
+
+// Blocks take room as they come, so where a list lies depends on chance; what it holds does not, and nothing reads
+// anything but its own list.
+static void search_block( void* context, int begin, int end, int worker )
+{
+    neighbour_search* s = context;
+    neighbour_scratch scratch;
+    if ( take_scratch( s, worker, &scratch ) == false )
+    {
+        atomic_store( &s->counts->starved, true );
+        return;
+    }
+    const size_t entries = search_slices( s, &scratch, begin, end );
+    size_t at = atomic_fetch_add_explicit( &s->counts->entries, entries, memory_order_relaxed );
+    if ( at + entries > s->capacity )
+    {
+        return;
+    }
+    // slice by slice: one copy of all is what some C libraries do slowly
+    const int32_t* packed = scratch.packed;
+    for ( int slice = begin; slice < end; ++slice )
+    {
+        const size_t ints = (size_t)s->length[slice] * WISP_SLICE;
+        s->begin[slice] = (int32_t)at;
+        memcpy( s->entries + at * WISP_SLICE, packed, ints * sizeof( int32_t ) );
+        packed += ints;
+        at += (size_t)s->length[slice];
+    }
 }
 
 // As many cells to each side as a neighbour may be away, rounding included.
@@ -111,38 +140,28 @@ static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbo
     return job;
 }
 
-// Empty a pool for the next try.
-static void empty( neighbour_pool* pool, int32_t* entries, size_t capacity )
-{
-    pool->entries = entries;
-    pool->capacity = capacity;
-    atomic_store( &pool->used, 0 );
-}
-
 // The first search measures, the second fills; warm buffers need one.
-static wisp_status search_until_it_fits( neighbour_search* s, const wisp_parallel* parallel, int slices,
-                                         wisp_buffer* near, wisp_buffer* shell )
+static wisp_status search_until_it_fits( neighbour_search* s, int slices, wisp_buffer* entries )
 {
-    const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     const size_t entry = WISP_SLICE * sizeof( int32_t );
     for ( ;; )
     {
-        empty( &s->near, near->data, near->size / entry );
-        empty( &s->shell, shell->data, shell->size / entry );
-        atomic_store( &s->capped, 0 );
-        wisp_parallel_for( parallel, slices, NEIGHBOURS_GRAIN, search_slices, s );
-        if ( atomic_load( &s->starved ) )
+        s->entries = entries->data;
+        s->capacity = entries->size / entry;
+        atomic_store( &s->counts->entries, 0 );
+        atomic_store( &s->counts->capped, 0 );
+        wisp_parallel_for( s->parallel, slices, NEIGHBOURS_SLICES, search_block, s );
+        if ( atomic_load( &s->counts->starved ) )
         {
             return WISP_NO_MEMORY;
         }
-        size_t near_used = atomic_load( &s->near.used ), shell_used = atomic_load( &s->shell.used );
-        if ( near_used <= s->near.capacity && shell_used <= s->shell.capacity )
+        size_t used = atomic_load( &s->counts->entries );
+        if ( used <= s->capacity )
         {
             return WISP_OK;
         }
-        if ( near_used > INT32_MAX || shell_used > INT32_MAX ||
-             wisp_buffer_reserve( near, allocator, near_used * entry ) == false ||
-             wisp_buffer_reserve( shell, allocator, shell_used * entry ) == false )
+        if ( used > INT32_MAX ||
+             wisp_buffer_reserve( entries, wisp_parallel_allocator( s->parallel ), used * entry ) == false )
         {
             return WISP_NO_MEMORY;
         }
@@ -153,36 +172,37 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
                                    const wisp_kernels* kernels, const wisp_grid* grid,
                                    const wisp_neighbour_query* query )
 {
-    const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
-    int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
-    size_t list = (size_t)query->limit + WISP_SEARCH_SLACK;
+    const int slices = query->query_count / WISP_SLICE + ( query->query_count % WISP_SLICE > 0 ? 1 : 0 );
+    const size_t rows = (size_t)slices;
     wisp_buffer* places = neighbours->buffers;
-    if ( wisp_buffer_reserve( places, allocator, 4 * (size_t)slices * sizeof( int32_t ) ) == false )
+    if ( wisp_buffer_reserve( places, wisp_parallel_allocator( parallel ),
+                              rows * ( 3 + WISP_SLICE ) * sizeof( int32_t ) ) == false )
     {
         return WISP_NO_MEMORY;
     }
     int32_t* place = places->data;
+    neighbour_counts counts = { 0 };
     neighbour_search s = {
         .kernels = kernels,
-        .job = make_job( grid, query ),
-        .rename = query->rename,
-        .query_count = query->query_count,
-        .near = { .begin = place, .length = place + slices },
-        .shell = { .begin = place + 2 * (size_t)slices, .length = place + 3 * (size_t)slices },
         .parallel = parallel,
-        .list = list,
+        .query = query,
+        .job = make_job( grid, query ),
+        .begin = place,
+        .near_length = place + rows,
+        .length = place + 2 * rows,
+        .near_count = place + 3 * rows,
+        .counts = &counts,
     };
-    wisp_status status =
-        search_until_it_fits( &s, parallel, slices, neighbours->buffers + 1, neighbours->buffers + 2 );
+    wisp_status status = search_until_it_fits( &s, slices, neighbours->buffers + 1 );
     if ( status != WISP_OK )
     {
         return status;
     }
     neighbours->slice_count = slices;
-    neighbours->near = ( wisp_neighbour_list ){ s.near.begin, s.near.length, s.near.entries };
-    neighbours->shell = ( wisp_neighbour_list ){ s.shell.begin, s.shell.length, s.shell.entries };
-    neighbours->near_entries = atomic_load( &s.near.used );
-    neighbours->shell_entries = atomic_load( &s.shell.used );
-    neighbours->capped = atomic_load( &s.capped );
+    neighbours->near = ( wisp_neighbour_list ){ s.begin, s.near_length, s.entries };
+    neighbours->within = ( wisp_neighbour_list ){ s.begin, s.length, s.entries };
+    neighbours->near_count = s.near_count;
+    neighbours->entries = atomic_load( &counts.entries );
+    neighbours->capped = atomic_load( &counts.capped );
     return WISP_OK;
 }

@@ -49,19 +49,21 @@ static void pack_items( void* context, int begin, int end, int worker )
     const wisp_strand_topology* t = run->strands;
     for ( int i = begin * WISP_LANES; i < end * WISP_LANES; ++i )
     {
-        int strand = t->lane_strand[i], count = t->lane_count[i];
-        int32_t lane = t->group_row[i / WISP_LANES] * WISP_LANES + i % WISP_LANES;
-        for ( int v = 0; v < count; ++v, lane += WISP_LANES )
+        const int strand = t->lane_strand[i], count = t->lane_count[i];
+        if ( count == 0 )
         {
-            int item = t->offsets[strand] + v;
-            const float* p = lane_of( run, lane );
-            float* q = run->item_quads + 4 * (size_t)item;
+            continue;
+        }
+        const int32_t lane = t->group_row[i / WISP_LANES] * WISP_LANES + i % WISP_LANES;
+        run->root_lane[strand] = lane;
+        const float* p = lane_of( run, lane );
+        float* q = run->item_quads + 4 * (size_t)t->offsets[strand];
+        for ( int v = 0; v < count; ++v, p += 3 * WISP_LANES, q += 4 )
+        {
             q[0] = p[0];
             q[1] = p[WISP_LANES];
             q[2] = p[2 * WISP_LANES];
             memcpy( q + 3, &strand, sizeof( strand ) );
-            run->item_vertex[item] = v;
-            run->item_lane[item] = lane;
         }
     }
 }
@@ -70,10 +72,11 @@ static void unpack_slots( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const clump_run* run = context;
+    const int32_t* owner = run->w->grid.owner;
     for ( int slot = begin; slot < end; ++slot )
     {
         const float* q = run->current + 4 * (size_t)slot;
-        float* p = lane_of( run, run->slot_lane[slot] );
+        float* p = lane_of( run, run->root_lane[owner[slot]] + run->slot_vertex[slot] * WISP_LANES );
         p[0] = q[0];
         p[WISP_LANES] = q[1];
         p[2 * WISP_LANES] = q[2];
@@ -175,14 +178,14 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
     };
 }
 
-// Where vertices are as they were searched, the near list has them all; once they have moved, the shell counts too, and
+// Where vertices are as they were searched, near ones are all there are; once they have moved, the shell counts too, and
 // who is late. r0 by iteration is measured over the neighbours of the moment, so that the brake follows.
 static void use_lists( clump_run* run, int iteration )
 {
     wisp_adhesion_job* job = &run->job;
-    const wisp_neighbour_list lists[3] = { run->lists->near, run->lists->shell, run->late };
+    const wisp_neighbour_list lists[2] = { run->moved == 0.0f ? run->lists->near : run->lists->within, run->late };
     memcpy( job->attracting, lists, sizeof( lists ) );
-    job->attracting_count = run->moved == 0.0f ? 1 : ( run->late.length == NULL ? 2 : 3 );
+    job->attracting_count = run->late.length == NULL ? 1 : 2;
     job->measuring = iteration == 0;
     if ( run->params->gap_by_iteration && iteration > 0 )
     {
@@ -225,16 +228,16 @@ static bool reserve( clump_run* run )
     size_t items = (size_t)run->count + WISP_SLICE, slots = (size_t)run->slices * WISP_SLICE;
     size_t blocks = (size_t)( run->slices / CLUMP_SLICES + 1 );
     size_t slices = (size_t)run->slices;
-    if ( wisp_buffer_reserve( &w->items, allocator, items * 6 * 4 ) == false ||
-         wisp_buffer_reserve( &w->slots, allocator, slots * ( 4 * 4 + 3 + 2 + 1 ) * 4 ) == false ||
-         wisp_buffer_reserve( &w->slices, allocator, slices * ( sizeof( int32_t ) + 1 ) ) == false ||
+    if ( wisp_buffer_reserve( &w->items, allocator, ( items * 4 + (size_t)run->strands->strand_count ) * 4 ) ==
+             false ||
+         wisp_buffer_reserve( &w->slots, allocator, slots * ( 4 * 4 + 3 + 1 + 1 ) * 4 ) == false ||
+         wisp_buffer_reserve( &w->slices, allocator, slices * ( sizeof( int32_t ) + 1 ) + 7 ) == false ||
          wisp_buffer_reserve( &w->most, allocator, blocks * sizeof( float ) ) == false )
     {
         return false;
     }
     run->item_quads = w->items.data;
-    run->item_vertex = (int32_t*)( run->item_quads + 4 * items );
-    run->item_lane = run->item_vertex + items;
+    run->root_lane = (int32_t*)( run->item_quads + 4 * items );
     run->current = w->slots.data;
     run->tentative = run->current + 4 * slots;
     run->next = run->tentative + 4 * slots;
@@ -242,10 +245,11 @@ static bool reserve( clump_run* run )
     run->displacement = run->spare + 4 * slots;
     run->measured.weight_sum = run->displacement + 3 * slots;
     run->slot_vertex = (int32_t*)( run->measured.weight_sum + slots );
-    run->slot_lane = run->slot_vertex + slots;
     run->measured.near = w->slices.data;
     run->strayed = (uint8_t*)( run->measured.near + slices );
     run->most = w->most.data;
+
+    memset( run->strayed + slices, 0, 7 ); // they are counted in eights
 
     // the last slice's empty lanes are vertices that never move
     for ( size_t slot = (size_t)run->count; slot < slots; ++slot )
@@ -253,7 +257,6 @@ static bool reserve( clump_run* run )
         memset( run->current + 4 * slot, 0, 4 * sizeof( float ) );
         memset( run->item_quads + 4 * slot, 0, 4 * sizeof( float ) );
         run->slot_vertex[slot] = 0;
-        run->slot_lane[slot] = 0;
     }
     return true;
 }

@@ -16,7 +16,7 @@ typedef struct clump_workspace
 {
     wisp_grid grid, moved_grid;
     wisp_neighbours lists, moved_lists, stray_lists;
-    wisp_buffer items;    // quads in the user's order, and their vertex numbers and lanes
+    wisp_buffer items;    // quads in the user's order, and where strands begin
     wisp_buffer slots;    // everything by slot
     wisp_buffer slices;   // everything by slice
     wisp_buffer measured; // r0 and g(r0) an entry
@@ -36,10 +36,10 @@ typedef struct clump_run
     wisp_frozen_hair_report* report;
     float* position; // [row][3][16]
     int count, slices;
-    float skin;                                // m
-    float* item_quads;                         // [item][4]
-    int32_t *item_vertex, *item_lane;          // [item] index in the strand; row * 16 + lane
-    int32_t *slot_vertex, *slot_lane;          // [slot]
+    float skin;           // m
+    float* item_quads;    // [item][4]
+    int32_t* root_lane;   // [strand] row * 16 + lane of vertex 0; the next vertex is a row further
+    int32_t* slot_vertex; // [slot] index in the strand
     float *current, *tentative, *next, *spare; // [slot][4]
     float* displacement;                       // [slice][3][8]
     uint8_t* strayed;                          // [slice] a bit a lane

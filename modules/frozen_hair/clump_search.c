@@ -7,6 +7,7 @@
 #include "clump.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ static const float CLUMP_SKIN_MOST = 0.6f;
 
 enum
 {
+    CLUMP_STRAYS = 64,     // strays a block of the search for late pairs
     CLUMP_FINE = 4,        // cells a radius along the grid's rows
     CLUMP_STRAYS_MOST = 8, // of so many vertices one may stray before all are searched again
 };
@@ -45,12 +47,16 @@ static void fill_slots( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const clump_run* run = context;
-    const int32_t* item = run->w->grid.item;
+    const wisp_grid* grid = &run->w->grid;
+    const int32_t* offsets = run->strands->offsets;
     for ( int slot = begin; slot < end; ++slot )
     {
-        memcpy( run->current + 4 * (size_t)slot, run->item_quads + 4 * (size_t)item[slot], 4 * sizeof( float ) );
-        run->slot_vertex[slot] = run->item_vertex[item[slot]];
-        run->slot_lane[slot] = run->item_lane[item[slot]];
+        float* q = run->current + 4 * (size_t)slot;
+        q[0] = grid->x[slot];
+        q[1] = grid->y[slot];
+        q[2] = grid->z[slot];
+        memcpy( q + 3, grid->owner + slot, sizeof( int32_t ) );
+        run->slot_vertex[slot] = grid->item[slot] - offsets[grid->owner[slot]];
     }
 }
 
@@ -91,7 +97,7 @@ wisp_status clump_search( clump_run* run )
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
     wisp_neighbour_query query = make_query( run, run->current );
     status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
-    size_t entries = w->lists.near_entries * WISP_SLICE;
+    size_t entries = w->lists.entries * WISP_SLICE;
     if ( status != WISP_OK || wisp_buffer_reserve( &w->measured, wisp_parallel_allocator( run->parallel ),
                                                    2 * entries * sizeof( float ) ) == false )
     {
@@ -142,14 +148,20 @@ static wisp_status search_again( clump_run* run )
 
 // ---- strays ----
 
+// A bit each, eight slices at a time; what fills the last ones up is no stray.
 static int count_strays( const clump_run* run )
 {
-    int count = 0;
-    for ( int slice = 0; slice < run->slices; ++slice )
+    uint64_t count = 0;
+    for ( int slice = 0; slice < run->slices; slice += 8 )
     {
-        count += __builtin_popcount( run->strayed[slice] );
+        uint64_t bits;
+        memcpy( &bits, run->strayed + slice, sizeof( bits ) );
+        bits -= bits >> 1 & 0x5555555555555555u;
+        bits = ( bits & 0x3333333333333333u ) + ( bits >> 2 & 0x3333333333333333u );
+        bits = ( bits + ( bits >> 4 ) ) & 0x0f0f0f0f0f0f0f0fu;
+        count += bits * 0x0101010101010101u >> 56;
     }
-    return count;
+    return (int)count;
 }
 
 // Vertices that have left their leash, as queries where they are now.
@@ -209,28 +221,48 @@ static bool is_late( const clump_run* run, float listed2, int a, int b )
            squared_distance( run->current, a, b ) < near * near && owner[a] != owner[b];
 }
 
-// Late pairs of the strays, each in both directions, in rising order. Two strays find each other twice, and where a list
-// is padded a number means any slot, so that a pair may be met again.
-// @param pairs [2 entries of the strays' lists]
-static size_t find_late_pairs( const clump_run* run, const stray_queries* strays, uint64_t* pairs )
+// What the blocks of strays share while they look for late pairs.
+typedef struct late_search
 {
-    const wisp_neighbour_list* found = &run->w->stray_lists.shell;
+    const clump_run* run;
+    const stray_queries* strays;
+    uint64_t* pairs; // [2 entries of the strays' lists]
+    _Atomic size_t count;
+} late_search;
+
+static void find_late_pairs( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    late_search* s = context;
+    const clump_run* run = s->run;
+    const wisp_neighbours* lists = &run->w->stray_lists;
+    const wisp_neighbour_list* found = &lists->within;
     const float listed2 = shell_radius( run ) * shell_radius( run );
-    size_t count = 0;
-    for ( int i = 0; i < strays->count; ++i )
+    for ( int i = begin; i < end; ++i )
     {
-        const int slice = i / WISP_SLICE, a = strays->slot[i];
+        const int slice = i / WISP_SLICE, a = s->strays->slot[i];
         const int32_t* entry = found->entries + (size_t)found->begin[slice] * WISP_SLICE + i % WISP_SLICE;
-        for ( int k = 0; k < found->length[slice]; ++k, entry += WISP_SLICE )
+        for ( int k = lists->near_count[i]; k < found->length[slice]; ++k )
         {
-            int b = *entry / 4;
+            int b = entry[k * WISP_SLICE] / 4;
             if ( is_late( run, listed2, a, b ) )
             {
-                pairs[count++] = (uint64_t)a << 32 | (uint64_t)b;
-                pairs[count++] = (uint64_t)b << 32 | (uint64_t)a;
+                size_t at = atomic_fetch_add_explicit( &s->count, 2, memory_order_relaxed );
+                s->pairs[at] = (uint64_t)a << 32 | (uint64_t)b;
+                s->pairs[at + 1] = (uint64_t)b << 32 | (uint64_t)a;
             }
         }
     }
+}
+
+// Late pairs of the strays, each in both directions, in rising order: whoever found them first. Two strays find each
+// other twice, and where a list is padded a number means any slot, so that a pair may be met again.
+// @param pairs [2 entries of the strays' lists]
+static size_t collect_late_pairs( const clump_run* run, const stray_queries* strays, uint64_t* pairs )
+{
+    late_search s = { .run = run, .strays = strays, .pairs = pairs };
+    wisp_parallel_for( run->parallel, strays->count, CLUMP_STRAYS, find_late_pairs, &s );
+    const size_t count = atomic_load( &s.count );
     qsort( pairs, count, sizeof( *pairs ), compare_pairs );
     size_t kept = 0;
     for ( size_t i = 0; i < count; ++i )
@@ -313,14 +345,14 @@ static wisp_status search_strays( clump_run* run, int count, bool* complete )
     {
         return status;
     }
-    size_t most = 2 * w->stray_lists.shell_entries * WISP_SLICE;
+    size_t most = 2 * w->stray_lists.entries * WISP_SLICE;
     most = most > (size_t)run->count ? most : (size_t)run->count;
     const wisp_allocator* allocator = wisp_parallel_allocator( run->parallel );
     if ( wisp_buffer_reserve( &w->late_pairs, allocator, most * sizeof( uint64_t ) ) == false )
     {
         return WISP_NO_MEMORY;
     }
-    size_t late = find_late_pairs( run, &strays, w->late_pairs.data );
+    size_t late = collect_late_pairs( run, &strays, w->late_pairs.data );
     run->report->late += late;
     return late == 0 || list_late_pairs( run, w->late_pairs.data, late ) ? WISP_OK : WISP_NO_MEMORY;
 }

@@ -270,17 +270,48 @@ static void search_naively( const wisp_grid* g, const wisp_neighbour_query* quer
     }
 }
 
-// Wrong entries of one lane: the first `limit` neighbours in order, then the query's own number to the slice's end.
-static int wrong_entries( const wisp_neighbour_list* list, int q, const int32_t* expected, int count, int limit )
+static int at_most( int count, int limit )
 {
-    int slice = q / WISP_SLICE, lane = q % WISP_SLICE, kept = count < limit ? count : limit;
+    return count < limit ? count : limit;
+}
+
+// Wrong entries of one lane: the first `limit` near ones in order, as many of the shell behind them, then the query's own
+// number to the slice's end.
+static int wrong_entries( const wisp_neighbours* found, int q, const naive_list* expected, int limit )
+{
+    const wisp_neighbour_list* list = &found->within;
+    int slice = q / WISP_SLICE, lane = q % WISP_SLICE;
+    int near = at_most( expected->near_count, limit ), kept = near + at_most( expected->shell_count, limit );
     const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE + lane;
     int wrong = list->length[slice] < kept ? 1 : 0;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        wrong += entries[(size_t)k * WISP_SLICE] != 4 * ( k < kept ? expected[k] : q ) ? 1 : 0;
+        int number = k < near ? expected->near[k] : ( k < kept ? expected->shell[k - near] : q );
+        wrong += entries[(size_t)k * WISP_SLICE] != 4 * number ? 1 : 0;
     }
+    wrong += found->near_count[q] != near ? 1 : 0;
+    wrong += found->near.begin[slice] != list->begin[slice] || found->near.entries != list->entries ? 1 : 0;
+    wrong += found->near.length[slice] < near ? 1 : 0;
     return wrong;
+}
+
+// No list is longer than its slice's longest lane needs.
+static bool is_too_long( const wisp_neighbours* found, int slice )
+{
+    int near = 0;
+    for ( int l = 0; l < WISP_SLICE; ++l )
+    {
+        near = found->near_count[slice * WISP_SLICE + l] > near ? found->near_count[slice * WISP_SLICE + l] : near;
+    }
+    const wisp_neighbour_list* list = &found->within;
+    const int32_t* last =
+        list->entries + ( (size_t)list->begin[slice] + (size_t)list->length[slice] ) * WISP_SLICE - WISP_SLICE;
+    bool used = list->length[slice] == 0;
+    for ( int l = 0; l < WISP_SLICE && used == false; ++l )
+    {
+        used = last[l] != 4 * ( slice * WISP_SLICE + l );
+    }
+    return used == false || found->near.length[slice] != near;
 }
 
 static size_t entries_of_all( const wisp_neighbour_list* list, int slices )
@@ -304,17 +335,19 @@ static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour
     for ( int q = 0; q < query->query_count; ++q )
     {
         search_naively( &s->grid, query, q, list );
-        wrong += wrong_entries( &s->found.near, q, list->near, list->near_count, query->limit );
-        wrong += wrong_entries( &s->found.shell, q, list->shell, list->shell_count, query->limit );
+        wrong += wrong_entries( &s->found, q, list, query->limit );
         capped += list->near_count > query->limit || list->shell_count > query->limit ? 1 : 0;
         pairs += list->near_count + list->shell_count;
     }
     free( list );
+    for ( int slice = 0; slice < s->found.slice_count && query->rename == NULL; ++slice )
+    {
+        wrong += is_too_long( &s->found, slice ) ? 1 : 0;
+    }
     assert_int_equal( wrong, 0 );
     assert_int_equal( s->found.capped, capped );
     assert_int_equal( s->found.slice_count, ( query->query_count + 7 ) / 8 );
-    assert_int_equal( s->found.near_entries, entries_of_all( &s->found.near, s->found.slice_count ) );
-    assert_int_equal( s->found.shell_entries, entries_of_all( &s->found.shell, s->found.slice_count ) );
+    assert_int_equal( s->found.entries, entries_of_all( &s->found.within, s->found.slice_count ) );
     return pairs;
 }
 
@@ -418,7 +451,8 @@ static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_insi
     space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
     assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
-    assert_int_equal( s->found.near_entries, 1 );
+    assert_int_equal( s->found.near.length[0], 1 );
+    assert_int_equal( s->found.within.length[0], 2 );
     space_close( s );
 }
 
@@ -482,7 +516,7 @@ static void items_of_the_querys_owner_are_left_out( void** state )
     }
     space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.0f, 2.0f, NO_LIMIT ), 0 );
-    assert_int_equal( s->found.near_entries + s->found.shell_entries, 0 );
+    assert_int_equal( s->found.entries, 0 );
     free( c.quads );
     space_close( s );
 }
@@ -608,7 +642,7 @@ static void no_query_and_no_item_find_nothing( void** state )
     query.query_count = 0;
     assert_int_equal( search( s, &query ), WISP_OK );
     assert_int_equal( s->found.slice_count, 0 );
-    assert_int_equal( s->found.near_entries, 0 );
+    assert_int_equal( s->found.entries, 0 );
     free( none.quads );
     free( some.quads );
     space_close( s );

@@ -74,14 +74,15 @@ typedef struct wisp_range_search_job
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.
 #define WISP_SEARCH_SLACK 16
 
-/// What eight queries found, as lists that lie one behind the other. Arrays are the caller's.
+/// What eight queries found. Arrays are the caller's.
 typedef struct wisp_range_search_result
 {
-    int32_t *near, *shell;      ///< [8][limit + slack] 4 times the numbers, lane by lane
+    int32_t* lists; ///< [8][2 limit + slack] 4 times the numbers: the near ones, and the shell behind them
+    int32_t* shell; ///< [8][limit + slack] for the search alone
     int near_count[WISP_SLICE]; ///< of a lane's list
-    int shell_count[WISP_SLICE];
-    int near_length, shell_length; ///< the longest of the eight
-    int capped;                    ///< grows by the queries that ran into the limit
+    int count[WISP_SLICE];      ///< with the shell
+    int near_length, length;    ///< the longest of the eight
+    int capped;                 ///< grows by the queries that ran into the limit
 } wisp_range_search_result;
 
 /// Boxes as streams, sorted so that those which are asked together lie together.
@@ -132,9 +133,9 @@ typedef struct wisp_adhesion_job
     const float* searched;             ///< [slot][4] where the attracting lists were searched
     const int32_t* owner;              ///< [slot] strand
     const int32_t* vertex;             ///< [slot] index in the strand; 0 does not move
-    wisp_neighbour_list attracting[3]; ///< the first sweep's lists, added one after the other
+    wisp_neighbour_list attracting[2]; ///< the first sweep's lists, added one after the other
     int attracting_count;
-    wisp_neighbour_list reference[3]; ///< the second sweep's lists: neighbours at the reference shape
+    wisp_neighbour_list reference[2]; ///< the second sweep's lists: neighbours at the reference shape
     int reference_count;
     wisp_reference_pairs* measured; ///< of reference[0]; null: the second sweep measures at `current`
     bool measuring;                 ///< the first sweep, over reference[0] alone, fills `measured`

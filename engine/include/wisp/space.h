@@ -46,16 +46,17 @@ WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* para
                                       float cell, int fine );
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
 
-/// Neighbours of queries in slices of eight, in two lists: near ones, and a shell around them that lets the lists be
-/// used for a while after the items have moved. Empty lanes of the last slice have their own numbers too, beyond the last
-/// query. Zero-initialised is empty.
+/// Neighbours of queries in slices of eight: near ones, and behind them in the same list a shell around them that lets the
+/// lists be used for a while after the items have moved. Empty lanes of the last slice have their own numbers too, beyond
+/// the last query. Zero-initialised is empty.
 typedef struct wisp_neighbours
 {
     int slice_count;
-    wisp_neighbour_list near, shell;
-    size_t near_entries, shell_entries; ///< of all slices, padding included
-    uint64_t capped;                    ///< queries that ran into the limit
-    wisp_buffer buffers[3];
+    wisp_neighbour_list near, within; ///< the same lists: as far as any lane has near ones, and all of them
+    const int32_t* near_count;        ///< [slice_count][8] near ones of a lane
+    size_t entries;                   ///< of all slices, padding included
+    uint64_t capped;                  ///< queries that ran into the limit
+    wisp_buffer buffers[2];
 } wisp_neighbours;
 
 /// What to look for.
