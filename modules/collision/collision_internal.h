@@ -246,8 +246,10 @@ static inline void collision_store_lane( float* x, wisp_vec3 v )
 /// Make a box hold a point.
 static inline void collision_widen( wisp_vec3* low, wisp_vec3* high, wisp_vec3 p )
 {
-    *low = ( wisp_vec3 ){ fminf( low->x, p.x ), fminf( low->y, p.y ), fminf( low->z, p.z ) };
-    *high = ( wisp_vec3 ){ fmaxf( high->x, p.x ), fmaxf( high->y, p.y ), fmaxf( high->z, p.z ) };
+    *low = ( wisp_vec3 ){ collision_smaller( p.x, low->x ), collision_smaller( p.y, low->y ),
+                          collision_smaller( p.z, low->z ) };
+    *high = ( wisp_vec3 ){ collision_larger( p.x, high->x ), collision_larger( p.y, high->y ),
+                           collision_larger( p.z, high->z ) };
 }
 
 /// Signed distance at the start of a path whose end has met a plane, less the thickness. The plane tells it well enough

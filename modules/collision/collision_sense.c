@@ -78,7 +78,7 @@ static void begin_chunk( sense_loop* loop, int begin, int end )
             loop->start[loop->slot_count] = p;
             loop->end[loop->slot_count] = after;
             loop->slots[loop->slot_count++] = slot;
-            loop->longest = fmaxf( loop->longest, collision_length( collision_sub( after, p ) ) );
+            loop->longest = collision_larger( loop->longest, collision_length( collision_sub( after, p ) ) );
             collision_widen( &loop->low, &loop->high, p );
             collision_widen( &loop->low, &loop->high, after );
         }
@@ -151,7 +151,7 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
         behind = falls ? behind : time;
         is_between = in_front( plane, from ) >= 0.0f && in_front( plane, to ) >= 0.0f;
     }
-    plane->distance = fmaxf( view->thickness, in_front( plane, from ) );
+    plane->distance = collision_larger( view->thickness, in_front( plane, from ) );
     return is_between;
 }
 
@@ -160,10 +160,10 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
 static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 {
     const wisp_vec3 way = collision_sub( from, plane->point );
-    const float length = collision_length( way ), share = fminf( 1.0f, margin / length );
+    const float length = collision_length( way ), share = collision_smaller( 1.0f, margin / length );
     const wisp_vec3 w = { way.x / length, way.y / length, way.z / length };
     const wisp_vec3 across = collision_add_scaled( plane->normal, -collision_dot( plane->normal, w ), w );
-    const float rest = sqrtf( 1.0f - share * share ) / fmaxf( collision_length( across ), FLT_MIN );
+    const float rest = sqrtf( 1.0f - share * share ) / collision_larger( collision_length( across ), FLT_MIN );
     plane->normal =
         ( wisp_vec3 ){ share * w.x + rest * across.x, share * w.y + rest * across.y, share * w.z + rest * across.z };
     plane->distance = margin;
@@ -178,7 +178,7 @@ static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to
     if ( fabsf( plane->distance ) <= path && collision_sweep( view->body, from, to, &hit ) )
     {
         *plane = hit;
-        plane->distance = fmaxf( 0.0f, in_front( plane, from ) );
+        plane->distance = collision_larger( 0.0f, in_front( plane, from ) );
         if ( touches == false && plane->distance < view->thickness )
         {
             tilt( plane, from, view->thickness );
@@ -228,7 +228,7 @@ static void touch( sense_loop* loop, const collision_view* view, int i )
     }
     const float end = plane.distance + collision_dot( plane.normal, collision_sub( to, from ) );
     sense_touch found = {
-        .rank = fminf( plane.distance, end ) - view->thickness,
+        .rank = collision_smaller( plane.distance, end ) - view->thickness,
         .body = name_of( view->body->entity ),
         .friction = { view->static_friction, view->kinetic_friction, loop->recovery },
     };
