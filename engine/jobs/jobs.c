@@ -1,13 +1,11 @@
-// The only room that knows OpenMP.
-//
-// A step opens one parallel region. Thread 0 drives; the others wait for waves. A wave is a list of blocks, cut into
-// one contiguous range a worker so that a worker meets the same data in every wave; who is done early takes blocks
-// from the others. Which worker runs a block never shows in a result.
+// Waves. Worker 0 is the thread that steps and drives; the others, the crew, wait for waves. A wave is a list of blocks,
+// cut into one contiguous range a worker so that a worker meets the same data in every wave; who is done early takes
+// blocks from the others, and those of who has not come. Which worker runs a block never shows in a result.
 #include "jobs.h"
 
 #include "arena.h"
+#include "crew.h"
 
-#include <omp.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -26,7 +24,6 @@ enum
     JOBS_BLOCK_BITS = 20,
     JOBS_BLOCK_MASK = ( 1 << JOBS_BLOCK_BITS ) - 1,
     JOBS_EPOCH_MASK = ( 1 << ( 64 - 2 * JOBS_BLOCK_BITS ) ) - 1,
-    JOBS_SPINS_BEFORE_YIELD = 4000,
 };
 
 typedef struct jobs_range
@@ -46,11 +43,12 @@ struct jobs_pool
     jobs_range ranges[WISP_MAX_WORKERS];
     _Alignas( 64 ) _Atomic uint32_t epoch;
     _Alignas( 64 ) _Atomic int pending;
-    _Atomic bool leaving;
     wisp_block_fn* run;
     void* context;
     int workers;
-    bool inside; // workers stand by
+    bool has_crew;
+    bool inside; // the crew stands by
+    jobs_crew crew;
     wisp_parallel_for_fn* host;
     void* host_user;
     const wisp_allocator* allocator;
@@ -63,39 +61,6 @@ static uint64_t pack( uint32_t epoch, int next, int end )
 {
     return (uint64_t)( epoch & JOBS_EPOCH_MASK ) << ( 2 * JOBS_BLOCK_BITS ) | (uint64_t)next << JOBS_BLOCK_BITS |
            (uint64_t)end;
-}
-
-jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_parallel_for_fn* host, void* host_user )
-{
-    jobs_pool* pool = base_allocate( allocator, sizeof( jobs_pool ), 64 );
-    if ( pool == NULL )
-    {
-        return NULL;
-    }
-    memset( (void*)pool, 0, sizeof( *pool ) );
-    pool->workers = workers;
-    pool->host = host;
-    pool->host_user = host_user;
-    pool->allocator = allocator;
-    pool->everyone = ( wisp_parallel ){ .pool = pool };
-    for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
-    {
-        pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
-        base_arena_init( &pool->scratch[i].arena, allocator, 0 );
-    }
-    return pool;
-}
-
-void jobs_destroy( jobs_pool* pool )
-{
-    if ( pool != NULL )
-    {
-        for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
-        {
-            base_arena_release( &pool->scratch[i].arena );
-        }
-        base_release( pool->allocator, pool, sizeof( *pool ) );
-    }
 }
 
 int jobs_workers( const jobs_pool* pool )
@@ -185,62 +150,83 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
     }
 }
 
-// More workers than cores is allowed, so a wait must let others run.
-static void wait_a_little( int* spins )
+// What a member of the crew does.
+static void stand_by( void* context, int member )
 {
-    if ( ++*spins > JOBS_SPINS_BEFORE_YIELD )
-    {
-        sched_yield();
-    }
-}
-
-static void stand_by( jobs_pool* pool, int worker, uint32_t epoch )
-{
-    for ( int spins = 0;; )
+    jobs_pool* pool = context;
+    uint32_t epoch = 0;
+    for ( int idle = 0;; )
     {
         uint32_t now = atomic_load_explicit( &pool->epoch, memory_order_acquire );
         if ( now != epoch )
         {
             epoch = now;
-            spins = 0;
-            work( pool, epoch, worker );
+            idle = 0;
+            work( pool, epoch, member + 1 );
         }
-        else if ( atomic_load_explicit( &pool->leaving, memory_order_acquire ) )
+        else if ( crew_rest( &pool->crew, &idle ) == false )
         {
             return;
         }
-        else
+    }
+}
+
+jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_parallel_for_fn* host, void* host_user )
+{
+    jobs_pool* pool = base_allocate( allocator, sizeof( jobs_pool ), 64 );
+    if ( pool == NULL )
+    {
+        return NULL;
+    }
+    memset( (void*)pool, 0, sizeof( *pool ) );
+    pool->workers = workers;
+    pool->host = host;
+    pool->host_user = host_user;
+    pool->allocator = allocator;
+    pool->everyone = ( wisp_parallel ){ .pool = pool };
+    for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
+    {
+        pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
+        base_arena_init( &pool->scratch[i].arena, allocator, 0 );
+    }
+    pool->has_crew = workers > 1 && host == NULL;
+    if ( pool->has_crew && crew_init( &pool->crew, workers - 1, stand_by, pool ) == false )
+    {
+        base_release( allocator, pool, sizeof( *pool ) );
+        return NULL;
+    }
+    return pool;
+}
+
+void jobs_destroy( jobs_pool* pool )
+{
+    if ( pool != NULL )
+    {
+        if ( pool->has_crew )
         {
-            wait_a_little( &spins );
+            crew_release( &pool->crew );
         }
+        for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
+        {
+            base_arena_release( &pool->scratch[i].arena );
+        }
+        base_release( pool->allocator, pool, sizeof( *pool ) );
     }
 }
 
 void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
 {
-    if ( pool->workers == 1 || pool->host != NULL )
+    if ( pool->has_crew == false )
     {
         driver( context );
         level_scratch( pool );
         return;
     }
-    uint32_t epoch = atomic_load_explicit( &pool->epoch, memory_order_relaxed );
-    atomic_store_explicit( &pool->leaving, false, memory_order_relaxed );
+    crew_call( &pool->crew );
     pool->inside = true;
-#pragma omp parallel num_threads( pool->workers ) default( none ) shared( pool, driver, context, epoch )
-    {
-        int worker = omp_get_thread_num();
-        if ( worker == 0 )
-        {
-            driver( context );
-            pool->inside = false;
-            atomic_store_explicit( &pool->leaving, true, memory_order_release );
-        }
-        else
-        {
-            stand_by( pool, worker, epoch );
-        }
-    }
+    driver( context );
+    pool->inside = false;
+    crew_dismiss( &pool->crew );
     level_scratch( pool );
 }
 
@@ -286,9 +272,9 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
     atomic_store_explicit( &pool->epoch, epoch, memory_order_release );
 
     work( pool, epoch, 0 );
-    for ( int spins = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
+    for ( int idle = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
     {
-        wait_a_little( &spins );
+        crew_wait( &idle );
     }
 }
 

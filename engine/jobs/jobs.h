@@ -15,8 +15,8 @@ int jobs_workers( const jobs_pool* pool );
 /// Cores this process may run on; at least 1, at most WISP_MAX_WORKERS. Does not touch OpenMP.
 int jobs_default_workers( void );
 
-/// Run driver( context ) on the calling thread while the workers stand by; waves inside it wake them. One parallel
-/// region, none with one worker or a host's loop.
+/// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for workers,
+/// who may come late, or to their own next step.
 void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
 
 /// One wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are done.

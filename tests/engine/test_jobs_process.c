@@ -4,6 +4,9 @@
 
 #include "jobs.h"
 
+#include <dirent.h>
+#include <sched.h>
+#include <stdatomic.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -151,6 +154,137 @@ static void a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three( 
     assert_int_equal( exit_of_child( step_with_three_workers ), 0 );
 }
 
+// ---- between steps ----
+
+// Threads of this process that the system has put to sleep.
+static int sleeping_threads( void )
+{
+    DIR* tasks = opendir( "/proc/self/task" );
+    int count = 0;
+    for ( struct dirent* task; tasks != NULL && ( task = readdir( tasks ) ) != NULL; )
+    {
+        char path[300], line[512] = "";
+        snprintf( path, sizeof( path ), "/proc/self/task/%s/stat", task->d_name );
+        FILE* file = fopen( path, "r" );
+        bool read = file != NULL && fgets( line, sizeof( line ), file ) != NULL;
+        const char* behind_name = read ? strrchr( line, ')' ) : NULL;
+        count += behind_name != NULL && strncmp( behind_name, ") S", 3 ) == 0 ? 1 : 0;
+        if ( file != NULL )
+        {
+            fclose( file );
+        }
+    }
+    if ( tasks != NULL )
+    {
+        closedir( tasks );
+    }
+    return count;
+}
+
+// The system starts, ends and puts to sleep in its own time; if it never does, the alarm of exit_of_child() comes.
+static void wait_until( int ( *count )( void ), int wanted )
+{
+    while ( count() != wanted )
+    {
+        usleep( 1000 );
+    }
+}
+
+// Two blocks that wait for each other: on one worker neither would end.
+static void meet( void* context, int block, int worker )
+{
+    (void)block, (void)worker;
+    _Atomic int* arrived = context;
+    atomic_fetch_add( arrived, 1 );
+    while ( atomic_load( arrived ) < 2 )
+    {
+        sched_yield();
+    }
+}
+
+typedef struct meeting
+{
+    jobs_pool* pool;
+    _Atomic int arrived;
+} meeting;
+
+static void run_meeting( void* context )
+{
+    meeting* m = context;
+    atomic_store( &m->arrived, 0 );
+    jobs_run_wave( m->pool, 2, meet, &m->arrived );
+}
+
+static int sleep_and_wake( void )
+{
+    meeting m = { .pool = jobs_create( NULL, 3, NULL, NULL ) };
+    const int threads = thread_count();
+    for ( int round = 0; round < 3; ++round )
+    {
+        jobs_enter( m.pool, run_meeting, &m );
+        wait_until( thread_count, 3 );
+        wait_until( sleeping_threads, 2 );
+    }
+    jobs_destroy( m.pool );
+    wait_until( thread_count, 1 );
+    return threads == 1 ? 0 : 1;
+}
+
+static void workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool( void** state )
+{
+    (void)state;
+    assert_int_equal( exit_of_child( sleep_and_wake ), 0 );
+}
+
+// ---- worlds that are there twice ----
+
+static wisp_world* world_of_parent;
+
+static int step_world_of_parent( void )
+{
+    bool same = wisp_world_step( world_of_parent, 0.01f ) == WISP_OK;
+    same = same && wisp_world_hash( world_of_parent ) == hash_of_parent;
+    wait_until( thread_count, 3 );
+    wisp_world_destroy( world_of_parent );
+    wait_until( thread_count, 1 );
+    return same ? 0 : 1;
+}
+
+// The parent has threads, and its child, which has none of them, steps the same world a step further than the hash that is
+// asked of it; then the parent does.
+static int fork_with_three_workers( void )
+{
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = 1;
+    for ( int pass = 0; pass < 2; ++pass, def.workers = 3 )
+    {
+        if ( wisp_world_create( &def, &world_of_parent, NULL ) != WISP_OK )
+        {
+            return 2;
+        }
+        wisp_entity strands = test_add_strands( world_of_parent, 500, 8 );
+        bool stepped = wisp_want( world_of_parent, strands, WISP_STRAND_POINTS ) == WISP_OK &&
+                       wisp_world_step( world_of_parent, 0.01f ) == WISP_OK;
+        if ( pass == 0 )
+        {
+            stepped = stepped && wisp_world_step( world_of_parent, 0.01f ) == WISP_OK;
+            hash_of_parent = wisp_world_hash( world_of_parent );
+            wisp_world_destroy( world_of_parent );
+        }
+        if ( stepped == false )
+        {
+            return 3;
+        }
+    }
+    return exit_of_child( step_world_of_parent ) == 0 && step_world_of_parent() == 0 ? 0 : 1;
+}
+
+static void a_process_with_workers_may_fork_and_both_step_the_world( void** state )
+{
+    (void)state;
+    assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -158,6 +292,8 @@ int main( void )
         cmocka_unit_test( a_hosts_own_loop_never_starts_a_thread_of_ours ),
         cmocka_unit_test( two_workers_are_two_threads ),
         cmocka_unit_test( a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three ),
+        cmocka_unit_test( workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool ),
+        cmocka_unit_test( a_process_with_workers_may_fork_and_both_step_the_world ),
     };
     return cmocka_run_group_tests_name( "jobs and processes", tests, NULL, NULL );
 }

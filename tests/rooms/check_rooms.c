@@ -181,8 +181,9 @@ static bool is_system_header_fine( const room_facts* here, const char* name )
     }
     bool is_jobs = here->kind == ROOM_ENGINE && strcmp( here->name, "jobs" ) == 0;
     bool is_space = here->kind == ROOM_ENGINE && strcmp( here->name, "space" ) == 0;
-    return ( is_jobs && ( strcmp( name, "sched.h" ) == 0 || strcmp( name, "pthread.h" ) == 0 ) ) ||
-           ( is_space && begins( name, "embree" ) );
+    const bool is_of_threads =
+        strcmp( name, "sched.h" ) == 0 || strcmp( name, "pthread.h" ) == 0 || strcmp( name, "unistd.h" ) == 0;
+    return ( is_jobs && is_of_threads ) || ( is_space && begins( name, "embree" ) );
 }
 
 // ---- the rules of one line ----
