@@ -77,7 +77,7 @@ static void* lead( void* user )
     return NULL;
 }
 
-void crew_call( jobs_crew* crew )
+bool crew_call( jobs_crew* crew )
 {
     forget_threads_of_parent( crew );
     atomic_store( &crew->wanted, true );
@@ -91,6 +91,7 @@ void crew_call( jobs_crew* crew )
     {
         wake_all( crew );
     }
+    return crew->started;
 }
 
 void crew_dismiss( jobs_crew* crew )

@@ -28,9 +28,10 @@ bool crew_init( jobs_crew* crew, int count, crew_body_fn* body, void* context );
 /// Send everybody home, and wait for it.
 void crew_release( jobs_crew* crew );
 
-/// There is something to do soon: who sleeps is woken, the rest looks for it all the time. Waits for nobody. Without threads
-/// left in the system there are fewer members, or none. A forked process has threads of its own from its first call on.
-void crew_call( jobs_crew* crew );
+/// There is something to do soon: who sleeps is woken, the rest looks for it all the time. Waits for nobody. A forked process
+/// has threads of its own from its first call on.
+/// @return false while the system starts no thread, so that there are no members; the next call tries again
+bool crew_call( jobs_crew* crew );
 /// There is nothing to do until the next call.
 void crew_dismiss( jobs_crew* crew );
 

@@ -214,20 +214,21 @@ void jobs_destroy( jobs_pool* pool )
     }
 }
 
-void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
+bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
 {
     if ( pool->has_crew == false )
     {
         driver( context );
         level_scratch( pool );
-        return;
+        return true;
     }
-    crew_call( &pool->crew );
+    const bool has_threads = crew_call( &pool->crew );
     pool->inside = true;
     driver( context );
     pool->inside = false;
     crew_dismiss( &pool->crew );
     level_scratch( pool );
+    return has_threads;
 }
 
 // What a host's own loop calls.

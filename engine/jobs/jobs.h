@@ -16,8 +16,9 @@ int jobs_workers( const jobs_pool* pool );
 int jobs_default_workers( void );
 
 /// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for workers,
-/// who may come late, or to their own next step.
-void jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
+/// who may come late.
+/// @return false if the system starts no thread: the driver ran, and all blocks on the calling thread
+bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
 
 /// One wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are done.
 void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );

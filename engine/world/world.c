@@ -209,6 +209,18 @@ static void write_profile( wisp_world* world )
     }
 }
 
+// Once; the results are the same, and only late.
+static void warn_without_threads( wisp_world* world, bool has_threads )
+{
+    if ( has_threads == false && world->has_warned_of_threads == false )
+    {
+        world->has_warned_of_threads = true;
+        base_log_write( &world->log, WISP_LOG_WARNING,
+                        "the system starts no thread: steps for %d workers run on one until it does",
+                        jobs_workers( world->pool ) );
+    }
+}
+
 wisp_status wisp_world_step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
@@ -230,7 +242,7 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     frame->seconds = seconds / (float)frame->substeps;
     if ( world->plan.node_count > 0 )
     {
-        jobs_enter( world->pool, drive, frame );
+        warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
     }
     write_profile( world );
     frame->step += 1;

@@ -23,6 +23,7 @@ struct wisp_world
     world_memory memory;
     wisp_allocator allocator; // counts, then asks the host
     base_log log;
+    bool has_warned_of_threads;
     store store;
     wisp_registry registry;
     plan plan;

@@ -5,6 +5,7 @@
 #include "jobs.h"
 
 #include <dirent.h>
+#include <pthread.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <sys/wait.h>
@@ -285,6 +286,50 @@ static void a_process_with_workers_may_fork_and_both_step_the_world( void** stat
     assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
 }
 
+// ---- without threads ----
+
+static int warnings;
+
+static void count_warnings( void* user, wisp_log_level level, const char* sentence )
+{
+    (void)user;
+    warnings += level == WISP_LOG_WARNING && strstr( sentence, "no thread" ) != NULL ? 1 : 0;
+}
+
+// Threads whose stacks no address space can hold are what the system does not start.
+static int step_without_threads( void )
+{
+    pthread_attr_t attributes;
+    pthread_attr_init( &attributes );
+    if ( pthread_attr_setstacksize( &attributes, (size_t)1 << 50 ) != 0 ||
+         pthread_setattr_default_np( &attributes ) != 0 )
+    {
+        return 4;
+    }
+    wisp_world_def def = wisp_default_world_def();
+    def.workers = 3;
+    def.log = count_warnings;
+    wisp_world* world = NULL;
+    if ( wisp_world_create( &def, &world, NULL ) != WISP_OK )
+    {
+        return 3;
+    }
+    wisp_entity strands = test_add_strands( world, 500, 8 );
+    bool same = wisp_want( world, strands, WISP_STRAND_POINTS ) == WISP_OK &&
+                wisp_world_step( world, 0.01f ) == WISP_OK && wisp_world_hash( world ) == hash_of_parent &&
+                wisp_world_step( world, 0.01f ) == WISP_OK;
+    const int threads = thread_count();
+    wisp_world_destroy( world );
+    return same && threads == 1 && warnings == 1 ? 0 : 1;
+}
+
+static void a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same( void** state )
+{
+    (void)state;
+    hash_of_parent = hash_after_a_step( 1 );
+    assert_int_equal( exit_of_child( step_without_threads ), 0 );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -294,6 +339,7 @@ int main( void )
         cmocka_unit_test( a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three ),
         cmocka_unit_test( workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool ),
         cmocka_unit_test( a_process_with_workers_may_fork_and_both_step_the_world ),
+        cmocka_unit_test( a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same ),
     };
     return cmocka_run_group_tests_name( "jobs and processes", tests, NULL, NULL );
 }
