@@ -49,7 +49,8 @@ static const char doc[] = "Measure: time, error and hash side by side. Without a
 
 static const struct argp_option option_list[] = {
     { "list", KEY_LIST, NULL, 0, "Print the cases and what each is for", 0 },
-    { "quick", KEY_QUICK, NULL, 0, "Fewer samples of the same sizes: 20 seconds a case instead of 90", 0 },
+    { "quick", KEY_QUICK, NULL, 0,
+      "Fewer samples and settings, without the largest sizes: 20 seconds a case instead of 90", 0 },
     { "seconds", KEY_SECONDS, "S", 0, "About how long a case may take", 0 },
     { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },

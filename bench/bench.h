@@ -6,7 +6,7 @@
 
 typedef struct bench_options
 {
-    bool quick;      ///< fewer samples, the same sizes
+    bool quick; ///< fewer samples and settings, shorter runs, without the largest sizes; notes say what is left out
     double seconds;  ///< about how long a case may take; 0: 85, or 18 when quick, so that 90 and 20 are kept
     int workers;     ///< of the parallel variant
     bool compare;    ///< the case `cloth`: one cloth by all solvers against a converged run, in place of its tables

@@ -32,7 +32,8 @@ typedef struct paper_table
 {
     int variant_count; ///< 2 with one worker, else 3
     int workers[PAPER_VARIANTS_MAX];
-    double clump_radius; ///< m
+    int oracle_vertices_max; ///< the double oracle goes so far
+    double clump_radius;     ///< m
     paper_line lines[PAPER_SIZES];
 } paper_table;
 

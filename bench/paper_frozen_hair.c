@@ -8,13 +8,14 @@
 
 // The oracle looks at all pairs: 10 000 vertices take it seconds, a million would take it days.
 #define ORACLE_VERTICES_MAX 10000
+#define ORACLE_VERTICES_QUICK 6000
 // All variants are compared at one event of the command, whatever events their timed steps had.
 #define COMPARED_EVENT 7
 #define SAMPLES_MAX 400
 // A round with everybody's warm-up takes about so many times a step of plain C.
 #define ROUND_OF_PLAIN 2.0
 // Ours alone has enough samples after this time.
-#define ONCE_SECONDS 2.0
+#define ONCE_SECONDS 1.0
 
 typedef struct paper_size
 {
@@ -116,7 +117,7 @@ static wisp_status judge( const paper_table* table, paper_race* race, paper_line
                           wisp_error* error )
 {
     line->tolerance = PAPER_TOLERATED_ROUNDINGS * (double)FLT_EPSILON * race->scene.extent;
-    line->by_oracle = line->vertices <= ORACLE_VERTICES_MAX;
+    line->by_oracle = line->vertices <= table->oracle_vertices_max;
     wisp_status status = line->by_oracle ? run_oracle( race, error ) : WISP_OK;
     if ( status != WISP_OK )
     {
@@ -356,7 +357,9 @@ static double share_of_rest( int size, bool quick )
 
 static paper_table empty_table( const bench_options* options )
 {
-    paper_table table = { .variant_count = options->workers > 1 ? 3 : 2, .workers = { 1, 1, options->workers } };
+    paper_table table = { .variant_count = options->workers > 1 ? 3 : 2,
+                          .workers = { 1, 1, options->workers },
+                          .oracle_vertices_max = options->quick ? ORACLE_VERTICES_QUICK : ORACLE_VERTICES_MAX };
     for ( int i = 0; i < PAPER_SIZES; ++i )
     {
         table.lines[i].strands = sizes[i].strands;

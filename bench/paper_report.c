@@ -223,8 +223,9 @@ static void add_reading( const paper_table* table, results* out )
                       "2.74 ms per 1000 vertices." );
     results_add_note( out,
                       "Errors are the largest distance of a vertex, in m and in clump radii h: to the double oracle "
-                      "up to 10 000 vertices, beyond to plain C, which is float too. Tolerated are %.0f float "
+                      "up to %d %03d vertices, beyond to plain C, which is float too. Tolerated are %.0f float "
                       "roundings of the scene's farthest coordinate.",
+                      table->oracle_vertices_max / 1000, table->oracle_vertices_max % 1000,
                       PAPER_TOLERATED_ROUNDINGS );
     for ( int i = 0; i < PAPER_SIZES; ++i )
     {

@@ -17,6 +17,8 @@ typedef struct accuracy_report
 {
     const accuracy_entry* entry;
     const accuracy_scene* scene;
+    const int* numbers; ///< [setting_count] by which run() knows the settings: a quick run has not all of them
+    int left_out;       ///< settings that it has not
     const accuracy_figures* figures; ///< [setting_count]
     int workers[ACCURACY_WORKERS_MAX], worker_count;
     // by setting, of `figures`: the columns that are compared
@@ -25,6 +27,11 @@ typedef struct accuracy_report
     double* least_ms; ///< of its worker counts the faster one: who has two cores may leave one idle
     bool* on_front;   ///< of error and least_ms
 } accuracy_report;
+
+/// Keep what a quick run has: settings of no series, of each series the coarsest and the one in the middle, of the first series
+/// the finest too. Fine ends take most of the time.
+/// @param numbers [setting_count] receives for each setting that is kept where it stood
+void accuracy_thin( accuracy_scene* scene, int* numbers );
 
 /// Each setting once looked at, then rounds in turns, each setting with every worker count, while there is time, and at least
 /// one. A hash that differs from that of the looked-at run is a failure in the results.

@@ -101,7 +101,7 @@ static wisp_status look( contest* c, int setting, wisp_error* error )
     accuracy_run* seen = &c->figures[setting].seen;
     show_progress( c, setting, true );
     *seen = empty_run();
-    wisp_status status = scene->run( scene->context, setting, 1, true, seen, error );
+    wisp_status status = scene->run( scene->context, c->report->numbers[setting], 1, true, seen, error );
     forget_times( seen );
     // what left its bounds is nowhere near anything
     seen->error = seen->halted_at > 0 ? NAN : seen->error;
@@ -137,7 +137,7 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
     timed_entrant* entrant = &c->entrants[setting * c->report->worker_count + worker];
     accuracy_run run = empty_run();
     const double begin = wisp_clock_seconds();
-    wisp_status status = scene->run( scene->context, setting, workers, false, &run, error );
+    wisp_status status = scene->run( scene->context, c->report->numbers[setting], workers, false, &run, error );
     entrant->cost = wisp_clock_seconds() - begin;
     entrant->spent += entrant->cost;
     if ( status == WISP_OK )

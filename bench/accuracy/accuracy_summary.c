@@ -258,6 +258,14 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
                           "measured, and is left out of observed orders.",
                           report->entry->name, scene->doubt, scene->error_unit );
     }
+    if ( report->left_out > 0 )
+    {
+        results_add_note(
+            out,
+            "Accuracy `%s`: a quick run has %d of %d settings: of every series the coarsest and the one in "
+            "the middle, of the first series the finest too.",
+            report->entry->name, scene->setting_count, scene->setting_count + report->left_out );
+    }
     if ( scene->note )
     {
         results_add_note( out, "Accuracy `%s`: %s", report->entry->name, scene->note );

@@ -13,8 +13,10 @@
 #define CURL_HEIGHT 0.16  // m
 #define CURL_RADIUS 0.005 // m
 #define CURL_PITCH 0.02   // m a turn
+#define FEWEST_STRANDS_SIDE 4
 #define FEW_STRANDS_SIDE 8
 #define MANY_STRANDS_SIDE 16
+#define FEW_SECONDS 4.0
 #define FULL_SECONDS 15.0
 
 typedef enum rest_hair
@@ -185,7 +187,9 @@ static wisp_status begin( accuracy_scene* out, wisp_error* error )
 
 static int side_for( double seconds )
 {
-    return seconds < FULL_SECONDS ? FEW_STRANDS_SIDE : MANY_STRANDS_SIDE;
+    return seconds < FEW_SECONDS    ? FEWEST_STRANDS_SIDE
+           : seconds < FULL_SECONDS ? FEW_STRANDS_SIDE
+                                    : MANY_STRANDS_SIDE;
 }
 
 wisp_status accuracy_strands_rest( const bench_options* options, double seconds, accuracy_scene* out,

@@ -3,6 +3,7 @@
 
 #include "accuracy/accuracy.h"
 #include "accuracy/accuracy_compare.h"
+#include "accuracy/accuracy_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -441,6 +442,94 @@ static void a_setting_that_fails_ends_the_case_with_its_sentence( void** state )
     results_free( &all );
 }
 
+// ---- quick runs ----
+
+static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* series;
+        double knob;
+        bool is_kept;
+    } expected[] = {
+        { "", NAN, true },       { "first", 8.0, true },   { "first", 4.0, false },  { "first", 2.0, true },
+        { "first", 1.0, true },  { "second", 1.0, false }, { "", NAN, true },        { "second", 2.0, false },
+        { "second", 3.0, true }, { "second", 9.0, false }, { "second", 10.0, true }, { "alone", 1.0, true },
+        { "two", 2.0, true },    { "two", 1.0, true },
+    };
+    accuracy_setting settings[WISP_COUNT( expected )];
+    int numbers[WISP_COUNT( expected )];
+    for ( int i = 0; i < WISP_COUNT( expected ); ++i )
+    {
+        settings[i] = ( accuracy_setting ){ .knob = expected[i].knob };
+        snprintf( settings[i].name, sizeof( settings[i].name ), "%d", i );
+        snprintf( settings[i].series, sizeof( settings[i].series ), "%s", expected[i].series );
+    }
+    accuracy_scene scene = { .settings = settings, .setting_count = WISP_COUNT( expected ) };
+    accuracy_thin( &scene, numbers );
+
+    int kept = 0;
+    for ( int i = 0; i < WISP_COUNT( expected ); ++i )
+    {
+        if ( expected[i].is_kept )
+        {
+            assert_true( kept < scene.setting_count );
+            assert_int_equal( numbers[kept], i );
+            assert_int_equal( atoi( scene.settings[kept].name ), i );
+            ++kept;
+        }
+    }
+    assert_int_equal( scene.setting_count, kept );
+}
+
+// Setting 1 is the fine end of the second series.
+static wisp_status make_two_series( const bench_options* options, double seconds, accuracy_scene* out,
+                                    wisp_error* error )
+{
+    const wisp_status status = fake_make( options, seconds, out, error );
+    for ( int i = 0; i < 4 && status == WISP_OK; ++i )
+    {
+        accuracy_setting* s = &out->settings[i];
+        snprintf( s->series, sizeof( s->series ), "%s", i == 0 ? "first" : "second" );
+    }
+    return status;
+}
+
+static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are( void** state )
+{
+    (void)state;
+    const accuracy_entry entry = { "fake", "a scene of two series", make_two_series };
+    bench_options options = bench_default_options();
+    options.quick = true;
+    results all = { 0 };
+    wisp_error error = { 0 };
+    assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
+    assert_false( all.failed );
+    const results_table* table = find_table( &all, "Accuracy `fake`" );
+    for ( int i = 0, line = 1; i < FAKE_SETTINGS; ++i )
+    {
+        const int expected = i == 1 ? 0 : 1;
+        assert_int_equal( fake.looked[i], expected );
+        assert_int_equal( fake.timed[i][0], expected );
+        assert_int_equal( fake.timed[i][1], expected );
+        if ( expected > 0 && i != FAKE_HALTS )
+        {
+            assert_true( atof( named_cell( table, line, "distance, mm" ) ) == 1.0 + i );
+        }
+        line += expected;
+    }
+    bool is_said = false;
+    char said[40];
+    snprintf( said, sizeof( said ), "has %d of %d settings", FAKE_SETTINGS - 1, FAKE_SETTINGS );
+    for ( int i = 0; i < all.note_count; ++i )
+    {
+        is_said = is_said || strstr( all.notes[i], said ) != NULL;
+    }
+    assert_true( is_said );
+    results_free( &all );
+}
+
 // ---- a few settings of a real scene ----
 
 static const char* const few_names[] = { "xpbd 5", "xpbd 10", "implicit 1/100, Euler, 0.0001, 1",
@@ -507,8 +596,7 @@ static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
 {
     (void)state;
     const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few };
-    bench_options options = bench_default_options();
-    options.quick = true;
+    const bench_options options = bench_default_options();
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
@@ -548,6 +636,9 @@ int main( void )
         cmocka_unit_test( many_levels_are_picked_evenly_and_keep_both_ends ),
         cmocka_unit_test( values_between_two_round_numbers_have_the_one_above ),
         cmocka_unit_test( the_best_within_a_limit_is_the_cheapest_that_takes_part ),
+        cmocka_unit_test( a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series ),
+        cmocka_unit_test_setup( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are,
+                                forget_fake ),
         cmocka_unit_test_setup( each_setting_is_looked_at_once_and_timed_at_least_once, forget_fake ),
         cmocka_unit_test_setup( with_one_worker_nothing_runs_twice, forget_fake ),
         cmocka_unit_test_setup( who_takes_more_than_its_share_sits_out, forget_fake ),

@@ -1,0 +1,65 @@
+// What a quick run has of a scene's settings.
+#include "accuracy_parts.h"
+
+#include <string.h>
+
+// Where a setting stands in its series: 0 is the coarsest.
+static int rank_of( const accuracy_scene* scene, int setting, int* series_count )
+{
+    const accuracy_setting* mine = &scene->settings[setting];
+    int rank = 0;
+    *series_count = 0;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        if ( strcmp( scene->settings[i].series, mine->series ) == 0 )
+        {
+            rank += scene->settings[i].knob > mine->knob ? 1 : 0;
+            ++*series_count;
+        }
+    }
+    return rank;
+}
+
+static const char* first_series( const accuracy_scene* scene )
+{
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        if ( scene->settings[i].series[0] != '\0' )
+        {
+            return scene->settings[i].series;
+        }
+    }
+    return "";
+}
+
+static bool is_kept( const accuracy_scene* scene, int setting, const char* first )
+{
+    const char* series = scene->settings[setting].series;
+    if ( series[0] == '\0' )
+    {
+        return true;
+    }
+    int count;
+    const int rank = rank_of( scene, setting, &count );
+    return rank == 0 || rank == count / 2 || ( rank == count - 1 && strcmp( series, first ) == 0 );
+}
+
+void accuracy_thin( accuracy_scene* scene, int* numbers )
+{
+    const char* first = first_series( scene );
+
+    // All are chosen before the first one moves: ranks are among all.
+    int kept = 0;
+    for ( int i = 0; i < scene->setting_count; ++i )
+    {
+        if ( is_kept( scene, i, first ) )
+        {
+            numbers[kept++] = i;
+        }
+    }
+    for ( int k = 0; k < kept; ++k )
+    {
+        scene->settings[k] = scene->settings[numbers[k]];
+    }
+    scene->setting_count = kept;
+}
