@@ -34,6 +34,7 @@ typedef struct paper_table
     int workers[PAPER_VARIANTS_MAX];
     int oracle_vertices_max; ///< the double oracle goes so far
     double clump_radius;     ///< m
+    int size_count;          ///< a quick run leaves the largest out
     paper_line lines[PAPER_SIZES];
 } paper_table;
 

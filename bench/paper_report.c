@@ -130,7 +130,7 @@ static void add_line( const paper_table* table, const paper_line* line, int numb
 
 static stats_line fit( const paper_table* table, int variant, int size_count )
 {
-    double thousands[PAPER_SIZES], ms[PAPER_SIZES];
+    double thousands[PAPER_SIZES] = { 0 }, ms[PAPER_SIZES] = { 0 };
     for ( int i = 0; i < size_count; ++i )
     {
         const paper_line* line = &table->lines[i];
@@ -175,7 +175,7 @@ static void add_fits( const paper_table* table, results* out )
     }
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        add_fit( table, v, PAPER_SIZES, number, out );
+        add_fit( table, v, table->size_count, number, out );
     }
 }
 
@@ -201,13 +201,13 @@ static void add_contract( const paper_table* table, results* out )
         met( ratio >= CONTRACT_RATIO ), ms, CONTRACT_MS, met( ms < CONTRACT_MS ) );
     for ( int v = 1; v < table->variant_count; ++v )
     {
-        double r_squared = fit( table, v, PAPER_SIZES ).r_squared;
+        double r_squared = fit( table, v, table->size_count ).r_squared;
         results_add_note( out, "Contract with %d %s: time against vertices is a line, R^2 = %.5f (above %.2f: %s).",
                           table->workers[v], workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED,
                           met( r_squared > CONTRACT_R_SQUARED ) );
     }
     double fewest = INFINITY;
-    for ( int i = 0; i < PAPER_SIZES; ++i )
+    for ( int i = 0; i < table->size_count; ++i )
     {
         fewest = fmin( fewest, table->lines[i].neighbours );
     }
@@ -227,7 +227,7 @@ static void add_reading( const paper_table* table, results* out )
                       "roundings of the scene's farthest coordinate.",
                       table->oracle_vertices_max / 1000, table->oracle_vertices_max % 1000,
                       PAPER_TOLERATED_ROUNDINGS );
-    for ( int i = 0; i < PAPER_SIZES; ++i )
+    for ( int i = 0; i < table->size_count; ++i )
     {
         const paper_line* line = &table->lines[i];
         if ( line->plain_once )
@@ -248,6 +248,14 @@ static void add_reading( const paper_table* table, results* out )
     }
 }
 
+static void add_left_out( const paper_table* table, results* out )
+{
+    if ( table->size_count < PAPER_SIZES )
+    {
+        results_add_note( out, "A quick run leaves %d strands out.", table->lines[table->size_count].strands );
+    }
+}
+
 static void add_chart( results* out )
 {
     rows_chart_add( &( rows_chart ){ .name = "paper",
@@ -263,7 +271,7 @@ static void add_chart( results* out )
 void paper_report( const paper_table* table, results* out )
 {
     int number = add_header( table, out );
-    for ( int i = 0; i < PAPER_SIZES; ++i )
+    for ( int i = 0; i < table->size_count; ++i )
     {
         add_line( table, &table->lines[i], number, out );
     }
@@ -271,4 +279,5 @@ void paper_report( const paper_table* table, results* out )
     add_chart( out );
     add_contract( table, out );
     add_reading( table, out );
+    add_left_out( table, out );
 }

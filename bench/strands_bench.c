@@ -17,7 +17,7 @@ strands_plan strands_default_plan( const bench_options* options )
         .few_settings = is_full ? 3 : 1,
         .plain_strands = is_full ? 50000 : 10000,
         .race_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
-        .head_sides = { 44, 224 },
+        .head_sides = { 44, is_full ? 224 : 128 }, // of 20 vertices: a million
         .head_count = 2,
         .head_ratios_min = 16,
         .large_first_worker = is_full || options->workers == 1 ? 0 : 1,
