@@ -1,132 +1,16 @@
 #include "tune_knobs.h"
 
+#include "tune_fields.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/// Where a field is: in the scene itself, or in surfaces of one kind.
-typedef enum field_place
-{
-    OF_SCENE,
-    OF_CLOTH,        ///< surfaces with `cloth`
-    OF_PINNED_CLOTH, ///< those of them that hang by something
-    OF_IMPLICIT,     ///< surfaces with `implicit`
-} field_place;
-
-#define CANDIDATES_MAX 6
-
-/// Coarse levels that a fabric gets which has none and is to be passed over.
-#define LEVELS 3
-
-/// One row a knob. Values go from rough to fine; the scene's own joins them. Short cuts that help a rough setting, and
-/// that a fine one does without, have no order: the last value, without them, is the truth's.
-typedef struct field
-{
-    const char* name; ///< as the scene writes it
-    const char* block;
-    const char* key;
-    field_place place;
-    bool is_unordered, is_switch;
-    double candidates[CANDIDATES_MAX]; ///< end with 0, unless it is full
-} field;
-
-enum
-{
-    FIELD_SUBSTEPS,
-    FIELD_ITERATIONS,
-    FIELD_TETHERS,
-    FIELD_LEVEL_PASSES,
-    FIELD_TOLERANCE,
-    FIELD_REPEATS,
-    FIELD_COUNT,
-};
-
 _Static_assert( (int)FIELD_COUNT <= WISP_TUNE_MAX_KNOBS, "a scene may have all of them" );
+_Static_assert( (int)FIELD_COUNT <= 7 && 3 * 3 * 3 * 3 * 3 * 3 * 3 <= WISP_TUNE_MAX_SETTINGS,
+                "three values of each can be searched" );
 
-static const field fields[FIELD_COUNT] = {
-    [FIELD_SUBSTEPS] = { "substeps", NULL, "substeps", OF_SCENE, .candidates = { 1, 2, 4, 8, 16 } },
-    [FIELD_ITERATIONS] = { "iterations", NULL, "iterations", OF_SCENE, .candidates = { 1, 2, 4 } },
-    [FIELD_TETHERS] = { "cloth.tethers", "cloth", "tethers", OF_PINNED_CLOTH, true, true, { 1 } },
-    [FIELD_LEVEL_PASSES] = { "cloth.level_passes", "cloth", "level_passes", OF_CLOTH, true, .candidates = { 1 } },
-    [FIELD_TOLERANCE] = { "implicit.tolerance", "implicit", "tolerance", OF_IMPLICIT,
-                          .candidates = { 1e-1, 1e-2, 1e-3, 1e-4 } },
-    [FIELD_REPEATS] = { "implicit.newton_repeats", "implicit", "newton_repeats", OF_IMPLICIT,
-                        .candidates = { 1, 2, 4 } },
-};
-
-// ---- what a scene has ----
-
-// An instance shares the fabric of its source, and with it what the fabric was cooked for.
-static bool has_field( const wisp_scene_surface* surface, int which )
-{
-    const bool is_cloth = surface->has_cloth && surface->instance_of < 0;
-    switch ( fields[which].place )
-    {
-        case OF_CLOTH:
-            return is_cloth;
-        case OF_PINNED_CLOTH:
-            return is_cloth && surface->pin_count + surface->pin_box_count + surface->pin_nearest_count > 0;
-        case OF_IMPLICIT:
-            return surface->has_implicit;
-        case OF_SCENE:
-            break;
-    }
-    return false;
-}
-
-static double surface_value( const wisp_scene_surface* surface, int which )
-{
-    switch ( which )
-    {
-        case FIELD_TETHERS:
-            return surface->cloth.tethers ? 1.0 : 0.0;
-        case FIELD_LEVEL_PASSES:
-            return surface->levels > 0 ? surface->cloth.level_passes : 0.0;
-        case FIELD_TOLERANCE:
-            return (double)surface->implicit.tolerance;
-        default:
-            return surface->implicit.newton_repeats;
-    }
-}
-
-static void set_surface( wisp_scene_surface* surface, int which, double value )
-{
-    switch ( which )
-    {
-        case FIELD_TETHERS:
-            surface->cloth.tethers = value > 0.0;
-            break;
-        case FIELD_LEVEL_PASSES:
-            surface->cloth.level_passes = (int)value;
-            surface->levels = value > 0.0 && surface->levels == 0 ? LEVELS : surface->levels;
-            break;
-        case FIELD_TOLERANCE:
-            surface->implicit.tolerance = (float)value;
-            break;
-        default:
-            surface->implicit.newton_repeats = (int)value;
-            break;
-    }
-}
-
-/// The scene's own value of a field. @return false: nothing has it
-static bool find_own( const wisp_scene* scene, int which, double* out )
-{
-    if ( fields[which].place == OF_SCENE )
-    {
-        *out = which == FIELD_SUBSTEPS ? scene->substeps : scene->iterations;
-        return true;
-    }
-    for ( int i = 0; i < scene->surface_count; ++i )
-    {
-        if ( has_field( &scene->surfaces[i], which ) )
-        {
-            *out = surface_value( &scene->surfaces[i], which );
-            return true;
-        }
-    }
-    return false;
-}
+// ---- which knobs there are ----
 
 // Implicit cloth has its own loop: the scene's iterations change it only where something else is solved for with it.
 static bool uses_iterations( const wisp_scene* scene )
@@ -155,7 +39,7 @@ static bool moves( const wisp_scene* scene )
 
 // ---- values ----
 
-// Rising, but for tolerances, which get finer as they fall. Equal as floats is equal: the scene's own came from one.
+// Rising, but for what gets finer as it falls. Equal as floats is equal: the scene's own came from one.
 static void insert_value( tune_knobs* out, double value, bool is_falling )
 {
     wisp_tune_knob* knob = &out->knobs[out->count];
@@ -181,30 +65,66 @@ static void insert_value( tune_knobs* out, double value, bool is_falling )
 
 static void add_knob( tune_knobs* out, int which, double own )
 {
-    const field* f = &fields[which];
+    const tune_field* f = &tune_fields[which];
     out->fields[out->count] = which;
     out->knobs[out->count] =
         ( wisp_tune_knob ){ .name = f->name, .values = out->values[out->count], .is_unordered = f->is_unordered };
-    for ( int i = 0; i < CANDIDATES_MAX && f->candidates[i] > 0.0; ++i )
+    for ( int i = 0; i < TUNE_CANDIDATES_MAX && f->candidates[i] > 0.0; ++i )
     {
-        // One switched-on value is enough, and the scene's is the better one.
-        const bool is_own = f->is_unordered && own > 0.0;
-        insert_value( out, is_own ? own : f->candidates[i], which == FIELD_TOLERANCE );
+        insert_value( out, f->candidates[i], f->is_falling );
+    }
+    if ( own > 0.0 )
+    {
+        insert_value( out, own, f->is_falling );
     }
     if ( f->is_unordered )
     {
         out->values[out->count][out->knobs[out->count].value_count++] = 0.0;
     }
-    else
-    {
-        insert_value( out, own, which == FIELD_TOLERANCE );
-    }
     ++out->count;
+}
+
+// ---- a scene of everything ----
+
+static int setting_count( const tune_knobs* knobs )
+{
+    int count = 1;
+    for ( int k = 0; k < knobs->count; ++k )
+    {
+        count *= knobs->knobs[k].value_count;
+    }
+    return count;
+}
+
+// The roughest value between both ends that is not the scene's own goes.
+static void drop_value( const wisp_scene* scene, tune_knobs* knobs, int k )
+{
+    double own = 0.0;
+    tune_field_own( scene, knobs->fields[k], &own );
+    double* values = knobs->values[k];
+    const int place = (float)values[1] == (float)own ? 2 : 1;
+    const int behind = --knobs->knobs[k].value_count - place;
+    memmove( values + place, values + place + 1, (size_t)behind * sizeof *values );
+}
+
+// Few scenes have all knobs; theirs may make more settings than can be searched. The longest lose values until there are
+// few enough, as three of each are.
+static void thin_out( const wisp_scene* scene, tune_knobs* knobs )
+{
+    while ( setting_count( knobs ) > WISP_TUNE_MAX_SETTINGS )
+    {
+        int longest = 0;
+        for ( int k = 1; k < knobs->count; ++k )
+        {
+            longest = knobs->knobs[k].value_count > knobs->knobs[longest].value_count ? k : longest;
+        }
+        drop_value( scene, knobs, longest );
+    }
 }
 
 wisp_status tune_knobs_find( const wisp_scene* scene, tune_knobs* out, wisp_error* error )
 {
-    *out = ( tune_knobs ){ 0 };
+    *out = ( tune_knobs ){ .level_passes = tune_level_passes( scene ) };
     if ( !moves( scene ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -213,11 +133,12 @@ wisp_status tune_knobs_find( const wisp_scene* scene, tune_knobs* out, wisp_erro
     for ( int which = 0; which < FIELD_COUNT; ++which )
     {
         double own;
-        if ( find_own( scene, which, &own ) && ( which != FIELD_ITERATIONS || uses_iterations( scene ) ) )
+        if ( tune_field_own( scene, which, &own ) && ( which != FIELD_ITERATIONS || uses_iterations( scene ) ) )
         {
             add_knob( out, which, own );
         }
     }
+    thin_out( scene, out );
     return WISP_OK;
 }
 
@@ -226,16 +147,11 @@ void tune_knobs_set( const tune_knobs* knobs, const int* choice, wisp_scene* sce
     for ( int k = 0; k < knobs->count; ++k )
     {
         const int which = knobs->fields[k];
-        const double value = knobs->values[k][choice[k]];
-        if ( fields[which].place == OF_SCENE )
+        for ( int i = 0; i < tune_field_entries( scene, which ); ++i )
         {
-            *( which == FIELD_SUBSTEPS ? &scene->substeps : &scene->iterations ) = (int)value;
-        }
-        for ( int i = 0; i < scene->surface_count; ++i )
-        {
-            if ( has_field( &scene->surfaces[i], which ) )
+            if ( tune_field_is_in( scene, which, i ) )
             {
-                set_surface( &scene->surfaces[i], which, value );
+                tune_field_set( scene, which, i, knobs->values[k][choice[k]], knobs->level_passes );
             }
         }
     }
@@ -243,9 +159,9 @@ void tune_knobs_set( const tune_knobs* knobs, const int* choice, wisp_scene* sce
 
 // ---- the file ----
 
-void tune_knobs_text( const tune_knobs* knobs, int knob, double value, char* out, size_t size )
+static void value_text( int which, double value, char* out, size_t size )
 {
-    if ( fields[knobs->fields[knob]].is_switch )
+    if ( which == FIELD_TETHERS )
     {
         snprintf( out, size, "%s", value > 0.0 ? "true" : "false" );
     }
@@ -255,32 +171,86 @@ void tune_knobs_text( const tune_knobs* knobs, int knob, double value, char* out
     }
 }
 
-static bool has_value( double own, double value )
+void tune_knobs_text( const tune_knobs* knobs, int knob, double value, char* out, size_t size )
 {
-    return (float)own == (float)value;
+    if ( knobs->fields[knob] == FIELD_LEVELS )
+    {
+        snprintf( out, size, value > 0.0 ? "finest %.0f" : "off", value );
+    }
+    else
+    {
+        value_text( knobs->fields[knob], value, out, size );
+    }
 }
 
-// Room for two edits a knob and place must be there.
-static void add_surface_edits( const tune_knobs* knobs, int knob, double value, const wisp_scene* scene,
-                               wisp_scene_edit* edits, int* count )
+/// What must change.
+typedef struct edit_list
+{
+    wisp_scene_edit* edits; // room for EDITS_MAX an entry and knob
+    int count;
+} edit_list;
+
+#define EDITS_MAX 3
+
+// @return the edit, which takes its key out as long as it has no value
+static wisp_scene_edit* add_edit( edit_list* list, int which, int entry )
+{
+    const tune_field* f = &tune_fields[which];
+    wisp_scene_edit* edit = &list->edits[list->count++];
+    *edit = ( wisp_scene_edit ){ .list = f->list, .index = entry, .block = f->block, .key = f->key };
+    return edit;
+}
+
+static void add_whole_edit( edit_list* list, int surface, const char* block, const char* key, int own, int wanted )
+{
+    if ( own != wanted )
+    {
+        wisp_scene_edit* edit = add_edit( list, FIELD_LEVELS, surface );
+        edit->block = block;
+        edit->key = key;
+        snprintf( edit->value, sizeof edit->value, "%d", wanted );
+    }
+}
+
+// A file has levels, passes over them and where they begin, or it has no levels: then nothing may say where they begin,
+// whether it did so before or left it at its default. An instance has passes alone.
+static void add_level_edits( const tune_knobs* knobs, const wisp_scene* scene, int entry, double value,
+                             edit_list* list )
+{
+    const wisp_scene_surface* surface = &scene->surfaces[entry];
+    const bool is_on = value > 0.0, is_own = surface->instance_of < 0;
+    if ( !is_on && tune_field_value( scene, FIELD_LEVELS, entry ) == 0.0 )
+    {
+        return;
+    }
+    add_whole_edit( list, entry, "cloth", "level_passes", surface->cloth.level_passes,
+                    is_on ? knobs->level_passes : 0 );
+    if ( is_own && is_on )
+    {
+        add_whole_edit( list, entry, NULL, "levels", surface->levels,
+                        surface->levels == 0 ? TUNE_LEVELS : surface->levels );
+        add_whole_edit( list, entry, NULL, "finest_level", surface->finest_level, (int)value );
+    }
+    else if ( is_own )
+    {
+        add_whole_edit( list, entry, NULL, "levels", surface->levels, 0 );
+        add_edit( list, FIELD_LEVELS, entry );
+    }
+}
+
+static void add_edits( const tune_knobs* knobs, int knob, double value, const wisp_scene* scene, edit_list* list )
 {
     const int which = knobs->fields[knob];
-    for ( int i = 0; i < scene->surface_count; ++i )
+    for ( int i = 0; i < tune_field_entries( scene, which ); ++i )
     {
-        const wisp_scene_surface* surface = &scene->surfaces[i];
-        if ( !has_field( surface, which ) || has_value( surface_value( surface, which ), value ) )
+        if ( tune_field_is_in( scene, which, i ) && which == FIELD_LEVELS )
         {
-            continue;
+            add_level_edits( knobs, scene, i, value, list );
         }
-        wisp_scene_edit* edit = &edits[( *count )++];
-        *edit = ( wisp_scene_edit ){ "surfaces", i, fields[which].block, fields[which].key, "" };
-        tune_knobs_text( knobs, knob, value, edit->value, sizeof edit->value );
-        // A file has levels and passes over them, or neither.
-        if ( which == FIELD_LEVEL_PASSES && ( value > 0.0 ) != ( surface->levels > 0 ) )
+        else if ( tune_field_is_in( scene, which, i ) && (float)tune_field_value( scene, which, i ) != (float)value )
         {
-            edit = &edits[( *count )++];
-            *edit = ( wisp_scene_edit ){ "surfaces", i, NULL, "levels", "" };
-            snprintf( edit->value, sizeof edit->value, "%d", value > 0.0 ? LEVELS : 0 );
+            wisp_scene_edit* edit = add_edit( list, which, i );
+            value_text( which, value, edit->value, sizeof edit->value );
         }
     }
 }
@@ -288,26 +258,19 @@ static void add_surface_edits( const tune_knobs* knobs, int knob, double value, 
 wisp_status tune_knobs_edits( const tune_knobs* knobs, const int* choice, const wisp_scene* scene,
                               wisp_scene_edit** out, int* count, wisp_error* error )
 {
+    const size_t entries = (size_t)scene->surface_count + (size_t)scene->strands_count + 1;
+    edit_list list = { .edits = malloc( EDITS_MAX * entries * (size_t)knobs->count * sizeof *list.edits + 1 ) };
+    *out = list.edits;
     *count = 0;
-    const size_t room = 2 * (size_t)knobs->count * ( (size_t)scene->surface_count + 1 );
-    *out = malloc( room * sizeof **out + 1 );
-    if ( !*out )
+    if ( !list.edits )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the changes", scene->name );
     }
     for ( int k = 0; k < knobs->count; ++k )
     {
-        const field* f = &fields[knobs->fields[k]];
-        const double value = knobs->values[k][choice[k]];
-        double own = value;
-        if ( f->place == OF_SCENE && find_own( scene, knobs->fields[k], &own ) && !has_value( own, value ) )
-        {
-            wisp_scene_edit* edit = &( *out )[( *count )++];
-            *edit = ( wisp_scene_edit ){ .key = f->key };
-            tune_knobs_text( knobs, k, value, edit->value, sizeof edit->value );
-        }
-        add_surface_edits( knobs, k, value, scene, *out, count );
+        add_edits( knobs, k, knobs->values[k][choice[k]], scene, &list );
     }
+    *count = list.count;
     return WISP_OK;
 }
 

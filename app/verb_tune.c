@@ -31,17 +31,18 @@ enum
 static const char doc[] =
     "Find the cheapest setting of a scene that meets an error, or the most accurate one within a time.\n"
     "\v"
-    "Tuned are substeps and iterations, tethers and level passes of cloth, tolerance and repeats of implicit "
-    "cloth, as far as the scene has them; on all surfaces alike. Settings are run on this machine, which should "
-    "have nothing else to do.\n"
+    "Tuned are substeps and iterations, tethers and levels of cloth (off, or their finest_level), tolerance and "
+    "repeats of implicit cloth, stretch_passes of strands that move by the direct solve, as far as the scene has "
+    "them; on all surfaces and strands alike. Settings are run on this machine, which should have nothing else to "
+    "do.\n"
     "\n"
     "The error is the root mean square distance, in metres, over all points of surfaces and of strands with "
     "dynamics, and over 12 looks spread over the run, from the same scene with 16 times the substeps of the "
-    "finest setting, without tethers and level passes. Scenes that go another way after the smallest change, as "
+    "finest setting, without tethers and levels. Scenes that go another way after the smallest change, as "
     "crumpling cloth does, cannot meet a small error.\n"
     "\n"
-    "--output writes the scene with the fields of the choice changed or added and everything else as it was, if "
-    "what was asked for is met.\n"
+    "--output writes the scene with the fields of the choice changed, added or, where levels are off, taken out, "
+    "and everything else as it was, if what was asked for is met.\n"
     "\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
@@ -145,8 +146,7 @@ static wisp_status edit_scene( const tune_options* options, const tune_knobs* kn
     return status;
 }
 
-// What cannot be written is told before minutes go by: the edits of the cheapest and of the finest setting touch
-// every field that any other one does.
+// What cannot be written is told before minutes go by: every value of every knob is in one of the choices that are tried.
 static wisp_status check_output( const tune_options* options, const tune_knobs* knobs, const wisp_scene* scene,
                                  wisp_error* error )
 {
@@ -159,13 +159,19 @@ static wisp_status check_output( const tune_options* options, const tune_knobs* 
             "%s reads files of its folder, which a scene in another one would not find: write %s beside it",
             options->scene, options->output );
     }
-    int cheap[WISP_TUNE_MAX_KNOBS] = { 0 }, fine[WISP_TUNE_MAX_KNOBS];
-    for ( int k = 0; k < WISP_TUNE_MAX_KNOBS; ++k )
+    wisp_status status = WISP_OK;
+    for ( int value = 0; value < WISP_TUNE_MAX_VALUES && status == WISP_OK; ++value )
     {
-        fine[k] = knobs->knobs[k].value_count - 1;
+        int choice[WISP_TUNE_MAX_KNOBS], longest = 0;
+        for ( int k = 0; k < knobs->count; ++k )
+        {
+            const int last = knobs->knobs[k].value_count - 1;
+            choice[k] = value < last ? value : last;
+            longest = last > longest ? last : longest;
+        }
+        status = value <= longest ? edit_scene( options, knobs, choice, scene, NULL, error ) : WISP_OK;
     }
-    wisp_status status = edit_scene( options, knobs, cheap, scene, NULL, error );
-    return status == WISP_OK ? edit_scene( options, knobs, fine, scene, NULL, error ) : status;
+    return status;
 }
 
 // Written, and read again: what the file says must be what was chosen.

@@ -117,14 +117,33 @@ static const scene_node* find_map( const editor* e, const wisp_scene_edit* edit 
     return node && node->kind == SCENE_MAP ? node : NULL;
 }
 
+static bool takes_out( const wisp_scene_edit* edit )
+{
+    return edit->value[0] == '\0';
+}
+
 static wisp_status refuse_edit( const editor* e, const scene_node* node, const wisp_scene_edit* edit )
 {
-    return scene_refuse( &e->source, node ? node->line : 0, node ? node->column : 0, "",
+    const int line = node ? node->line : 0, column = node ? node->column : 0;
+    if ( takes_out( edit ) )
+    {
+        return scene_refuse( &e->source, line, column, "",
+                             "'%s' cannot be taken out here without writing the file anew; take it out by hand",
+                             edit->key );
+    }
+    return scene_refuse( &e->source, line, column, "",
                          "'%s' cannot be set to %s here without writing the file anew; set it by hand", edit->key,
                          edit->value );
 }
 
 // ---- patches ----
+
+// A value whose bytes are those that were read.
+static bool is_as_written( const editor* e, const scene_node* node )
+{
+    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &e->tree, node ) : "";
+    return node->plain && text[0] && stands_at( e, place_of( e, node->line, node->column ), text );
+}
 
 // @param text one line at most, with its indentation
 static void add_patch( editor* e, size_t at, size_t removed, const char* text )
@@ -137,14 +156,30 @@ static void add_patch( editor* e, size_t at, size_t removed, const char* text )
 
 static wisp_status replace_value( editor* e, const scene_node* node, const wisp_scene_edit* edit )
 {
-    const char* old = scene_text_of( &e->tree, node );
-    const size_t at = place_of( e, node->line, node->column );
-    if ( node->kind != SCENE_SCALAR || !node->plain || !old[0] || !stands_at( e, at, old ) )
+    if ( !is_as_written( e, node ) )
     {
         return refuse_edit( e, node, edit );
     }
-    add_patch( e, at, strlen( old ), edit->value );
+    add_patch( e, place_of( e, node->line, node->column ), strlen( scene_text_of( &e->tree, node ) ), edit->value );
     return WISP_OK;
+}
+
+// Another key comes behind one that comes as well: a comma parts them, and the blank before a brace is not its own.
+static void go_on_behind( editor* e, size_t at )
+{
+    int i = e->patch_count - 1;
+    while ( i >= 0 && ( e->patches[i].at != at || e->patches[i].removed > 0 ) )
+    {
+        --i;
+    }
+    if ( i >= 0 )
+    {
+        char* text = e->patches[i].text;
+        size_t length = strlen( text );
+        length -= text[length - 1] == ' ';
+        const char* comma = text[length - 1] == ',' ? "" : ",";
+        snprintf( text + length, sizeof e->patches[i].text - length, "%s", comma );
+    }
 }
 
 // Behind the brace. A file whose root has braces is taken for JSON, whose keys are quoted.
@@ -157,6 +192,7 @@ static void add_to_braces( editor* e, const scene_node* map, size_t at, const wi
     char text[120];
     snprintf( text, sizeof text, " %s%s%s: %s%s%s", quote, edit->key, quote, edit->value, map->count > 0 ? "," : "",
               is_apart ? "" : " " );
+    go_on_behind( e, at + 1 );
     add_patch( e, at + 1, 0, text );
 }
 
@@ -165,9 +201,7 @@ static const scene_node* find_one_line( const editor* e, const scene_node* map )
 {
     for ( const scene_node* child = scene_first( &e->tree, map ); child; child = scene_next( &e->tree, child ) )
     {
-        const char* text = child->kind == SCENE_SCALAR ? scene_text_of( &e->tree, child ) : "";
-        if ( child->plain && text[0] && child->line == child->key_line &&
-             stands_at( e, place_of( e, child->line, child->column ), text ) )
+        if ( child->line == child->key_line && is_as_written( e, child ) )
         {
             return child;
         }
@@ -220,6 +254,110 @@ static wisp_status add_line( editor* e, const scene_node* map, const wisp_scene_
     return WISP_OK;
 }
 
+// ---- keys that go ----
+
+static size_t skip( const editor* e, size_t at, const char* letters )
+{
+    while ( at < e->source.size && strchr( letters, e->source.text[at] ) && e->source.text[at] )
+    {
+        ++at;
+    }
+    return at;
+}
+
+static size_t line_start( const editor* e, size_t at )
+{
+    while ( at > 0 && e->source.text[at - 1] != '\n' )
+    {
+        --at;
+    }
+    return at;
+}
+
+// From the key to the end of its value, on one line. @return false: something else is in between
+static bool find_pair( const editor* e, const scene_node* node, size_t* begin, size_t* end )
+{
+    const char* key = scene_key_of( &e->tree, node );
+    size_t at = *begin = place_of( e, node->key_line, node->key_column );
+    const bool is_quoted = letter( e, at ) == '"' || letter( e, at ) == '\'';
+    at += is_quoted;
+    if ( !stands_at( e, at, key ) )
+    {
+        return false;
+    }
+    at = skip( e, at + strlen( key ) + is_quoted, " \t" );
+    const bool has_colon = letter( e, at ) == ':';
+    at = skip( e, at + has_colon, " \t" );
+    *end = at + strlen( scene_text_of( &e->tree, node ) );
+    return has_colon && is_as_written( e, node ) && at == place_of( e, node->line, node->column );
+}
+
+// What was alone on its line goes with it; a comment stays where it is, and the key's place becomes its own.
+static void take_out_line( editor* e, size_t begin, size_t end )
+{
+    const size_t start = line_start( e, begin ), rest = skip( e, end, " \t\r" );
+    const bool is_last = rest == e->source.size;
+    const bool is_alone = is_blank( e, start, begin ) && ( is_last || letter( e, rest ) == '\n' );
+    const size_t from = is_alone ? start : begin, to = !is_alone ? skip( e, end, " \t" ) : is_last ? rest : rest + 1;
+    add_patch( e, from, to - from, "" );
+}
+
+// The comma before the last key of braces goes with it. @return the size of the text: something else is before the key
+static size_t find_comma_before( const editor* e, size_t begin )
+{
+    size_t at = begin;
+    while ( at > 0 && strchr( " \t\r\n", e->source.text[at - 1] ) && e->source.text[at - 1] )
+    {
+        --at;
+    }
+    const size_t start = line_start( e, at );
+    if ( at > 0 && e->source.text[at - 1] == '{' )
+    {
+        return begin;
+    }
+    // A comment may end with a comma as well.
+    const bool is_comma =
+        at > 0 && e->source.text[at - 1] == ',' && !memchr( e->source.text + start, '#', at - start );
+    return is_comma ? at - 1 : e->source.size;
+}
+
+static bool take_out_of_braces( editor* e, size_t begin, size_t end )
+{
+    const size_t behind = skip( e, end, " \t\r\n" );
+    if ( letter( e, behind ) == ',' && letter( e, skip( e, behind + 1, " \t\r" ) ) == '\n' )
+    {
+        take_out_line( e, begin, behind + 1 );
+        return true;
+    }
+    if ( letter( e, behind ) == ',' )
+    {
+        add_patch( e, begin, skip( e, behind + 1, " \t" ) - begin, "" );
+        return true;
+    }
+    const size_t from = letter( e, behind ) == '}' ? find_comma_before( e, begin ) : e->source.size;
+    if ( from == e->source.size )
+    {
+        return false;
+    }
+    add_patch( e, from, end - from, "" );
+    return true;
+}
+
+static wisp_status take_out( editor* e, const scene_node* map, const scene_node* node, const wisp_scene_edit* edit )
+{
+    size_t begin, end;
+    if ( !find_pair( e, node, &begin, &end ) )
+    {
+        return refuse_edit( e, node, edit );
+    }
+    if ( letter( e, place_of( e, map->line, map->column ) ) == '{' )
+    {
+        return take_out_of_braces( e, begin, end ) ? WISP_OK : refuse_edit( e, node, edit );
+    }
+    take_out_line( e, begin, end );
+    return WISP_OK;
+}
+
 static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
 {
     const scene_node* map = find_map( e, edit );
@@ -228,6 +366,10 @@ static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
         return refuse_edit( e, NULL, edit );
     }
     const scene_node* node = find_child( e, map, edit->key );
+    if ( takes_out( edit ) )
+    {
+        return node ? take_out( e, map, node, edit ) : WISP_OK;
+    }
     if ( node )
     {
         return replace_value( e, node, edit );
@@ -243,17 +385,34 @@ static wisp_status add_edit( editor* e, const wisp_scene_edit* edit )
 
 // ---- the new text ----
 
+// What comes at a place is in front of what goes from there.
 static int compare_patches( const void* a, const void* b )
 {
     const patch *x = a, *y = b;
-    return x->at != y->at ? ( x->at > y->at ) - ( x->at < y->at ) : x->order - y->order;
+    if ( x->at != y->at )
+    {
+        return ( x->at > y->at ) - ( x->at < y->at );
+    }
+    return ( x->removed > 0 ) != ( y->removed > 0 ) ? ( x->removed > 0 ) - ( y->removed > 0 ) : x->order - y->order;
+}
+
+// Two keys of braces that go may want the same comma.
+static wisp_status check_apart( const editor* e )
+{
+    for ( int i = 1; i < e->patch_count; ++i )
+    {
+        if ( e->patches[i - 1].at + e->patches[i - 1].removed > e->patches[i].at )
+        {
+            return scene_refuse( &e->source, 0, 0, "", "two changes meet at one place; make them by hand" );
+        }
+    }
+    return WISP_OK;
 }
 
 // @param out receives a block for free()
 static wisp_status apply( editor* e, char** out, size_t* out_size )
 {
     const scene_source* s = &e->source;
-    qsort( e->patches, (size_t)e->patch_count, sizeof *e->patches, compare_patches );
     char* text = malloc( s->size + (size_t)e->patch_count * sizeof e->patches->text + 1 );
     if ( !text )
     {
@@ -286,6 +445,11 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         status = add_edit( &e, &edits[i] );
+    }
+    if ( status == WISP_OK )
+    {
+        qsort( e.patches, (size_t)e.patch_count, sizeof *e.patches, compare_patches );
+        status = check_apart( &e );
     }
     status = status == WISP_OK ? apply( &e, out, out_size ) : status;
     scene_tree_release( &e.tree );

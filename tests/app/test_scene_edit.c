@@ -127,6 +127,24 @@ static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** stat
                                                              "      wind: [0, 0, 1]\n" );
 }
 
+static void two_keys_join_braces_with_a_comma_between_them( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edits[2] = { tethers, { "surfaces", 1, "cloth", "drag", "1" } };
+    static const char* const braces[][2] = { { "{}", "{ tethers: true, drag: 1 }" },
+                                             { "{ }", "{ tethers: true, drag: 1 }" },
+                                             { "{lift: 1}", "{ tethers: true, drag: 1, lift: 1}" },
+                                             { "{ lift: 1 }", "{ tethers: true, drag: 1, lift: 1 }" } };
+    for ( int i = 0; i < WISP_COUNT( braces ); ++i )
+    {
+        char from[400], expected[400];
+        static const char head[] = "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth: ";
+        snprintf( from, sizeof from, "%s%s\n", head, braces[i][0] );
+        snprintf( expected, sizeof expected, "%s%s\n", head, braces[i][1] );
+        assert_edited( from, edits, 2, expected );
+    }
+}
+
 static void a_last_line_without_an_end_gets_one( void** state )
 {
     (void)state;
@@ -145,6 +163,93 @@ static void no_edits_copy_the_file( void** state )
 {
     (void)state;
     assert_edited( "wisp: 1\n# end\n", NULL, 0, "wisp: 1\n# end\n" );
+}
+
+// ---- keys that go ----
+
+static const wisp_scene_edit no_substeps = { NULL, 0, NULL, "substeps", "" };
+static const wisp_scene_edit no_damping = { "surfaces", 0, NULL, "damping", "" };
+
+#define MAKE "make: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }"
+#define JSON_MAKE "\"make\": { \"shape\": \"plane\", \"columns\": 3, \"rows\": 3, \"spacing\": 0.1 }"
+
+static void a_key_goes_with_its_line_and_a_comment_stays( void** state )
+{
+    (void)state;
+    assert_edited( "# of a flag\nwisp: 1\nsubsteps:  12 \n\nsteps: 3\n", &no_substeps, 1,
+                   "# of a flag\nwisp: 1\n\nsteps: 3\n" );
+    assert_edited( "wisp: 1\nsubsteps: 12  # many\nsteps: 3\n", &no_substeps, 1, "wisp: 1\n# many\nsteps: 3\n" );
+    assert_edited( "wisp: 1\r\nsubsteps: 12\r\nsteps: 3\r\n", &no_substeps, 1, "wisp: 1\r\nsteps: 3\r\n" );
+    assert_edited( "wisp: 1\nsubsteps: 12", &no_substeps, 1, "wisp: 1\n" );
+    assert_edited( "wisp: 1\nsurfaces:\n  - damping: 1\n    name: a\n    " MAKE "\n", &no_damping, 1,
+                   "wisp: 1\nsurfaces:\n  - \n    name: a\n    " MAKE "\n" );
+}
+
+static void a_key_leaves_braces_with_its_comma( void** state )
+{
+    (void)state;
+    assert_edited( "wisp: 1\nsurfaces: [{ damping: 1, name: a, " MAKE " }]\n", &no_damping, 1,
+                   "wisp: 1\nsurfaces: [{ name: a, " MAKE " }]\n" );
+    assert_edited( "wisp: 1\nsurfaces: [{name: a,damping: 1,  " MAKE "}]\n", &no_damping, 1,
+                   "wisp: 1\nsurfaces: [{name: a," MAKE "}]\n" );
+    assert_edited( "wisp: 1\nsurfaces: [{ name: a, " MAKE ", damping: 1 }]\n", &no_damping, 1,
+                   "wisp: 1\nsurfaces: [{ name: a, " MAKE " }]\n" );
+    assert_edited( "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: { drag: 1 }\n",
+                   &( wisp_scene_edit ){ "surfaces", 0, "cloth", "drag", "" }, 1,
+                   "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: {  }\n" );
+}
+
+static void json_loses_a_key_and_stays_json( void** state )
+{
+    (void)state;
+    assert_edited( "{\n  \"wisp\": 1,\n  \"substeps\" : 3,\n  \"steps\": 3\n}\n", &no_substeps, 1,
+                   "{\n  \"wisp\": 1,\n  \"steps\": 3\n}\n" );
+    assert_edited( "{\n  \"wisp\": 1,\n  \"substeps\": 3\n}\n", &no_substeps, 1, "{\n  \"wisp\": 1\n}\n" );
+    assert_edited( "{ \"wisp\": 1, \"surfaces\": [{ \"name\": \"a\", \"damping\": 1, " JSON_MAKE " }] }", &no_damping,
+                   1, "{ \"wisp\": 1, \"surfaces\": [{ \"name\": \"a\", " JSON_MAKE " }] }" );
+}
+
+static void a_key_that_is_not_there_stays_away( void** state )
+{
+    (void)state;
+    assert_edited( "wisp: 1\n# end\n", &no_substeps, 1, "wisp: 1\n# end\n" );
+}
+
+static void keys_come_and_go_at_one_place( void** state )
+{
+    (void)state;
+    const wisp_scene_edit edits[3] = { no_substeps,
+                                       { NULL, 0, NULL, "steps", "4" },
+                                       { NULL, 0, NULL, "iterations", "2" } };
+    assert_edited( "substeps: 3\nsteps: 3\nwisp: 1\n", edits, 3, "iterations: 2\nsteps: 4\nwisp: 1\n" );
+    assert_edited( "{\"substeps\": 3, \"steps\": 3, \"wisp\": 1}\n", edits, 3,
+                   "{ \"iterations\": 2, \"steps\": 4, \"wisp\": 1}\n" );
+}
+
+static void keys_that_do_not_go_alone_are_refused( void** state )
+{
+    (void)state;
+    const wisp_scene_edit no_pins = { "surfaces", 0, NULL, "pins", "" };
+    assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    pins: [0]\n    cloth: {}\n", no_pins,
+                       FROM ":5:11: 'pins' cannot be taken out here" );
+    assert_not_edited( "wisp: 1\nsubsteps:\n  3\n", no_substeps, "'substeps' cannot be taken out here" );
+    // Whether a comma belongs to a comment cannot be told from its line.
+    assert_not_edited( "{ wisp: 1, # first,\n  substeps: 3\n}\n", no_substeps,
+                       "'substeps' cannot be taken out here" );
+    assert_not_edited( "{ wisp: 1, substeps: 3 # last\n}\n", no_substeps, "'substeps' cannot be taken out here" );
+    const wisp_scene_edit no_name = { "surfaces", 0, NULL, "name", "" };
+    assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), no_name, "name" );
+}
+
+static void two_keys_that_want_one_comma_are_refused( void** state )
+{
+    (void)state;
+    write_text( FROM, "{ wisp: 1, steps: 3, substeps: 3 }\n" );
+    const wisp_scene_edit edits[2] = { { NULL, 0, NULL, "steps", "" }, no_substeps };
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_scene_edit_file( FROM, edits, 2, TO, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.sentence, FROM ": two changes meet at one place" ) );
+    remove( FROM );
 }
 
 // ---- what is refused ----
@@ -198,9 +303,17 @@ int main( void )
         cmocka_unit_test( a_byte_order_mark_and_returns_stay ),
         cmocka_unit_test( a_key_joins_its_mapping_behind_a_line_of_it ),
         cmocka_unit_test( a_key_joins_braces_and_lines_of_the_entry_that_is_meant ),
+        cmocka_unit_test( two_keys_join_braces_with_a_comma_between_them ),
         cmocka_unit_test( a_last_line_without_an_end_gets_one ),
         cmocka_unit_test( json_stays_json ),
         cmocka_unit_test( no_edits_copy_the_file ),
+        cmocka_unit_test( a_key_goes_with_its_line_and_a_comment_stays ),
+        cmocka_unit_test( a_key_leaves_braces_with_its_comma ),
+        cmocka_unit_test( json_loses_a_key_and_stays_json ),
+        cmocka_unit_test( a_key_that_is_not_there_stays_away ),
+        cmocka_unit_test( keys_come_and_go_at_one_place ),
+        cmocka_unit_test( keys_that_do_not_go_alone_are_refused ),
+        cmocka_unit_test( two_keys_that_want_one_comma_are_refused ),
         cmocka_unit_test( what_is_not_there_is_refused_and_nothing_is_written ),
         cmocka_unit_test( a_value_in_several_pieces_is_refused_with_its_line ),
         cmocka_unit_test( a_result_that_is_no_scene_is_not_written ),

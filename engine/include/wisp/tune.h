@@ -11,7 +11,7 @@
 
 WISP_BEGIN_C
 
-#define WISP_TUNE_MAX_KNOBS 6
+#define WISP_TUNE_MAX_KNOBS 8
 #define WISP_TUNE_MAX_VALUES 16     ///< of one knob
 #define WISP_TUNE_MAX_SETTINGS 4096 ///< choices that the knobs make together
 #define WISP_TUNE_MAX_REPEATS 99    ///< measurements of one choice

@@ -1,0 +1,60 @@
+/// Fields of a scene that decide how accurately it is solved, not what it is made of: where they are, how they are read and
+/// set.
+#pragma once
+
+#include "scene.h"
+
+/// Where a field is: in the scene itself, or in surfaces or strands of one kind.
+typedef enum tune_place
+{
+    OF_SCENE,
+    OF_CLOTH,          ///< surfaces with `cloth`, instances too
+    OF_PINNED_CLOTH,   ///< those of them that hang by something
+    OF_IMPLICIT,       ///< surfaces with `implicit`
+    OF_DIRECT_STRANDS, ///< strands with `dynamics` that keep their length by the direct solve
+} tune_place;
+
+#define TUNE_CANDIDATES_MAX 6
+
+/// Coarse levels that a fabric gets which has none.
+#define TUNE_LEVELS 3
+
+/// One row a knob. Values go from rough to fine; the scene's own joins them. Short cuts that help a rough setting, and
+/// that a fine one does without, have no order: the last value, 0, is without them and the truth's.
+typedef struct tune_field
+{
+    const char* name;
+    const char* list; ///< of the scene's entries that have it; null: the scene itself
+    const char* block;
+    const char* key;
+    tune_place place;
+    bool is_unordered, is_falling;
+    double candidates[TUNE_CANDIDATES_MAX]; ///< end with 0, unless it is full
+} tune_field;
+
+enum
+{
+    FIELD_SUBSTEPS,
+    FIELD_ITERATIONS,
+    FIELD_TETHERS,
+    FIELD_LEVELS, ///< 0 without, else `finest_level`: a scene has all three keys of levels, or none
+    FIELD_TOLERANCE,
+    FIELD_REPEATS,
+    FIELD_PASSES,
+    FIELD_COUNT,
+};
+
+extern const tune_field tune_fields[FIELD_COUNT];
+
+/// How long the list is that a field's entries are in; the scene itself is one entry.
+int tune_field_entries( const wisp_scene* scene, int which );
+/// Whether an entry of the list has the field.
+bool tune_field_is_in( const wisp_scene* scene, int which, int entry );
+double tune_field_value( const wisp_scene* scene, int which, int entry );
+/// @param level_passes over levels, where they are on
+void tune_field_set( wisp_scene* scene, int which, int entry, double value, int level_passes );
+
+/// Passes over levels are not searched: the scene's own, or one.
+int tune_level_passes( const wisp_scene* scene );
+/// The scene's own value of a field. @return false: nothing has it
+bool tune_field_own( const wisp_scene* scene, int which, double* out );
