@@ -29,15 +29,20 @@ static const wisp_scene_surface* fabric_of( const wisp_scene* scene, const wisp_
     return surface->instance_of < 0 ? surface : &scene->surfaces[surface->instance_of];
 }
 
-static bool is_cloth( const wisp_scene* scene, int surface )
+static bool may_have_levels( const wisp_scene* scene, const wisp_scene_surface* surface )
 {
-    return scene->surfaces[surface].has_cloth && fabric_of( scene, &scene->surfaces[surface] )->has_cloth;
+    return surface->has_cloth && fabric_of( scene, surface )->has_cloth;
 }
 
-static bool is_pinned( const wisp_scene* scene, int surface )
+static bool is_pinned( const wisp_scene_surface* surface )
 {
-    const wisp_scene_surface* fabric = fabric_of( scene, &scene->surfaces[surface] );
-    return fabric->pin_count + fabric->pin_box_count + fabric->pin_nearest_count > 0;
+    return surface->pin_count + surface->pin_box_count + surface->pin_nearest_count > 0;
+}
+
+// Tethers reach to what the source pins, and hold where the instance is pinned.
+static bool may_have_tethers( const wisp_scene* scene, const wisp_scene_surface* surface )
+{
+    return surface->has_cloth && is_pinned( surface ) && is_pinned( fabric_of( scene, surface ) );
 }
 
 static bool is_direct( const wisp_scene_strands* strands )
@@ -50,9 +55,9 @@ bool tune_field_is_in( const wisp_scene* scene, int which, int entry )
     switch ( tune_fields[which].place )
     {
         case OF_CLOTH:
-            return is_cloth( scene, entry );
+            return may_have_levels( scene, &scene->surfaces[entry] );
         case OF_PINNED_CLOTH:
-            return scene->surfaces[entry].has_cloth && is_pinned( scene, entry );
+            return may_have_tethers( scene, &scene->surfaces[entry] );
         case OF_IMPLICIT:
             return scene->surfaces[entry].has_implicit;
         case OF_DIRECT_STRANDS:

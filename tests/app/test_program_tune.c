@@ -4,6 +4,7 @@
 #include "scene.h"
 
 #include <math.h>
+#include <sys/stat.h>
 
 static const char cloth_scene[] = "# A small cloth.\n"
                                   "wisp: 1\n"
@@ -24,6 +25,14 @@ static const char still_scene[] = "wisp: 1\n"
                                   "    frozen_hair: { freeze: {} }\n"
                                   "    want: [points]\n";
 
+// Its first run fails, since nothing is where it is to be pinned: whoever says something else has not run it.
+static const char unmade_scene[] = "wisp: 1\n"
+                                   "surfaces:\n"
+                                   "  - name: cloth\n"
+                                   "    make: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+                                   "    pin_box: { min: [7, 7, 7], max: [8, 8, 8] }\n"
+                                   "    cloth: {}\n";
+
 static int enter_folder( void** state )
 {
     if ( enter_new_folder( state ) != 0 )
@@ -32,6 +41,7 @@ static int enter_folder( void** state )
     }
     write_file( "cloth.yaml", cloth_scene );
     write_file( "still.yaml", still_scene );
+    write_file( "unmade.yaml", unmade_scene );
     return 0;
 }
 
@@ -69,7 +79,12 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     const char* met = strstr( result.out, "Met: " );
     assert_int_equal( scene.iterations, (int)number_behind( met, ", iterations: " ) );
     assert_int_equal( scene.surfaces[0].cloth.tethers, strstr( met, "cloth.tethers: true" ) != NULL );
-    assert_int_equal( scene.surfaces[0].cloth.level_passes, (int)number_behind( met, ", cloth.level_passes: " ) );
+    const bool has_levels = strstr( met, ", levels: off" ) == NULL;
+    assert_int_equal( scene.surfaces[0].levels > 0, has_levels );
+    if ( has_levels )
+    {
+        assert_int_equal( scene.surfaces[0].finest_level, (int)number_behind( met, ", levels: finest " ) );
+    }
     wisp_scene_release( &scene );
 
     char text[2000];
@@ -79,6 +94,49 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     assert_non_null( strstr( text, "    # soft\n    cloth: {" ) );
     run( "run tuned.yaml" );
     assert_int_equal( result.status, 0 );
+}
+
+static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
+{
+    (void)state;
+    static const char scene[] = "wisp: 1\nsteps: 8\nsubsteps: 1\niterations: 1\nsurfaces:\n  - name: cloth\n"
+                                "    make: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
+                                "    pins: [0, 16]\n    levels: 2\n    finest_level: 2 # coarse\n"
+                                "    cloth: { bending: none, level_passes: 2 }\n";
+    write_file( "levels.yaml", scene );
+    run( "tune levels.yaml --error 10 --workers 1 -o no_levels.yaml" );
+    assert_int_equal( result.status, 0 );
+    static const char* const values[] = { "finest 3 ", "finest 2 ", "finest 1 ", "off " };
+    for ( int i = 0; i < WISP_COUNT( values ); ++i )
+    {
+        assert_non_null( strstr( result.out, values[i] ) );
+    }
+    wisp_scene tuned;
+    assert_int_equal( wisp_scene_read( "no_levels.yaml", &tuned, NULL ), WISP_OK );
+    const double chosen = number_behind( strstr( result.out, "Met: " ), ", levels: finest " );
+    assert_int_equal( tuned.surfaces[0].levels, isnan( chosen ) ? 0 : 2 );
+    assert_int_equal( tuned.surfaces[0].cloth.level_passes, isnan( chosen ) ? 0 : 2 );
+    assert_int_equal( tuned.surfaces[0].finest_level, isnan( chosen ) ? 1 : (int)chosen );
+    wisp_scene_release( &tuned );
+    char text[2000];
+    read_whole( "no_levels.yaml", text, sizeof text );
+    assert_non_null( strstr( text, " # coarse\n" ) );
+}
+
+static void passes_of_strands_are_tuned_and_their_choice_is_written( void** state )
+{
+    (void)state;
+    static const char scene[] = "wisp: 1\nsteps: 8\nstrands:\n  - name: hair\n"
+                                "    make: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
+                                "    dynamics: { stretch_passes: 3, rest: straight }\n";
+    write_file( "strands.yaml", scene );
+    run( "tune strands.yaml --error 0.01 --workers 1 -o passes.yaml" );
+    assert_int_equal( result.status, 0 );
+    wisp_scene tuned;
+    assert_int_equal( wisp_scene_read( "passes.yaml", &tuned, NULL ), WISP_OK );
+    assert_int_equal( tuned.strands[0].dynamics.stretch_passes,
+                      (int)number_behind( strstr( result.out, "Met: " ), ", dynamics.stretch_passes: " ) );
+    wisp_scene_release( &tuned );
 }
 
 static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
@@ -168,6 +226,42 @@ static void a_place_where_the_scene_would_not_find_its_files_is_refused( void** 
     assert_refused( "tune cloth.yaml --error 10 --seconds 0.02 --workers 1 -o elsewhere/tuned.yaml", "elsewhere" );
 }
 
+static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void** state )
+{
+    (void)state;
+    assert_refused( "tune unmade.yaml --error 1", "no vertex starts in pin_box" );
+    assert_refused( "tune unmade.yaml --error 1 -o no_such/tuned.yaml",
+                    "no_such/tuned.yaml: nothing can be written" );
+    assert_int_equal( access( "no_such", F_OK ), -1 );
+    assert_int_equal( mkdir( "folder", 0700 ), 0 );
+    assert_refused( "tune unmade.yaml --error 1 -o folder", "folder: nothing can be written" );
+    assert_refused( "tune unmade.yaml --error 1 -o cloth.yaml/tuned.yaml", "cloth.yaml/tuned.yaml: nothing can be" );
+}
+
+static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state )
+{
+    (void)state;
+    write_file( "kept.yaml", "kept\n" );
+    assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
+    if ( access( "kept.yaml", W_OK ) == 0 )
+    {
+        skip(); // whoever runs this may write everywhere
+    }
+    assert_refused( "tune unmade.yaml --error 1 -o kept.yaml", "kept.yaml: nothing can be written" );
+}
+
+static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
+{
+    (void)state;
+    write_file( "before.yaml", "before\n" );
+    assert_refused( "tune unmade.yaml --error 1 -o before.yaml", "no vertex starts in pin_box" );
+    char text[100];
+    read_whole( "before.yaml", text, sizeof text );
+    assert_string_equal( text, "before\n" );
+    assert_refused( "tune unmade.yaml --error 1 -o new.yaml", "no vertex starts in pin_box" );
+    assert_int_equal( access( "new.yaml", F_OK ), -1 );
+}
+
 int main( int argc, char** argv )
 {
     if ( argc < 2 || !realpath( argv[1], program ) )
@@ -177,6 +271,8 @@ int main( int argc, char** argv )
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( an_error_is_met_and_the_scene_that_is_written_has_the_choice ),
+        cmocka_unit_test( levels_of_a_scene_are_tuned_and_their_choice_is_written ),
+        cmocka_unit_test( passes_of_strands_are_tuned_and_their_choice_is_written ),
         cmocka_unit_test( a_budget_is_met_or_it_is_told_that_it_is_not ),
         cmocka_unit_test( an_error_out_of_reach_ends_with_1_and_the_best ),
         cmocka_unit_test( a_report_in_json_has_a_row_for_every_setting ),
@@ -185,6 +281,9 @@ int main( int argc, char** argv )
         cmocka_unit_test( wrong_command_lines_are_told ),
         cmocka_unit_test( scenes_that_cannot_be_tuned_are_refused ),
         cmocka_unit_test( a_place_where_the_scene_would_not_find_its_files_is_refused ),
+        cmocka_unit_test( a_place_where_nothing_can_be_written_is_refused_before_any_run ),
+        cmocka_unit_test( a_file_that_may_only_be_read_is_refused_before_any_run ),
+        cmocka_unit_test( trying_whether_a_file_can_be_written_leaves_it_as_it_was ),
     };
     return cmocka_run_group_tests( tests, enter_folder, leave_folder );
 }

@@ -20,7 +20,8 @@ static const char cloths[] = "wisp: 1\n"
                              "    finest_level: 4 # coarse\n"
                              "    cloth: { tethers: true, level_passes: 4 }\n"
                              "  - name: falling\n" MAKE "    cloth: {}\n"
-                             "  - { name: copy, instance_of: hanging, cloth: {} }\n";
+                             "  - { name: copy, instance_of: hanging, pins: [0], cloth: {} }\n"
+                             "  - { name: loose, instance_of: hanging, cloth: {} }\n";
 
 static const char implicit[] = "wisp: 1\n"
                                "surfaces:\n"
@@ -155,15 +156,15 @@ static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
     tune_knobs_set( &knobs, ( const int[] ){ 2, 1, 1, 4 }, &scene );
     assert_int_equal( scene.substeps, 4 );
     assert_int_equal( scene.iterations, 2 );
-    for ( int i = 0; i < 3; ++i )
+    for ( int i = 0; i < 4; ++i )
     {
         assert_false( scene.surfaces[i].cloth.tethers );
         assert_int_equal( scene.surfaces[i].cloth.level_passes, 0 );
     }
     tune_knobs_set( &knobs, ( const int[] ){ 2, 1, 0, 2 }, &scene );
-    for ( int i = 0; i < 3; ++i )
+    for ( int i = 0; i < 4; ++i )
     {
-        assert_int_equal( scene.surfaces[i].cloth.tethers, i != 1 ); // it hangs by nothing
+        assert_int_equal( scene.surfaces[i].cloth.tethers, i % 2 == 0 ); // others hang by nothing
         assert_int_equal( scene.surfaces[i].cloth.level_passes, 4 );
     }
     assert_int_equal( scene.surfaces[0].levels, 2 );
@@ -220,6 +221,7 @@ static void only_what_differs_is_edited( void** state )
         { "surfaces", 1, NULL, "levels", "3" },
         { "surfaces", 1, NULL, "finest_level", "4" },
         { "surfaces", 2, "cloth", "level_passes", "4" },
+        { "surfaces", 3, "cloth", "level_passes", "4" },
     };
     assert_edits( cloths, ( const int[] ){ 0, 0, 1, 0 }, of_cloths, WISP_COUNT( of_cloths ) );
     static const wisp_scene_edit of_strands[] = { { "strands", 3, "dynamics", "stretch_passes", "5" } };
