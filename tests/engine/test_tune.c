@@ -510,11 +510,11 @@ static void bad_knobs_are_refused( void** state )
 {
     (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
-    searched none = search_of( &s, 1, 0 ), seven = none, nameless = none, empty = none, many = none, absent = none;
+    searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
     none.job.knob_count = 0;
     assert_no_search( &none, WISP_BAD_INPUT, "there are 0 knobs" );
-    seven.job.knob_count = 7;
-    assert_no_search( &seven, WISP_BAD_INPUT, "there are 7 knobs" );
+    nine.job.knob_count = 9;
+    assert_no_search( &nine, WISP_BAD_INPUT, "there are 9 knobs" );
     nameless.knobs[1].name = "";
     assert_no_search( &nameless, WISP_BAD_INPUT, "knob 1 has no name" );
     empty.knobs[2].value_count = 0;
