@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define RUNS_MAX 100
+#define RUNS_MAX 200
 #define LOOKS 12
 #define SECONDS_MAX 2.0
 #define STEPS_MAX 1000000

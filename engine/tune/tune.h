@@ -26,7 +26,8 @@ typedef struct tune_search
     int best; // a visit, -1: none
     int run_count;
     double start;    // s, of the clock
-    int reserve;     // runs that are kept for measuring again
+    double seconds;  // no run of the stage begins later after the start
+    int reserve;     // runs that are kept for the stages behind
     bool is_stopped; // the host said so
     bool is_cut;     // a run that the search wanted was not made
 } tune_search;

@@ -56,20 +56,43 @@ static wisp_status run_trade( tune_search* s, const int* centre, int finer, int 
     return run_neighbour( s, choice, error );
 }
 
+// Goes on from what is better at once, along the same knob first: where one step helps, the next one often does.
+static wisp_status run_all_along( tune_search* s, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int k = 0; k < s->job->knob_count; ++k )
+    {
+        for ( int centre = -1; status == WISP_OK && centre != s->best; )
+        {
+            centre = s->best;
+            status = run_along( s, s->visits[centre].choice, k, error );
+        }
+    }
+    return status;
+}
+
+static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error* error )
+{
+    const int count = s->job->knob_count;
+    wisp_status status = WISP_OK;
+    for ( int pair = 0; pair < count * count && status == WISP_OK; ++pair )
+    {
+        status = run_trade( s, centre, pair / count, pair % count, error );
+    }
+    return status;
+}
+
+// Trades are many where knobs are: they wait until no single knob makes the best better.
 wisp_status tune_look_around( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int centre = -1; status == WISP_OK && centre != s->best; )
     {
         centre = s->best;
-        const int count = s->job->knob_count;
-        for ( int k = 0; k < count && status == WISP_OK; ++k )
+        status = run_all_along( s, error );
+        if ( status == WISP_OK && centre == s->best )
         {
-            status = run_along( s, s->visits[centre].choice, k, error );
-            for ( int other = 0; other < count && status == WISP_OK; ++other )
-            {
-                status = run_trade( s, s->visits[centre].choice, k, other, error );
-            }
+            status = run_all_trades( s, s->visits[centre].choice, error );
         }
     }
     return status;
