@@ -28,10 +28,6 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, i
         lane8 dot = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            lane8v c;
-            lane8 unused;
-            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &c.x, &c.y, &c.z, &unused );
-            lane8v_store( job->solution[slice][0], lane8v_mul_add( lane8v_load( job->solution[slice][0] ), a, c ) );
             const lane8v q = lane8v_scale( lane8v_load( job->product[slice][0] ), a );
             lane8v r = lane8v_sub( lane8v_load( job->residual[slice][0] ), q );
             lane8v_store( job->residual[slice][0], r );
@@ -47,16 +43,18 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, i
     return sum;
 }
 
-void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end )
+// The solution moves here, where the direction is in registers anyway: large cloths wait for memory.
+void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float step, float share, int begin, int end )
 {
-    const lane8 b = lane8_set1( share );
+    const lane8 a = lane8_set1( step ), b = lane8_set1( share );
     for ( int slice = begin; slice < end; ++slice )
     {
         float* quads = job->direction + (size_t)slice * 32;
         lane8v c;
-        lane8 unused;
-        lane8_load_xyzw_contiguous( quads, &c.x, &c.y, &c.z, &unused );
+        lane8 mass;
+        lane8_load_xyzw_contiguous( quads, &c.x, &c.y, &c.z, &mass );
+        lane8v_store( job->solution[slice][0], lane8v_mul_add( lane8v_load( job->solution[slice][0] ), a, c ) );
         c = lane8v_mul_add( lane8v_load( job->search[slice][0] ), b, c );
-        lane8_store_xyzw_contiguous( quads, c.x, c.y, c.z, lane8_zero() );
+        lane8_store_xyzw_contiguous( quads, c.x, c.y, c.z, mass );
     }
 }

@@ -66,4 +66,4 @@ void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end );
 int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end );
 double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int end );
 double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end );
-void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end );
+void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float step, float share, int begin, int end );

@@ -239,10 +239,9 @@ double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int e
         lane8 dot = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            lane8v own, unused;
-            lane8 nothing, mass;
-            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &own.x, &own.y, &own.z, &nothing );
-            lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &unused.x, &unused.y, &unused.z, &mass );
+            lane8v own;
+            lane8 mass;
+            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &own.x, &own.y, &own.z, &mass );
             lane8v product = lane8v_scale( own, mass );
             const int last = job->links.begin[2 * (size_t)slice + 2];
             for ( int entry = job->links.begin[2 * (size_t)slice]; entry < last; ++entry )

@@ -6,7 +6,7 @@
 typedef struct slice_loop
 {
     implicit_system* system;
-    float factor;
+    float step, share;
 } slice_loop;
 
 static double add_up( const implicit_system* system )
@@ -31,14 +31,14 @@ static void advance_slices( void* context, int begin, int end, int worker )
     (void)worker;
     const slice_loop* loop = context;
     implicit_system* s = loop->system;
-    s->sums[begin / s->grain] = s->kernels->conjugate_advance( &s->conjugate, loop->factor, begin, end );
+    s->sums[begin / s->grain] = s->kernels->conjugate_advance( &s->conjugate, loop->step, begin, end );
 }
 
 static void turn_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const slice_loop* loop = context;
-    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->factor, begin, end );
+    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->step, loop->share, begin, end );
 }
 
 static double product( implicit_system* s )
@@ -49,14 +49,14 @@ static double product( implicit_system* s )
 
 static double advance( implicit_system* s, float step )
 {
-    slice_loop loop = { .system = s, .factor = step };
+    slice_loop loop = { .system = s, .step = step };
     wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, advance_slices, &loop );
     return add_up( s );
 }
 
-static void turn( implicit_system* s, float share )
+static void turn( implicit_system* s, float step, float share )
 {
-    slice_loop loop = { .system = s, .factor = share };
+    slice_loop loop = { .system = s, .step = step, .share = share };
     wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, turn_slices, &loop );
 }
 
@@ -81,7 +81,7 @@ implicit_outcome implicit_solve( implicit_system* s )
     }
     const double tolerance = (double)s->material->tolerance;
     const double least = fmax( tolerance * tolerance * delta_0, s->floor );
-    turn( s, 0.0f );
+    turn( s, s->guessed ? 1.0f : 0.0f, 0.0f );
 
     int iteration = 0;
     while ( delta > least && iteration < s->limit )
@@ -93,8 +93,9 @@ implicit_outcome implicit_solve( implicit_system* s )
             outcome.indefinite = true;
             return outcome;
         }
-        const double next = advance( s, (float)( delta / curvature ) );
-        turn( s, (float)( next / delta ) );
+        const float step = (float)( delta / curvature );
+        const double next = advance( s, step );
+        turn( s, step, (float)( next / delta ) );
         delta = next;
         ++iteration;
     }

@@ -146,7 +146,7 @@ static bool guess_row( step* s, int row )
         free[2] = held[2] + f[2 * WISP_SLICE] * d[0] + f[4 * WISP_SLICE] * d[1] + f[5 * WISP_SLICE] * d[2];
     }
     memcpy( guess, free, sizeof( free ) );
-    guess[3] = 0.0f;
+    guess[3] = s->point[(size_t)row * 4 + 3];
     const float* rubbing = system->rubbing + (size_t)row * 4;
     for ( int k = 0; k < 3; ++k )
     {
@@ -532,7 +532,7 @@ static bool find_room( step* s, int worker )
     lay_out( s, &a );
     implicit_system* y = &s->system;
     y->spring.links = y->conjugate.links = y->links->springs;
-    y->spring.position = y->conjugate.position = s->point;
+    y->spring.position = s->point;
     y->spring.velocity = s->velocity;
     y->spring.start = y->start;
     y->conjugate.axis = (const float( * )[4][WISP_SLICE])y->spring.axis;

@@ -136,6 +136,7 @@ static inline springs* new_springs( void )
             s->direction[row][k] = test_random_float( row, 9 + k, -1.0f, 1.0f );
         }
         s->position[row][3] = row < VERTICES ? test_random_float( row, 12, 1e-4f, 1e-3f ) : 1.0f;
+        s->direction[row][3] = s->position[row][3];
     }
     // two pairs of coincident vertices, and one that nothing is linked to
     memcpy( s->position[40], s->position[41], 3 * sizeof( float ) );
@@ -203,7 +204,6 @@ static inline wisp_conjugate_job conjugate( springs* s )
     return ( wisp_conjugate_job ){
         .links = links_of( s ),
         .axis = (const float( * )[4][8])s->axis,
-        .position = s->position[0],
         .inverse = (const float( * )[6][8])s->inverse,
         .filter = (const float( * )[6][8])s->filter,
         .filtered = s->filtered,

@@ -629,9 +629,10 @@ typedef struct wisp_kernels
     /// @return links without a direction, counted at either end
     int ( *spring_assemble )( const wisp_spring_job* job, int begin, int end );
     double ( *spring_product )( const wisp_conjugate_job* job, int begin, int end ); ///< q = A c; @return c . q
-    /// dv += step c, r -= step q, s = S P S r; @return r . s
+    /// r -= step q, s = S P S r; @return r . s
     double ( *conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end );
-    void ( *conjugate_turn )( const wisp_conjugate_job* job, float share, int begin, int end ); ///< c = s + share c
+    /// dv += step c, c = s + share c: what an advance by the step leaves to be done
+    void ( *conjugate_turn )( const wisp_conjugate_job* job, float step, float share, int begin, int end );
     // slices of eight children
     void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
 } wisp_kernels;

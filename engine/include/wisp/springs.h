@@ -50,11 +50,10 @@ typedef struct wisp_conjugate_job
 {
     wisp_spring_links links;
     const float ( *axis )[4][8];
-    const float* position;          ///< [row][4], of which only the mass is read
     const float ( *inverse )[6][8]; ///< the preconditioner P
     const float ( *filter )[6][8];  ///< [slice] S, what a row is free to do, as `inverse`
     const uint8_t* filtered;        ///< [slice] 0: S is the identity, and `filter` is not read
-    float* direction;               ///< [row][4] c
+    float* direction;               ///< [row][4] c, and behind it the mass in kg, which stays
     float ( *product )[3][8];       ///< [slice] q = A c
     float ( *residual )[3][8];      ///< [slice] r, never filtered
     float ( *solution )[3][8];      ///< [slice] dv
