@@ -304,12 +304,11 @@ static bool is_too_long( const wisp_neighbours* found, int slice )
         near = found->near_count[slice * WISP_SLICE + l] > near ? found->near_count[slice * WISP_SLICE + l] : near;
     }
     const wisp_neighbour_list* list = &found->within;
-    const int32_t* last =
-        list->entries + ( (size_t)list->begin[slice] + (size_t)list->length[slice] ) * WISP_SLICE - WISP_SLICE;
     bool used = list->length[slice] == 0;
     for ( int l = 0; l < WISP_SLICE && used == false; ++l )
     {
-        used = last[l] != 4 * ( slice * WISP_SLICE + l );
+        const size_t last = (size_t)list->begin[slice] + (size_t)list->length[slice] - 1;
+        used = list->entries[last * WISP_SLICE + (size_t)l] != 4 * ( slice * WISP_SLICE + l );
     }
     return used == false || found->near.length[slice] != near;
 }
