@@ -277,6 +277,8 @@ static int fork_with_three_workers( void )
             return 3;
         }
     }
+    // threads that are still starting hold locks of the system's libraries, which a child would wait for
+    wait_until( sleeping_threads, 2 );
     return exit_of_child( step_world_of_parent ) == 0 && step_world_of_parent() == 0 ? 0 : 1;
 }
 
