@@ -1,9 +1,9 @@
-// The only file that knows OpenMP, and how it is threads.
+// The only file that knows OpenMP.
 //
 // Were a step a parallel region, it would end when the last thread has left it; where another process has the core, that
-// takes as long as the system lets that process run, several milliseconds. So a thread of the crew's own opens one region that lasts, and
-// steps begin and end beside it. Members look for work all the time while they are wanted and for a while after, then
-// sleep.
+// takes as long as the system lets that process run, several milliseconds. So a thread of the crew's own opens one region
+// that lasts, and steps begin and end beside it. Members look for work all the time while they are wanted and for a while
+// after, then sleep.
 #include "crew.h"
 
 #include <omp.h>

@@ -91,6 +91,14 @@ static inline float cloud_radius( cloud_shape shape )
 
 // ---- builds, with workers standing by ----
 
+static const int COUNTS[] = { 0, 1, 7, 8, 9, 100, 1000, 5000 };
+static const int WORKER_COUNTS[] = { 1, 2, 3, 8 };
+
+static inline const wisp_kernels* baseline( void )
+{
+    return kernels_select( "baseline", NULL );
+}
+
 /// Builds run inside an entered pool, as a step runs them.
 typedef struct space
 {
