@@ -5,7 +5,7 @@
 //
 // and one sweep from root to tip eliminates what one sweep back solves. Squares instead of lengths save the root, and Newton
 // converges on them as fast.
-#include "kernel_isa.h"
+#include "strand_chains.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
@@ -16,45 +16,72 @@ enum
     MULTIPLIER = 3 * WISP_LANES,
     COUPLING = 4 * WISP_LANES,
 };
+_Static_assert( CHAINS* SEGMENT <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
+
+LANE_INLINE float* scratch_of( const wisp_strand_stretch_job* job, int chain, int rows )
+{
+    return job->scratch + (size_t)chain * (size_t)rows * SEGMENT;
+}
 
 // Relative errors of the squared length: this is as good as single precision, no further pass is worth it.
 #define EXACT 4e-5f
 // A pivot below it, m^2/kg, belongs to a segment without length or between two pinned ends: nothing is to be done.
 #define LEAST_PIVOT 1e-30f
 
-static void eliminate( const wisp_strand_stretch_job* job, int first, int last )
+// Where an elimination has come to in one group.
+typedef struct elimination
 {
-    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
-    const lane16 least = lane16_set1( LEAST_PIVOT );
-    const lane16v none = { zero, zero, zero }; // of what is behind a tip
-    lane16v p = lane16v_load( job->position + (size_t)first * STRIDE ), e_before = none;
-    lane16 w = lane16_load( job->weight + (size_t)first * WISP_LANES );
-    lane16 inverse_before = zero, multiplier_before = zero;
-    float* out = job->scratch;
-    for ( int row = first; row + 1 < last; ++row, out += SEGMENT )
+    lane16v p, e_before;
+    lane16 w, inverse_before, multiplier_before;
+} elimination;
+
+LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_job* job, int first )
+{
+    const lane16 zero = lane16_zero();
+    return ( elimination ){ .p = lane16v_load( job->position + (size_t)first * STRIDE ),
+                            .e_before = { zero, zero, zero }, // of what is behind a tip
+                            .w = lane16_load( job->weight + (size_t)first * WISP_LANES ),
+                            .inverse_before = zero,
+                            .multiplier_before = zero };
+}
+
+LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination* s, int row, float* out )
+{
+    const lane16 zero = lane16_zero();
+    const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE ), none = { zero, zero, zero };
+    const lane16 w_next = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
+    const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+    const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
+    const lane16 squared = lane16v_dot( e, e );
+    const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
+    // off^2 / pivot before instead of off coupling: what one segment waits for of the other is kept short
+    const lane16 off = lane16_neg( lane16_mul( s->w, lane16v_dot( s->e_before, e ) ) );
+    const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
+    const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
+    const lane16m solvable = lane16_lt( lane16_set1( LEAST_PIVOT ), pivot );
+    const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
+    const lane16 coupling = lane16_mul( off, s->inverse_before );
+    const lane16 multiplier = lane16_mul( lane16_sub( lacks, lane16_mul( off, s->multiplier_before ) ), inverse );
+    lane16v_store( out, e );
+    lane16_store( out + MULTIPLIER, multiplier );
+    lane16_store( out + COUPLING, coupling );
+    *s = ( elimination ){ next, e, w_next, inverse, multiplier };
+}
+
+// Groups of as many rows each, row by row in turns; what they leave stands in scratch one behind the other.
+LANE_INLINE void eliminate( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
+{
+    elimination s[CHAINS];
+    for ( int c = 0; c < count; ++c )
     {
-        const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE );
-        const lane16 w_next = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
-        const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
-        const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( p, next ), none );
-        const lane16 squared = lane16v_dot( e, e );
-        const lane16 lacks = lane16_mul( half, lane16_sub( lane16_mul( length, length ), squared ) );
-        // off^2 / pivot before instead of off coupling: what one segment waits for of the other is kept short
-        const lane16 off = lane16_neg( lane16_mul( w, lane16v_dot( e_before, e ) ) );
-        const lane16 own = lane16_mul( lane16_add( w, w_next ), squared );
-        const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), inverse_before ) );
-        const lane16m solvable = lane16_lt( least, pivot );
-        const lane16 inverse = lane16_select( solvable, lane16_div( one, pivot ), zero );
-        const lane16 coupling = lane16_mul( off, inverse_before );
-        const lane16 multiplier = lane16_mul( lane16_sub( lacks, lane16_mul( off, multiplier_before ) ), inverse );
-        lane16v_store( out, e );
-        lane16_store( out + MULTIPLIER, multiplier );
-        lane16_store( out + COUPLING, coupling );
-        p = next;
-        w = w_next;
-        e_before = e;
-        inverse_before = inverse;
-        multiplier_before = multiplier;
+        s[c] = begin_elimination( job, first[c] );
+    }
+    for ( int row = 0; row + 1 < rows; ++row )
+    {
+        for ( int c = 0; c < count; ++c )
+        {
+            eliminate_row( job, &s[c], first[c] + row, scratch_of( job, c, rows ) + (size_t)row * SEGMENT );
+        }
     }
 }
 
@@ -76,13 +103,14 @@ LANE_INLINE void judge( verdict* v, lane16v e, lane16 length, lane16 bad )
 }
 
 // From the tip to the root: multipliers, and each vertex moves by those of its two segments.
-static verdict solve( const wisp_strand_stretch_job* job, int first, int last, lane16 bad, lane16 per_tension )
+static verdict solve( const wisp_strand_stretch_job* job, const float* scratch, int first, int last, lane16 bad,
+                      lane16 per_tension )
 {
     const lane16 zero = lane16_zero();
     verdict v = { lane16_lt( zero, zero ), lane16_lt( zero, zero ) };
     lane16v pull_behind = { zero, zero, zero }, moved_behind = pull_behind;
     lane16 multiplier_behind = zero, coupling_behind = zero, length = zero;
-    const float* in = job->scratch + (size_t)( last - 1 - first ) * SEGMENT;
+    const float* in = scratch + (size_t)( last - 1 - first ) * SEGMENT;
     for ( int row = last - 1; row >= first; --row )
     {
         // segment row - 1 ends here
@@ -207,25 +235,18 @@ static int count_lanes( lane16m lanes )
     return count;
 }
 
-static int stretch_group( const wisp_strand_stretch_job* job, int first, int last )
+static void clear_tension( const wisp_strand_stretch_job* job, int first, int last )
 {
-    const lane16 zero = lane16_zero(), bad = lane16_set1( 2.0f * job->tolerance );
-    const lane16 per_tension = lane16_set1( 1.0f / ( job->dt * job->dt ) );
     for ( int row = first; row < last && job->tension != NULL && job->keeps_tension == false; ++row )
     {
-        lane16_store( job->tension + (size_t)row * WISP_LANES, zero );
+        lane16_store( job->tension + (size_t)row * WISP_LANES, lane16_zero() );
     }
-    verdict v = { lane16_le( zero, zero ), lane16_lt( zero, zero ) };
-    for ( int pass = 0; pass < job->passes && lane16m_any( v.inexact ); ++pass )
-    {
-        eliminate( job, first, last );
-        v = solve( job, first, last, bad, per_tension );
-    }
-    if ( lane16m_any( v.bad ) == false )
-    {
-        return 0;
-    }
-    const lane16m lost = lane16m_and_not( v.bad, further_pins( job, first, last ) );
+}
+
+// @return how many strands had to be laid out
+static int mend( const wisp_strand_stretch_job* job, lane16m bad, int first, int last )
+{
+    const lane16m lost = lane16m_and_not( bad, further_pins( job, first, last ) );
     if ( lane16m_any( lost ) )
     {
         lay_out( job, lost, first, last );
@@ -233,13 +254,50 @@ static int stretch_group( const wisp_strand_stretch_job* job, int first, int las
     return count_lanes( lost );
 }
 
+// One pass over groups in turns.
+LANE_INLINE void pass_over( const wisp_strand_stretch_job* job, const int* first, int rows, int count, verdict* v )
+{
+    const lane16 bad = lane16_set1( 2.0f * job->tolerance ),
+                 per_tension = lane16_set1( 1.0f / ( job->dt * job->dt ) );
+    eliminate( job, first, rows, count );
+    for ( int c = 0; c < count; ++c )
+    {
+        v[c] = solve( job, scratch_of( job, c, rows ), first[c], first[c] + rows, bad, per_tension );
+    }
+}
+
+// Passes end where a group is exact, whatever the other one needs: what it gets depends on its own strands alone.
+LANE_INLINE int stretch_groups( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
+{
+    verdict v[CHAINS];
+    for ( int c = 0; c < count; ++c )
+    {
+        clear_tension( job, first[c], first[c] + rows );
+    }
+    pass_over( job, first, rows, count, v );
+    int laid = 0;
+    for ( int c = 0; c < count; ++c )
+    {
+        for ( int pass = 1; pass < job->passes && lane16m_any( v[c].inexact ); ++pass )
+        {
+            pass_over( job, first + c, rows, 1, v + c );
+        }
+        laid += lane16m_any( v[c].bad ) ? mend( job, v[c].bad, first[c], first[c] + rows ) : 0;
+    }
+    return laid;
+}
+
 int KERNEL( strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end )
 {
     const wisp_strand_stretch_job mine = *job;
-    int count = 0;
-    for ( int g = begin; g < end; ++g )
+    int laid = 0;
+    for ( int g = begin; g < end; )
     {
-        count += stretch_group( &mine, mine.group_row[g], mine.group_row[g + 1] );
+        const int count = strand_groups_alike( mine.group_row, g, end );
+        const int rows = mine.group_row[g + 1] - mine.group_row[g];
+        laid += count == CHAINS ? stretch_groups( &mine, mine.group_row + g, rows, CHAINS )
+                                : stretch_groups( &mine, mine.group_row + g, rows, 1 );
+        g += count;
     }
-    return count;
+    return laid;
 }

@@ -4,6 +4,7 @@
 #include <immintrin.h>
 
 #define LANE_BACKEND "avx2"
+#define LANE16_REGISTERS 2
 
 #include "lane_ymm.h"
 

@@ -8,6 +8,7 @@
 #endif
 
 #define LANE_BACKEND "avx512"
+#define LANE16_REGISTERS 1
 
 #include "lane_ymm.h"
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #define LANE_BACKEND "plain"
+#define LANE16_REGISTERS 16
 
 typedef struct lane8
 {

@@ -5,6 +5,7 @@
 #include <emmintrin.h>
 
 #define LANE_BACKEND "sse2"
+#define LANE16_REGISTERS 4
 
 typedef __m128 lane4;
 typedef __m128i lane4i;

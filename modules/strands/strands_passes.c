@@ -267,6 +267,13 @@ void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_follow( &job, span->begin, span->end );
 }
 
+// What the last substep finds is read after the step; that of the others is read by rods alone, which pull with it.
+static float* tension_of( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_rod )
+{
+    const bool is_read = has_rod || span->substep + 1 == wisp_frame_substeps( frame );
+    return is_read ? column_of( frame, span, state->tension, 0 ) : NULL;
+}
+
 // The rod has pulled with a tension already, so what is found here adds to it.
 void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -278,7 +285,7 @@ void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
         .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
-        .tension = column_of( frame, span, state->tension, 0 ),
+        .tension = tension_of( frame, span, state, direct->has_rod != 0 ),
         .keeps_tension = direct->has_rod != 0 || span->iteration > 0,
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .passes = direct->passes,

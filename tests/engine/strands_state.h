@@ -5,8 +5,8 @@
 
 enum
 {
-    STRAND_GROUPS = 4,
-    STRAND_ROWS = 3 + 20 + 9 + 1, // a group's longest strands have 3, 20, 9 vertices and one
+    STRAND_GROUPS = 8,
+    STRAND_ROWS = 3 + 20 + 20 + 9 + 1 + 1 + 2 + 2, // vertices of each group's longest strands: alike in pairs, and not
 };
 
 typedef struct strands_state
@@ -46,7 +46,7 @@ static inline void strand_frame( float ( *frame )[16], int lane, const float e[3
 // Strands of about 5 mm a segment that wander upward; lane l of a group lacks l / 4 vertices of the longest.
 static inline void make_strands( strands_state* s )
 {
-    static const int LONGEST[STRAND_GROUPS] = { 3, 20, 9, 1 };
+    static const int LONGEST[STRAND_GROUPS] = { 3, 20, 20, 9, 1, 1, 2, 2 };
     memset( s, 0, sizeof( *s ) );
     for ( int g = 0; g < STRAND_GROUPS; ++g )
     {

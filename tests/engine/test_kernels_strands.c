@@ -73,15 +73,23 @@ static void ranges_of_groups_may_be_cut_anywhere( void** state )
     make_strands( &cut );
     const wisp_strand_rod_job rod = rod_job( &whole, DT, true, 0.0f ), rod_cut = rod_job( &cut, DT, true, 0.0f );
     const wisp_strand_stretch_job stretch = stretch_job( &whole, DT, 3 ), stretch_cut = stretch_job( &cut, DT, 3 );
+    const wisp_strand_link_job links = strand_links( &whole, 2, false ), links_cut = strand_links( &cut, 2, false );
+    const wisp_strand_link_job sweep = strand_links( &whole, 1, true ), sweep_cut = strand_links( &cut, 1, true );
     k->strand_rod( &rod, 0, STRAND_GROUPS );
+    k->strand_link( &links, 0, STRAND_GROUPS );
+    k->strand_link( &sweep, 0, STRAND_GROUPS );
     k->strand_stretch( &stretch, 0, STRAND_GROUPS );
     for ( int g = STRAND_GROUPS - 1; g >= 0; --g )
     {
         k->strand_rod( &rod_cut, g, g + 1 );
+        k->strand_link( &links_cut, g, g + 1 );
+        k->strand_link( &sweep_cut, g, g + 1 );
         k->strand_stretch( &stretch_cut, g, g + 1 );
     }
     assert_memory_equal( whole.position, cut.position, sizeof( whole.position ) );
     assert_memory_equal( whole.frame, cut.frame, sizeof( whole.frame ) );
+    assert_memory_equal( whole.lambda, cut.lambda, sizeof( whole.lambda ) );
+    assert_memory_equal( whole.tension, cut.tension, sizeof( whole.tension ) );
 }
 
 // ---- what moves and what does not ----
