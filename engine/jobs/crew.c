@@ -43,6 +43,8 @@ static void forget_threads_of_parent( jobs_crew* crew )
     {
         crew->started = false;
         atomic_store( &crew->asleep, 0 );
+        atomic_store( &crew->team, 0 );
+        atomic_store( &crew->arrived, 0 );
         make_lock( crew ); // which needed nothing of the system the first time
     }
 }
@@ -72,9 +74,22 @@ static void* lead( void* user )
     jobs_crew* crew = user;
 #pragma omp parallel num_threads( crew->count ) default( none ) shared( crew )
     {
+        atomic_store( &crew->team, omp_get_num_threads() );
+        atomic_fetch_add( &crew->arrived, 1 );
         crew->body( crew->context, omp_get_thread_num() );
     }
     return NULL;
+}
+
+static void start( jobs_crew* crew )
+{
+    crew->process = getpid();
+    crew->started = pthread_create( &crew->leader, NULL, lead, crew ) == 0;
+    for ( int idle = 0; crew->started && ( atomic_load( &crew->team ) == 0 ||
+                                           atomic_load( &crew->arrived ) < atomic_load( &crew->team ) ); )
+    {
+        crew_wait( &idle );
+    }
 }
 
 bool crew_call( jobs_crew* crew )
@@ -83,8 +98,7 @@ bool crew_call( jobs_crew* crew )
     atomic_store( &crew->wanted, true );
     if ( crew->started == false )
     {
-        crew->process = getpid();
-        crew->started = pthread_create( &crew->leader, NULL, lead, crew ) == 0;
+        start( crew );
     }
     // a member counts itself before it looks whether it is wanted: one of the two sees the other
     else if ( atomic_load( &crew->asleep ) > 0 )

@@ -18,6 +18,7 @@ typedef struct jobs_crew
     pthread_t leader;
     pthread_mutex_t lock;
     pthread_cond_t called;
+    _Atomic int team, arrived;          ///< members that the system gave, 0 until it is known; those that run
     _Alignas( 64 ) _Atomic bool wanted; // there is, or soon will be, something to do
     _Atomic bool leaving;
     _Atomic int asleep;
@@ -28,8 +29,9 @@ bool crew_init( jobs_crew* crew, int count, crew_body_fn* body, void* context );
 /// Send everybody home, and wait for it.
 void crew_release( jobs_crew* crew );
 
-/// There is something to do soon: who sleeps is woken, the rest looks for it all the time. Waits for nobody. A forked process
-/// has threads of its own from its first call on.
+/// There is something to do soon: who sleeps is woken, the rest looks for it all the time. Waits for nobody but at
+/// the first call, until all members run: threads that are starting hold locks of the libraries, which a process that forks then
+/// would take along for good. A forked process has threads of its own from its first call on.
 /// @return false while the system starts no thread, so that there are no members; the next call tries again
 bool crew_call( jobs_crew* crew );
 /// There is nothing to do until the next call.

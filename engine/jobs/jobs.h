@@ -15,8 +15,8 @@ int jobs_workers( const jobs_pool* pool );
 /// Cores this process may run on; at least 1, at most WISP_MAX_WORKERS. Does not touch OpenMP.
 int jobs_default_workers( void );
 
-/// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for workers,
-/// who may come late.
+/// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for workers, who
+/// may come late, but the first time, until all of them run.
 /// @return false if the system starts no thread: the driver ran, and all blocks on the calling thread
 bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
 

@@ -251,8 +251,8 @@ static int step_world_of_parent( void )
     return same ? 0 : 1;
 }
 
-// The parent has threads, and its child, which has none of them, steps the same world a step further than the hash that is
-// asked of it; then the parent does.
+// The parent has threads, just started, and its child, which has none of them, steps the same world a step further than the hash
+// that is asked of it; then the parent does.
 static int fork_with_three_workers( void )
 {
     wisp_world_def def = wisp_default_world_def();
@@ -277,15 +277,16 @@ static int fork_with_three_workers( void )
             return 3;
         }
     }
-    // threads that are still starting hold locks of the system's libraries, which a child would wait for
-    wait_until( sleeping_threads, 2 );
     return exit_of_child( step_world_of_parent ) == 0 && step_world_of_parent() == 0 ? 0 : 1;
 }
 
 static void a_process_with_workers_may_fork_and_both_step_the_world( void** state )
 {
     (void)state;
-    assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
+    for ( int i = 0; i < 20; ++i ) // what goes wrong while threads start goes wrong by chance
+    {
+        assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
+    }
 }
 
 // ---- without threads ----
