@@ -95,7 +95,6 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
     const int32_t* entries = list->entries + first;
     const float* current = job->current;
     float* distances = law.measuring ? job->measured->distance + first : NULL;
-    float* weights = law.measuring ? job->measured->weight + first : NULL;
     for ( int k = 0; k < length; ++k )
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
@@ -111,7 +110,6 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
         if ( law.measuring )
         {
             lane8_store( distances + k * WISP_SLICE, r );
-            lane8_store( weights + k * WISP_SLICE, weight );
             sums.weights = lane8_add( sums.weights, weight );
             sums.near += __builtin_popcount( lane8m_bits( lane8_lt( r, h ) ) );
         }
@@ -214,15 +212,11 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
         change = lane8_mul( change, inverse_h );
         change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : lane8_max( change, zero );
         change = lane8_min( change, one );
-        lane8 weight;
+        lane8 weight = kernel_weight( r0, inverse_h );
         if ( law.by_iteration )
         {
-            weight = lane8_select( lane8_gt( r0, zero ), kernel_weight( r0, inverse_h ), zero );
+            weight = lane8_select( lane8_gt( r0, zero ), weight, zero );
             sums.weights = lane8_add( sums.weights, weight );
-        }
-        else
-        {
-            weight = lane8_load( job->measured->weight + at );
         }
         sums.changes = lane8_mul_add( weight, change, sums.changes );
     }

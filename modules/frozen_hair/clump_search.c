@@ -97,14 +97,13 @@ wisp_status clump_search( clump_run* run )
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, fill_slots, run );
     wisp_neighbour_query query = make_query( run, run->current );
     status = wisp_neighbours_build( &w->lists, run->parallel, run->kernels, &w->grid, &query );
-    size_t entries = w->lists.entries * WISP_SLICE;
-    if ( status != WISP_OK || wisp_buffer_reserve( &w->measured, wisp_parallel_allocator( run->parallel ),
-                                                   2 * entries * sizeof( float ) ) == false )
+    const size_t bytes = w->lists.entries * WISP_SLICE * sizeof( float );
+    if ( status != WISP_OK ||
+         wisp_buffer_reserve( &w->measured, wisp_parallel_allocator( run->parallel ), bytes ) == false )
     {
         return WISP_NO_MEMORY;
     }
     run->measured.distance = w->measured.data;
-    run->measured.weight = run->measured.distance + entries;
     use( run, &w->lists, run->current );
     return WISP_OK;
 }

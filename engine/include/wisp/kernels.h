@@ -116,8 +116,7 @@ typedef struct wisp_neighbour_list
 /// What the brake remembers of the pairs of a list at the reference shape.
 typedef struct wisp_reference_pairs
 {
-    float* distance;   ///< [entry][8] m, r0
-    float* weight;     ///< [entry][8] g(r0), 0 for padding and beyond the radius
+    float* distance;   ///< [entry][8] m, r0; beyond any radius for padding, so that g(r0) is 0
     float* weight_sum; ///< [slot]
     int32_t* near;     ///< [slice] pairs above 0 and below the radius
 } wisp_reference_pairs;
