@@ -29,12 +29,12 @@ typedef struct sweep
     lane16 w[2];
 } sweep;
 
-LANE_INLINE sweep begin_sweep( const wisp_strand_link_job* job, int first )
+LANE_INLINE sweep begin_sweep( const wisp_strand_link_job* job, int first, int stride )
 {
     sweep s;
     for ( int k = 0; k < 2; ++k )
     {
-        const int row = k < job->stride ? first + k : first;
+        const int row = k < stride ? first + k : first;
         s.p[k] = lane16v_load( job->position + (size_t)row * STRIDE );
         s.w[k] = lane16_load( job->weight + (size_t)row * WISP_LANES );
     }
@@ -84,7 +84,7 @@ LANE_INLINE void sweep_groups( const wisp_strand_link_job* job, const link_rule*
     sweep s[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
-        s[c] = begin_sweep( job, first[c] );
+        s[c] = begin_sweep( job, first[c], stride );
     }
     for ( int row = 0; row + stride < rows; ++row )
     {

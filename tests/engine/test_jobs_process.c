@@ -231,6 +231,27 @@ static int sleep_and_wake( void )
     return threads == 1 ? 0 : 1;
 }
 
+static void do_nothing( void* context )
+{
+    (void)context;
+}
+
+// Threads that are still to come would hold locks of the libraries while this process forks.
+static int threads_behind_the_first_step( void )
+{
+    jobs_pool* pool = jobs_create( NULL, 8, NULL, NULL );
+    jobs_enter( pool, do_nothing, NULL );
+    const int threads = thread_count();
+    jobs_destroy( pool );
+    return threads;
+}
+
+static void all_threads_run_when_the_first_step_ends( void** state )
+{
+    (void)state;
+    assert_int_equal( exit_of_child( threads_behind_the_first_step ), 8 );
+}
+
 static void workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool( void** state )
 {
     (void)state;
@@ -340,6 +361,7 @@ int main( void )
         cmocka_unit_test( a_hosts_own_loop_never_starts_a_thread_of_ours ),
         cmocka_unit_test( two_workers_are_two_threads ),
         cmocka_unit_test( a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three ),
+        cmocka_unit_test( all_threads_run_when_the_first_step_ends ),
         cmocka_unit_test( workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool ),
         cmocka_unit_test( a_process_with_workers_may_fork_and_both_step_the_world ),
         cmocka_unit_test( a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same ),

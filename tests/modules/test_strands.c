@@ -117,6 +117,53 @@ static void tension_at_the_root_is_the_weight( void** state )
     close_strands( &s );
 }
 
+// What falls has another tension in every substep: that of the last one is read, as if each had been a step.
+static void tension_is_that_of_the_last_substep( void** state )
+{
+    (void)state;
+    for ( int iterations = 1; iterations <= 2; ++iterations )
+    {
+        float tension[2][18 * 8];
+        for ( int k = 0; k < 2; ++k )
+        {
+            strand_world s;
+            open_strands( &s, k == 0 ? 4 : 1, iterations, 1 );
+            wisp_strand_dynamics_def def = default_def();
+            def.bend = WISP_STRAND_BEND_LINKS;
+            def.rest = WISP_STRAND_REST_STRAIGHT;
+            const wisp_entity e = add_moving( s.world, 18, 8, straight_out, 0.1f, &def );
+            strand_steps( s.world, k == 0 ? 5 : 20, k == 0 ? 1.0f / 64.0f : 1.0f / 256.0f );
+            assert_int_equal( wisp_read_strand_tension( s.world, e, tension[k] ), WISP_OK );
+            close_strands( &s );
+        }
+        assert_true( tension[0][0] > 0.0f );
+        assert_memory_equal( tension[0], tension[1], sizeof( tension[0] ) );
+    }
+}
+
+// Groups run all their substeps at once and one of these is timed, in each step another one.
+static void every_pass_of_strands_has_its_time_in_every_step( void** state )
+{
+    (void)state;
+    strand_world s;
+    open_strands( &s, 3, 2, 1 );
+    const wisp_strand_dynamics_def def = default_def();
+    add_moving( s.world, 160, 20, straight_out, 0.1f, &def );
+    for ( int step = 0; step < 4; ++step )
+    {
+        strand_steps( s.world, 1, FRAME );
+        const wisp_profile p = wisp_world_profile( s.world );
+        double sum = 0.0;
+        for ( int i = 0; i < p.count; ++i )
+        {
+            assert_true( p.lines[i].items == 0 || p.lines[i].seconds > 0.0 );
+            sum += p.lines[i].seconds;
+        }
+        assert_true( p.count > 4 && sum <= p.seconds * ( 1.0 + 1e-12 ) );
+    }
+    close_strands( &s );
+}
+
 static wisp_vec3 doubled_out( int strand, int i, int count, float length )
 {
     // the first strand has its third vertex twice and thrice, the second has no length at all
@@ -526,6 +573,8 @@ int main( void )
         cmocka_unit_test( curls_that_are_not_balanced_sag ),
         cmocka_unit_test( every_way_to_stretch_and_bend_steps_and_hangs ),
         cmocka_unit_test( tension_at_the_root_is_the_weight ),
+        cmocka_unit_test( tension_is_that_of_the_last_substep ),
+        cmocka_unit_test( every_pass_of_strands_has_its_time_in_every_step ),
         cmocka_unit_test( vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble ),
         cmocka_unit_test( changing_how_strands_move_leaves_them_where_they_are ),
         cmocka_unit_test( strands_of_no_and_of_one_vertex_step ),
