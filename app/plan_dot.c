@@ -31,8 +31,9 @@ static void print_node( FILE* out, const plan_sheet* sheet, int pass )
     print_quoted( out, p->name );
     fputs( " [label=\"", out );
     print_escaped( out, p->name );
-    fprintf( out, "\\nwave %d%s, %d x %s in %d blocks\\npredicted %.1f %%", p->wave, p->is_fused ? ", fused" : "",
-             p->items, p->domain, p->blocks, 100.0 * p->share );
+    fprintf( out, "\\nwave %d%s%s%s, %d x %s in %d blocks\\npredicted %.1f %%", p->wave, p->is_fused ? ", fused" : "",
+             p->joined != NULL ? ", in " : "", p->joined != NULL ? p->joined : "", p->items, p->domain, p->blocks,
+             100.0 * p->share );
     if ( sheet->pass_seconds > 0.0 )
     {
         fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_share( sheet, pass ) );

@@ -293,6 +293,23 @@ int plan_item_count( const store_entity* e, wisp_domain domain )
     }
 }
 
+// What can run all live passes of an entity together.
+static int find_join( const wisp_registry* r, const plan_node* node, uint32_t passes )
+{
+    store_mask live = 0;
+    for ( int i = 0; i < node->pass_count; ++i )
+    {
+        live |= ( passes >> i & 1 ) != 0 ? store_bit( node->passes[i] ) : 0;
+    }
+    int found = -1;
+    for ( int i = 0; i < r->join_count && node->section == PLAN_ITEM_LOOP; ++i )
+    {
+        const plan_join* f = r->joins + i;
+        found = ( f->needs & ~live ) == 0 && ( live & ~( f->needs | f->allows ) ) == 0 ? i : found;
+    }
+    return found;
+}
+
 static void fill_targets( plan* p, const wisp_registry* r )
 {
     const store* s = r->store;
@@ -312,7 +329,7 @@ static void fill_targets( plan* p, const wisp_registry* r )
             }
             if ( passes != 0 )
             {
-                p->targets[p->target_count++] = ( plan_target ){ slot, passes };
+                p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_join( r, node, passes ) };
             }
         }
         node->target_count = p->target_count - node->first_target;

@@ -10,6 +10,8 @@ enum
 {
     // Waking a worker costs about as much as this many rows of sixteen lanes (bench case "paper", 100 strands).
     PLAN_SMALL_WAVE_ROWS = 40,
+    // Of so many blocks that loop over substeps one is timed.
+    PLAN_CLOCKED_BLOCKS = 8,
     // An entity with fewer rows shares its wave with others on one worker each.
     PLAN_WIDE_ENTITY_ROWS = 256,
 };
@@ -185,11 +187,12 @@ static void add_blocks( wisp_frame* frame, int n, const plan_target* target, uns
     plan* p = frame->plan;
     const plan_node* node = p->nodes + n;
     const store_entity* e = frame->registry->store->entities + target->slot;
+    const int join = due == target->passes && frame->iterations == 1 ? target->join : -1;
     int items = plan_item_count( e, node->domain );
     for ( int begin = 0; begin < items; begin += node->grain )
     {
         int end = items - begin > node->grain ? begin + node->grain : items;
-        p->blocks[size->count++] = ( plan_block ){ n, due, target->slot, begin, end };
+        p->blocks[size->count++] = ( plan_block ){ n, due, join, target->slot, begin, end };
     }
     for ( int i = 0; i < node->pass_count; ++i )
     {
@@ -312,24 +315,55 @@ static int end_of_section( const wisp_frame* frame, const plan_node* node, int f
     return from;
 }
 
-// All substeps of a block of items: a few groups of strands are as fast in L2 as one is in L1, and cost the passes one call.
-// One substep is timed, another one from block to block and step to step: reading the clock for every pass of every substep
-// was a tenth of a step of strands.
-static void loop_block( wisp_frame* frame, const plan_node* node, unsigned due, wisp_span span, int index )
+// Substeps [begin, end) of a block of items, pass by pass.
+static void loop_passes( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int begin,
+                         int end, double scale )
 {
-    const int timed = (int)( ( frame->step + (uint64_t)index ) % (uint64_t)frame->substeps );
     const int substep_end = end_of_section( frame, node, 0, PLAN_SUBSTEP );
     const int iteration_end = end_of_section( frame, node, substep_end, PLAN_ITERATION );
-    for ( span.substep = 0; span.substep < frame->substeps; ++span.substep )
+    for ( span.substep = begin; span.substep < end; ++span.substep )
     {
-        const double scale = frame->sampled && span.substep == timed ? frame->substeps : 0.0;
         span.iteration = 0;
-        run_item( frame, node, due, ( pass_range ){ 0, substep_end }, &span, scale );
+        run_item( frame, node, block->passes, ( pass_range ){ 0, substep_end }, &span, scale );
         for ( ; span.iteration < frame->iterations && iteration_end > substep_end; ++span.iteration )
         {
-            run_item( frame, node, due, ( pass_range ){ substep_end, iteration_end }, &span, scale );
+            run_item( frame, node, block->passes, ( pass_range ){ substep_end, iteration_end }, &span, scale );
         }
-        run_item( frame, node, due, ( pass_range ){ iteration_end, node->pass_count }, &span, scale );
+        run_item( frame, node, block->passes, ( pass_range ){ iteration_end, node->pass_count }, &span, scale );
+    }
+}
+
+// The same without times, together where that is known.
+static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int begin,
+                       int end )
+{
+    if ( block->join < 0 )
+    {
+        loop_passes( frame, node, block, span, begin, end, 0.0 );
+    }
+    else if ( begin < end )
+    {
+        const plan_join* join = frame->registry->joins + block->join;
+        span.substep = begin;
+        span.iteration = 0;
+        join->run( frame, &span, end, join->user );
+    }
+}
+
+// All substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is timed, other ones from
+// step to step: reading the clock for every pass of every substep was a tenth of a step of strands, and passes that run together
+// can be told apart in no other way.
+static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
+{
+    const uint64_t turn = frame->step + (uint64_t)index, every = (uint64_t)frame->clocked_blocks;
+    const int substeps = frame->substeps;
+    const bool is_timed = frame->sampled && turn % every == 0;
+    const int timed = is_timed ? (int)( turn / every % (uint64_t)substeps ) : substeps;
+    loop_fast( frame, node, block, span, 0, timed );
+    if ( is_timed )
+    {
+        loop_passes( frame, node, block, span, timed, timed + 1, substeps );
+        loop_fast( frame, node, block, span, timed + 1, substeps );
     }
 }
 
@@ -347,7 +381,7 @@ static void run_block( void* context, int index, int worker )
                        .iteration = frame->iteration };
     if ( node->section == PLAN_ITEM_LOOP )
     {
-        loop_block( frame, node, block.passes, span, index );
+        loop_block( frame, node, &block, span, index );
         return;
     }
     if ( frame->sampled == false && node->pass_count == 1 )
@@ -414,6 +448,7 @@ static void run_narrow( wisp_frame* frame, int count, int rows )
 {
     int only = 0;
     frame->sampled = has_several_passes( frame, count, &only );
+    frame->clocked_blocks = count < PLAN_CLOCKED_BLOCKS ? count : PLAN_CLOCKED_BLOCKS;
     double begin = wisp_clock_seconds();
     if ( rows < PLAN_SMALL_WAVE_ROWS )
     {

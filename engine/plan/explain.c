@@ -24,6 +24,7 @@ typedef struct writer
     wisp_plan_module* modules;
     wisp_plan_reason* reasons;
     int reason_count;
+    int iterations;
 } writer;
 
 static bool is_live( const writer* w, int number )
@@ -94,6 +95,7 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
             const store_entity* e = s->entities + target->slot;
             const int items = plan_item_count( e, node->domain );
             p->entities += 1;
+            p->joined = target->join >= 0 && w->iterations == 1 ? w->registry->joins[target->join].name : p->joined;
             p->items += items;
             p->blocks += ( items + node->grain - 1 ) / node->grain;
             p->bytes += row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
@@ -284,7 +286,7 @@ static report_block* make_block( writer* w )
 
 wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
 {
-    writer w = { .plan = p, .registry = r };
+    writer w = { .plan = p, .registry = r, .iterations = iterations };
     report_block* block = make_block( &w );
     if ( block == NULL )
     {

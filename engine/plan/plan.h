@@ -17,6 +17,7 @@ enum
 {
     PLAN_MAX_PASSES = 128, // one bit each in a mask
     PLAN_MAX_FUSED = 32,   // one bit each in a mask
+    PLAN_MAX_JOINS = 8,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
 };
@@ -36,6 +37,14 @@ typedef struct plan_state
     wisp_state_hooks hooks;
 } plan_state;
 
+typedef struct plan_join
+{
+    const char* name;
+    store_mask needs, allows; // passes
+    wisp_joined_fn* run;
+    void* user;
+} plan_join;
+
 struct wisp_registry
 {
     store* store;
@@ -43,6 +52,8 @@ struct wisp_registry
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // who declared it
     int pass_count;
+    plan_join joins[PLAN_MAX_JOINS];
+    int join_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
@@ -89,12 +100,14 @@ typedef struct plan_target
 {
     int slot;
     uint32_t passes; // bit i: passes[i] of the node
+    int join;        // of the registry, that can run all of them; -1: none
 } plan_target;
 
 typedef struct plan_block
 {
     int32_t node;
     uint32_t passes; // live and due, bit i: passes[i] of the node
+    int join;        // that runs them; -1: one after another
     int slot;
     int begin, end;
 } plan_block;
@@ -152,6 +165,7 @@ struct wisp_frame
     const plan_block* wave; // of the wave that runs
     bool wide;              // one entity at a time, with all workers
     bool sampled;           // passes of a wave are told apart by samples
+    int clocked_blocks;     // of so many blocks that loop over substeps one is sampled
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
     int pass_items[PLAN_MAX_PASSES];

@@ -14,8 +14,10 @@ void wisp_plan_pass_text( const wisp_plan_pass* pass, char* out, size_t size )
 {
     if ( pass->state == WISP_PLAN_KEPT )
     {
-        snprintf( out, size, "  %-11s wave %d  %-24s %s%s", pass->loop, pass->wave, pass->name,
-                  pass->is_fused ? "(fused) " : "", pass->because );
+        const bool is_joined = pass->joined != NULL;
+        snprintf( out, size, "  %-11s wave %d  %-24s %s%s%s%s%s", pass->loop, pass->wave, pass->name,
+                  pass->is_fused ? "(fused) " : "", is_joined ? "(in " : "", is_joined ? pass->joined : "",
+                  is_joined ? ") " : "", pass->because );
     }
     else
     {

@@ -62,6 +62,38 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
     return WISP_OK;
 }
 
+// @return false if one of them was not declared
+static bool find_passes( const wisp_registry* r, const char* const* names, store_mask* passes )
+{
+    bool found = true;
+    for ( int n = 0; n < WISP_MAX_USES && names[n] != NULL; ++n )
+    {
+        int i = 0;
+        while ( i < r->pass_count && strcmp( r->passes[i].name, names[n] ) != 0 )
+        {
+            i += 1;
+        }
+        found = found && i < r->pass_count;
+        *passes |= i < r->pass_count ? store_bit( i ) : 0;
+    }
+    return found;
+}
+
+wisp_status wisp_declare_join( wisp_registry* registry, const wisp_join* join )
+{
+    plan_join f = { .name = join->name, .run = join->run, .user = join->user };
+    const bool found =
+        find_passes( registry, join->needs, &f.needs ) && find_passes( registry, join->allows, &f.allows );
+    if ( found == false || f.needs == 0 || f.run == NULL || registry->join_count == PLAN_MAX_JOINS )
+    {
+        fail_declaration( registry,
+                          "too many joins, or one of nothing or of passes that are not declared:", join->name );
+        return WISP_BAD_INPUT;
+    }
+    registry->joins[registry->join_count++] = f;
+    return WISP_OK;
+}
+
 void* wisp_declare_state( wisp_registry* registry, size_t size )
 {
     void* memory =
@@ -111,6 +143,7 @@ void plan_registry_init( wisp_registry* r, store* s, int workers )
     {
         wisp_declare_component( r, SHARED + i );
     }
+    s->transient = store_bit( WISP_STRAND_PREVIOUS );
 }
 
 void plan_registry_release( wisp_registry* r )

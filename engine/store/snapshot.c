@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define SNAPSHOT_MAGIC "WISPSNP1"
+#define SNAPSHOT_MAGIC "WISPSNP2"
 
 typedef struct snapshot_header
 {
@@ -33,8 +33,8 @@ uint64_t store_hash_bytes( uint64_t seed, const void* bytes, size_t size )
     return hash;
 }
 
-// Calls visit for every living entity in slot order: what waits to be done on it, whether it is halted, then every column range in component
-// and column order.
+// Calls visit for every living entity in slot order: what waits to be done on it, whether it is halted, then every column range in
+// component and column order, without those that mean nothing between steps.
 typedef void visit_fn( void* context, void* rows, size_t bytes );
 
 static void visit_columns( const store* s, visit_fn* visit, void* context )
@@ -50,7 +50,8 @@ static void visit_columns( const store* s, visit_fn* visit, void* context )
         for ( int c = 1; c < s->component_count && e->alive; ++c )
         {
             const wisp_component_def* def = &s->components[c].def;
-            for ( int k = 0; k < def->column_count && ( e->components & store_bit( (wisp_component)c ) ) != 0; ++k )
+            const bool is_held = ( e->components & ~s->transient & store_bit( c ) ) != 0;
+            for ( int k = 0; k < def->column_count && is_held; ++k )
             {
                 visit( context, store_column( s, e, (wisp_component)c, k ),
                        (size_t)e->rows[def->table].count * def->columns[k].row_size );

@@ -51,6 +51,7 @@ typedef struct store
     int entity_capacity;
     store_mask watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
     store_mask writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
+    store_mask transient;                      // components whose rows mean nothing between steps
     uint64_t passes;                           // hash of the passes' names in order: what the bits mean
     uint32_t structure;                        // grows whenever an entity, a component or a wish comes or goes
 } store;
@@ -93,11 +94,12 @@ static inline void store_touch( const store* s, store_entity* e, wisp_component 
 
 // snapshot.c
 
+/// Transient components are left out.
 size_t store_snapshot_size( const store* s );
 void store_snapshot( const store* s, void* out );
 /// Checks everything before the first byte is written back.
 wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error* error );
-/// Hash of all rows of all entities.
+/// Hash of all rows of all entities but the transient ones.
 uint64_t store_hash( const store* s );
 
 /// 64-bit hash of bytes, chained through `seed`. Reads little-endian words, so equal bytes hash equal anywhere.

@@ -25,8 +25,9 @@ typedef struct fake_pass
 
 typedef struct fake_run
 {
-    const fake_pass* pass;
+    const fake_pass* pass; // null: all passes of a join
     wisp_span span;
+    int substep_end; // of a join
 } fake_run;
 
 // The module that tests declare, and what its passes did. One test, one thread and one world at a time.
@@ -34,6 +35,7 @@ static struct
 {
     const fake_pass* passes;
     int pass_count;
+    const wisp_join* join; // null: none
     wisp_component components[FAKE_COMPONENTS];
     fake_run runs[FAKE_TRACE];
     _Atomic int run_count;
@@ -49,7 +51,17 @@ static inline void fake_trace( wisp_frame* frame, const wisp_span* span, void* u
     int at = atomic_fetch_add( &fake.run_count, 1 );
     if ( at < FAKE_TRACE )
     {
-        fake.runs[at] = ( fake_run ){ user, *span };
+        fake.runs[at] = ( fake_run ){ user, *span, 0 };
+    }
+}
+
+static inline void fake_trace_joined( wisp_frame* frame, const wisp_span* span, int substep_end, void* user )
+{
+    (void)frame, (void)user;
+    int at = atomic_fetch_add( &fake.run_count, 1 );
+    if ( at < FAKE_TRACE )
+    {
+        fake.runs[at] = ( fake_run ){ NULL, *span, substep_end };
     }
 }
 
@@ -107,7 +119,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
         fill_uses( pass.across, f->across );
         status = wisp_declare_pass( r, &pass );
     }
-    return status;
+    return status == WISP_OK && fake.join != NULL ? wisp_declare_join( r, fake.join ) : status;
 }
 
 static const wisp_module fake_module = { .name = "fake", .declare = fake_declare };

@@ -51,6 +51,7 @@
     X( float, stretch, 16 ) /* k_s, no unit: 1/k is the relative change of length allowed */                         \
     X( float, bend, 16 )    /* k_b, no unit: 1/k is the share of the largest angle allowed */
 #define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
+/// Means nothing between steps: neither snapshots nor hashes hold it.
 #define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
 #define WISP_STRAND_WEIGHT_COLUMNS( X ) X( float, weight, 16 )     /* 1/kg; 0: pinned, or not a vertex */
 #define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */

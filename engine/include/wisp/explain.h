@@ -49,10 +49,12 @@ typedef struct wisp_plan_pass
     int wave;         ///< within the loop; nodes of one wave run side by side
     int node;         ///< passes of one node run item by item together
     bool is_fused;    ///< behind another pass of its node
-    int entities;     ///< that it runs on
-    int items;        ///< of all of these entities: groups of strands, blocks of particles, or entities
-    int blocks;       ///< what workers draw: so many items of one entity
-    int runs;         ///< a step, from substeps and iterations
+    /// What runs it together with the other passes of an entity "module.noun"; null: nothing does.
+    const char* joined;
+    int entities; ///< that it runs on
+    int items;    ///< of all of these entities: groups of strands, blocks of particles, or entities
+    int blocks;   ///< what workers draw: so many items of one entity
+    int runs;     ///< a step, from substeps and iterations
 
     /// Bytes that one run reads and writes: rows of every component it reads, and again of every one it writes.
     uint64_t bytes;

@@ -113,6 +113,24 @@ typedef struct wisp_pass
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
 
+/// Substeps [span->substep, substep_end) of a span of items.
+typedef void wisp_joined_fn( wisp_frame* frame, const wisp_span* span, int substep_end, void* user );
+
+/// Passes of groups of strands that can run together, all substeps of some groups in one go: in less time, and bit for bit
+/// what the passes give one after another.
+typedef struct wisp_join
+{
+    const char* name;                  ///< "module.noun"; a static string
+    const char* needs[WISP_MAX_USES];  ///< names of passes, null-terminated: the entity must have all
+    const char* allows[WISP_MAX_USES]; ///< likewise: it may have them; with any other pass they run apart
+    wisp_joined_fn* run;
+    void* user;
+} wisp_join;
+
+/// Declare passes, declared before, that can run together. It is done in steps of one iteration a substep; one substep of some
+/// blocks runs pass by pass all the same, to tell their times.
+WISP_API wisp_status wisp_declare_join( wisp_registry* registry, const wisp_join* join );
+
 /// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
 /// @return null without memory
 WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );

@@ -266,7 +266,7 @@ WISP_API wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity enti
 
 /// Bytes that wisp_world_snapshot() writes now.
 WISP_API size_t wisp_world_snapshot_size( const wisp_world* world );
-/// Write all columns of all entities. @param size at least wisp_world_snapshot_size()
+/// Write all columns of all entities, but for what means nothing between steps. @param size at least wisp_world_snapshot_size()
 WISP_API wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size );
 /// Put the columns back. The world must hold the same entities with the same components and shapes.
 /// @return WISP_BAD_INPUT the bytes are not a snapshot of this world (checked before anything is changed)
