@@ -40,6 +40,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .velocity = KERNEL( velocity ),
     .first_beyond = KERNEL( first_beyond ),
     .strand_predict = KERNEL( strand_predict ),
+    .strand_advance = KERNEL( strand_advance ),
     .strand_velocity = KERNEL( strand_velocity ),
     .strand_damp = KERNEL( strand_damp ),
     .strand_air = KERNEL( strand_air ),

@@ -3,61 +3,110 @@
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
+// What all rows of a substep share.
+typedef struct motion_terms
+{
+    lane16 dt, inverse_dt; // s, 1/s
+    lane16v gain;          // m/s, of what is free
+} motion_terms;
+
+static motion_terms motion_terms_of( const wisp_strand_motion_job* job )
+{
+    const lane16 dt = lane16_set1( job->dt );
+    return ( motion_terms ){ dt, lane16_set1( 1.0f / job->dt ),
+                             lane16v_scale( lane16v_set1( job->acceleration ), dt ) };
+}
+
+LANE_INLINE lane16m is_free_row( const wisp_strand_motion_job* job, int row )
+{
+    return lane16_lt( lane16_zero(), lane16_load( job->weight + (size_t)row * WISP_LANES ) );
+}
+
+// v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
+LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_job* job, const motion_terms* terms, int row,
+                                     lane16m is_free )
+{
+    const size_t at = (size_t)row * STRIDE;
+    const lane16v v = lane16v_load( job->velocity + at );
+    const lane16v predicted = lane16v_mul_add( lane16v_load( job->previous + at ), terms->dt, v );
+    const lane16v moved = lane16v_sub( lane16v_load( job->position + at ), predicted );
+    return lane16v_select( is_free, lane16v_mul_add( v, terms->inverse_dt, moved ), v );
+}
+
 // Roots go where they are carried; their velocity tells how they get there.
-static void predict_roots( const wisp_strand_motion_job* job, int group, lane16v gain )
+LANE_INLINE void predict_root( const wisp_strand_motion_job* job, const motion_terms* terms, lane16v gain, int group,
+                               lane16m is_free, lane16v v )
 {
     const size_t at = (size_t)job->group_row[group] * STRIDE;
-    const lane16 dt = lane16_set1( job->dt ), inverse_dt = lane16_set1( 1.0f / job->dt );
-    const lane16v p = lane16v_load( job->position + at ), v = lane16v_load( job->velocity + at );
+    const lane16v p = lane16v_load( job->position + at );
     const lane16v root = job->root != NULL ? lane16v_load( job->root + (size_t)group * STRIDE ) : p;
-    const lane16m is_free =
-        lane16_lt( lane16_zero(), lane16_load( job->weight + (size_t)job->group_row[group] * WISP_LANES ) );
-    const lane16v flies = lane16v_add( v, gain ), carried = lane16v_scale( lane16v_sub( root, p ), inverse_dt );
+    const lane16v flies = lane16v_add( v, gain ),
+                  carried = lane16v_scale( lane16v_sub( root, p ), terms->inverse_dt );
     lane16v_store( job->previous + at, p );
     lane16v_store( job->velocity + at, lane16v_select( is_free, flies, carried ) );
-    lane16v_store( job->position + at, lane16v_select( is_free, lane16v_mul_add( p, dt, flies ), root ) );
+    lane16v_store( job->position + at, lane16v_select( is_free, lane16v_mul_add( p, terms->dt, flies ), root ) );
 }
 
 // Pinned vertices behind the roots stand at the end of their way already, and their velocity tells where they came from.
-void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end )
+LANE_INLINE void predict_row( const wisp_strand_motion_job* job, const motion_terms* terms, lane16v gain, int row,
+                              lane16m is_free, lane16v v )
 {
-    const wisp_strand_motion_job mine = *job;
-    const lane16 dt = lane16_set1( mine.dt ), zero = lane16_zero();
-    const lane16v whole = lane16v_scale( lane16v_set1( mine.acceleration ), dt ), none = { zero, zero, zero };
+    const size_t at = (size_t)row * STRIDE;
+    const lane16 zero = lane16_zero();
+    const lane16v none = { zero, zero, zero };
+    const lane16v p = lane16v_load( job->position + at );
+    const lane16v gained = lane16v_add( v, lane16v_select( is_free, gain, none ) );
+    const lane16v way = lane16v_scale( gained, terms->dt );
+    const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, way ) );
+    lane16v_store( job->previous + at, start );
+    lane16v_store( job->velocity + at, gained );
+    lane16v_store( job->position + at, lane16v_add( start, way ) );
+}
+
+// With `takes_velocity` rows get the velocity of the substep before first.
+LANE_INLINE void predict_groups( const wisp_strand_motion_job* job, int begin, int end, bool takes_velocity )
+{
+    const motion_terms terms = motion_terms_of( job );
     for ( int g = begin; g < end; ++g )
     {
-        const lane16v gain =
-            mine.share != NULL ? lane16v_scale( whole, lane16_load( mine.share + (size_t)g * WISP_LANES ) ) : whole;
-        predict_roots( &mine, g, gain );
-        for ( int row = mine.group_row[g] + 1; row < mine.group_row[g + 1]; ++row )
+        const lane16v gain = job->share != NULL
+                                 ? lane16v_scale( terms.gain, lane16_load( job->share + (size_t)g * WISP_LANES ) )
+                                 : terms.gain;
+        const int first = job->group_row[g];
+        const lane16m is_free = is_free_row( job, first );
+        predict_root( job, &terms, gain, g, is_free,
+                      takes_velocity ? velocity_of_row( job, &terms, first, is_free )
+                                     : lane16v_load( job->velocity + (size_t)first * STRIDE ) );
+        for ( int row = first + 1; row < job->group_row[g + 1]; ++row )
         {
-            const size_t at = (size_t)row * STRIDE;
-            const lane16m is_free = lane16_lt( zero, lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
-            const lane16v p = lane16v_load( mine.position + at );
-            const lane16v v =
-                lane16v_add( lane16v_load( mine.velocity + at ), lane16v_select( is_free, gain, none ) );
-            const lane16v way = lane16v_scale( v, dt );
-            const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, way ) );
-            lane16v_store( mine.previous + at, start );
-            lane16v_store( mine.velocity + at, v );
-            lane16v_store( mine.position + at, lane16v_add( start, way ) );
+            const lane16m free = is_free_row( job, row );
+            predict_row( job, &terms, gain, row, free,
+                         takes_velocity ? velocity_of_row( job, &terms, row, free )
+                                        : lane16v_load( job->velocity + (size_t)row * STRIDE ) );
         }
     }
 }
 
-// v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
+void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end )
+{
+    const wisp_strand_motion_job mine = *job;
+    predict_groups( &mine, begin, end, false );
+}
+
+void KERNEL( strand_advance )( const wisp_strand_motion_job* job, int begin, int end )
+{
+    const wisp_strand_motion_job mine = *job;
+    predict_groups( &mine, begin, end, true );
+}
+
 void KERNEL( strand_velocity )( const wisp_strand_motion_job* job, int begin, int end )
 {
     const wisp_strand_motion_job mine = *job;
-    const lane16 dt = lane16_set1( mine.dt ), inverse_dt = lane16_set1( 1.0f / mine.dt );
+    const motion_terms terms = motion_terms_of( &mine );
     for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
     {
-        const size_t at = (size_t)row * STRIDE;
-        const lane16v v = lane16v_load( mine.velocity + at );
-        const lane16v predicted = lane16v_mul_add( lane16v_load( mine.previous + at ), dt, v );
-        const lane16v moved = lane16v_sub( lane16v_load( mine.position + at ), predicted );
-        const lane16m is_free = lane16_lt( lane16_zero(), lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
-        lane16v_store( mine.velocity + at, lane16v_select( is_free, lane16v_mul_add( v, inverse_dt, moved ), v ) );
+        lane16v_store( mine.velocity + (size_t)row * STRIDE,
+                       velocity_of_row( &mine, &terms, row, is_free_row( &mine, row ) ) );
     }
 }
 

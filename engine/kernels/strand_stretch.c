@@ -7,6 +7,8 @@
 // converges on them as fast.
 #include "strand_chains.h"
 
+#include <math.h>
+
 static const size_t STRIDE = 3 * WISP_LANES;
 
 // What a segment leaves for the way back, in scratch: its vector, its multiplier so far, the coupling to the next.
@@ -54,21 +56,22 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination*
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
     const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
-    // off^2 / pivot before instead of off coupling: what one segment waits for of the other is kept short
-    const lane16 off = lane16_neg( lane16_mul( s->w, lane16v_dot( s->e_before, e ) ) );
+    // off is minus the coefficient, and off^2 / pivot before stands for off coupling: what one segment waits for of the other is kept short
+    const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
     const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
     const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
     const lane16m solvable = lane16_lt( lane16_set1( LEAST_PIVOT ), pivot );
     const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
     const lane16 coupling = lane16_mul( off, s->inverse_before );
-    const lane16 multiplier = lane16_mul( lane16_sub( lacks, lane16_mul( off, s->multiplier_before ) ), inverse );
+    const lane16 multiplier = lane16_mul( lane16_add( lacks, lane16_mul( off, s->multiplier_before ) ), inverse );
     lane16v_store( out, e );
     lane16_store( out + MULTIPLIER, multiplier );
     lane16_store( out + COUPLING, coupling );
     *s = ( elimination ){ next, e, w_next, inverse, multiplier };
 }
 
-// Groups of as many rows each, row by row in turns; what they leave stands in scratch one behind the other.
+// Groups of as many rows each, row by row in turns; what they leave stands in scratch one behind the other. Two rows at a time, so
+// that what one hands on to the next changes its registers without being moved: a tenth of this kernel.
 LANE_INLINE void eliminate( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
 {
     elimination s[CHAINS];
@@ -76,79 +79,123 @@ LANE_INLINE void eliminate( const wisp_strand_stretch_job* job, const int* first
     {
         s[c] = begin_elimination( job, first[c] );
     }
-    for ( int row = 0; row + 1 < rows; ++row )
+    int row = 0;
+    for ( ; row + 2 < rows; row += 2 )
     {
         for ( int c = 0; c < count; ++c )
         {
             eliminate_row( job, &s[c], first[c] + row, scratch_of( job, c, rows ) + (size_t)row * SEGMENT );
         }
+        for ( int c = 0; c < count; ++c )
+        {
+            eliminate_row( job, &s[c], first[c] + row + 1,
+                           scratch_of( job, c, rows ) + (size_t)( row + 1 ) * SEGMENT );
+        }
+    }
+    for ( int c = 0; c < count && row + 1 < rows; ++c )
+    {
+        eliminate_row( job, &s[c], first[c] + row, scratch_of( job, c, rows ) + (size_t)row * SEGMENT );
     }
 }
 
-// What is seen of the lengths on the way back.
-typedef struct verdict
+// Where the way back has come to.
+typedef struct substitution
 {
-    lane16m inexact, bad;
-} verdict;
+    lane16v pull, moved; // of the row behind: what its segment to here pulls, and where it is now
+    lane16 multiplier, coupling, length;
+    lane16m inexact; // lanes with a segment that is not exact yet
+} substitution;
 
-LANE_INLINE void judge( verdict* v, lane16v e, lane16 length, lane16 bad )
+// Is the squared length of e right but for a share of it? A NaN is not.
+LANE_INLINE lane16m is_within( lane16v e, lane16 length, lane16 limit )
 {
     const lane16 square = lane16_mul( length, length );
     const lane16 error = lane16_abs( lane16_sub( lane16v_dot( e, e ), square ) );
-    const lane16m is_segment = lane16_lt( lane16_zero(), length );
-    const lane16m inexact = lane16_lt( lane16_mul( square, lane16_set1( EXACT ) ), error );
-    const lane16m good = lane16_le( error, lane16_mul( square, bad ) ); // a NaN is not within any tolerance
-    v->inexact = lane16m_or( v->inexact, lane16m_and( is_segment, inexact ) );
-    v->bad = lane16m_or( v->bad, lane16m_and_not( is_segment, good ) );
+    return lane16_le( error, lane16_mul( square, limit ) );
 }
 
-// From the tip to the root: multipliers, and each vertex moves by those of its two segments.
-static verdict solve( const wisp_strand_stretch_job* job, const float* scratch, int first, int last, lane16 bad,
-                      lane16 per_tension )
+// A vertex moves by the multipliers of its two segments, and the segment behind it is judged.
+LANE_INLINE void move_row( const wisp_strand_stretch_job* job, substitution* s, int row, lane16v pull, lane16 limit )
+{
+    float* at = job->position + (size_t)row * STRIDE;
+    const lane16 w = lane16_load( job->weight + (size_t)row * WISP_LANES );
+    const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( s->pull, pull ) );
+    lane16v_store( at, moved );
+    const lane16m exact = is_within( lane16v_sub( moved, s->moved ), s->length, limit );
+    s->inexact = lane16m_or( s->inexact, lane16m_and_not( lane16_lt( lane16_zero(), s->length ), exact ) );
+    s->pull = pull;
+    s->moved = moved;
+}
+
+// What all rows of a way back share.
+typedef struct substitution_terms
+{
+    lane16 limit;       // of the relative error of a squared length
+    lane16 per_tension; // 1/s^2
+    bool has_tension;
+} substitution_terms;
+
+// The segment from the row before to this one, which has left `in`.
+LANE_INLINE void substitute_row( const wisp_strand_stretch_job* job, const substitution_terms* terms, substitution* s,
+                                 int row, const float* in )
+{
+    const lane16 multiplier = lane16_add( lane16_load( in + MULTIPLIER ), lane16_mul( s->coupling, s->multiplier ) );
+    const lane16v e = lane16v_load( in );
+    move_row( job, s, row, lane16v_scale( e, multiplier ), terms->limit );
+    s->multiplier = multiplier;
+    s->coupling = lane16_load( in + COUPLING );
+    s->length = lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES );
+    if ( terms->has_tension )
+    {
+        float* tension = job->tension + (size_t)( row - 1 ) * WISP_LANES;
+        const lane16 change = lane16_mul( lane16_mul( multiplier, lane16v_length( e ) ), terms->per_tension );
+        lane16_store( tension, lane16_sub( lane16_load( tension ), change ) );
+    }
+}
+
+// From the tip to the root: multipliers, and each vertex moves by those of its two segments. Two rows at a time, as above.
+// @return lanes with a segment that is not exact
+LANE_INLINE lane16m substitute( const wisp_strand_stretch_job* job, const float* scratch, int first, int last,
+                                bool has_tension )
 {
     const lane16 zero = lane16_zero();
-    verdict v = { lane16_lt( zero, zero ), lane16_lt( zero, zero ) };
-    lane16v pull_behind = { zero, zero, zero }, moved_behind = pull_behind;
-    lane16 multiplier_behind = zero, coupling_behind = zero, length = zero;
-    const float* in = scratch + (size_t)( last - 1 - first ) * SEGMENT;
-    for ( int row = last - 1; row >= first; --row )
+    const lane16v none = { zero, zero, zero };
+    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * job->tolerance ) ),
+                                       lane16_set1( 1.0f / ( job->dt * job->dt ) ), has_tension };
+    // behind the tip there is no segment, so none is judged
+    substitution s = { none, none, zero, zero, zero, lane16_lt( zero, zero ) };
+    int row = last - 1;
+    for ( ; row > first + 1; row -= 2 )
     {
-        // segment row - 1 ends here
-        lane16v pull = { zero, zero, zero };
-        lane16 length_before = zero;
-        in -= SEGMENT;
-        if ( row > first )
-        {
-            const lane16 multiplier =
-                lane16_sub( lane16_load( in + MULTIPLIER ), lane16_mul( coupling_behind, multiplier_behind ) );
-            const lane16v e = lane16v_load( in );
-            pull = lane16v_scale( e, multiplier );
-            length_before = lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES );
-            if ( job->tension != NULL )
-            {
-                float* tension = job->tension + (size_t)( row - 1 ) * WISP_LANES;
-                const lane16 change = lane16_mul( lane16_mul( multiplier, lane16v_length( e ) ), per_tension );
-                lane16_store( tension, lane16_sub( lane16_load( tension ), change ) );
-            }
-            multiplier_behind = multiplier;
-            coupling_behind = lane16_load( in + COUPLING );
-        }
-        float* at = job->position + (size_t)row * STRIDE;
-        const lane16 w = lane16_load( job->weight + (size_t)row * WISP_LANES );
-        const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( pull_behind, pull ) );
-        lane16v_store( at, moved );
-        if ( row + 1 < last )
-        {
-            judge( &v, lane16v_sub( moved, moved_behind ), length, bad );
-        }
-        pull_behind = pull;
-        moved_behind = moved;
-        length = length_before;
+        const float* in = scratch + (size_t)( row - 1 - first ) * SEGMENT;
+        substitute_row( job, &terms, &s, row, in );
+        substitute_row( job, &terms, &s, row - 1, in - SEGMENT );
     }
-    return v;
+    if ( row > first )
+    {
+        substitute_row( job, &terms, &s, row, scratch );
+    }
+    move_row( job, &s, first, none, terms.limit );
+    return s.inexact;
 }
 
 // ---- strands that Newton does not reach ----
+
+// Lanes with a segment that is not within the tolerance. Only asked of groups that are not exact.
+static lane16m find_bad( const wisp_strand_stretch_job* job, int first, int last )
+{
+    const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * job->tolerance );
+    lane16m bad = lane16_lt( zero, zero );
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        const float* at = job->position + (size_t)row * STRIDE;
+        const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+        const lane16v e = lane16v_sub( lane16v_load( at ), lane16v_load( at + STRIDE ) );
+        const lane16m good = is_within( e, length, tolerance );
+        bad = lane16m_or( bad, lane16m_and_not( lane16_lt( zero, length ), good ) );
+    }
+    return bad;
+}
 
 // Lanes with a pin beyond the root cannot be laid out from it.
 static lane16m further_pins( const wisp_strand_stretch_job* job, int first, int last )
@@ -244,9 +291,9 @@ static void clear_tension( const wisp_strand_stretch_job* job, int first, int la
 }
 
 // @return how many strands had to be laid out
-static int mend( const wisp_strand_stretch_job* job, lane16m bad, int first, int last )
+static int mend( const wisp_strand_stretch_job* job, int first, int last )
 {
-    const lane16m lost = lane16m_and_not( bad, further_pins( job, first, last ) );
+    const lane16m lost = lane16m_and_not( find_bad( job, first, last ), further_pins( job, first, last ) );
     if ( lane16m_any( lost ) )
     {
         lay_out( job, lost, first, last );
@@ -255,34 +302,35 @@ static int mend( const wisp_strand_stretch_job* job, lane16m bad, int first, int
 }
 
 // One pass over groups in turns.
-LANE_INLINE void pass_over( const wisp_strand_stretch_job* job, const int* first, int rows, int count, verdict* v )
+LANE_INLINE void pass_over( const wisp_strand_stretch_job* job, const int* first, int rows, int count,
+                            lane16m* inexact )
 {
-    const lane16 bad = lane16_set1( 2.0f * job->tolerance ),
-                 per_tension = lane16_set1( 1.0f / ( job->dt * job->dt ) );
     eliminate( job, first, rows, count );
     for ( int c = 0; c < count; ++c )
     {
-        v[c] = solve( job, scratch_of( job, c, rows ), first[c], first[c] + rows, bad, per_tension );
+        const float* scratch = scratch_of( job, c, rows );
+        inexact[c] = job->tension != NULL ? substitute( job, scratch, first[c], first[c] + rows, true )
+                                          : substitute( job, scratch, first[c], first[c] + rows, false );
     }
 }
 
 // Passes end where a group is exact, whatever the other one needs: what it gets depends on its own strands alone.
 LANE_INLINE int stretch_groups( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
 {
-    verdict v[CHAINS];
+    lane16m inexact[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
         clear_tension( job, first[c], first[c] + rows );
     }
-    pass_over( job, first, rows, count, v );
+    pass_over( job, first, rows, count, inexact );
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
-        for ( int pass = 1; pass < job->passes && lane16m_any( v[c].inexact ); ++pass )
+        for ( int pass = 1; pass < job->passes && lane16m_any( inexact[c] ); ++pass )
         {
-            pass_over( job, first + c, rows, 1, v + c );
+            pass_over( job, first + c, rows, 1, inexact + c );
         }
-        laid += lane16m_any( v[c].bad ) ? mend( job, v[c].bad, first[c], first[c] + rows ) : 0;
+        laid += lane16m_any( inexact[c] ) ? mend( job, first[c], first[c] + rows ) : 0;
     }
     return laid;
 }

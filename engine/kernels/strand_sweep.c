@@ -13,16 +13,8 @@ typedef struct link_rule
     lane16 stiffness, alpha; // alpha is 0 and stiffness k in pbd; in xpbd stiffness is 1
 } link_rule;
 
-LANE_INLINE lane16 change_over_length( const link_rule* rule, lane16 weight, lane16 length, lane16 rest,
-                                       lane16 lambda )
-{
-    const lane16 error = lane16_mul_add( rule->alpha, lambda, lane16_sub( rest, length ) );
-    const lane16 denominator = lane16_mul( length, lane16_add( weight, rule->alpha ) );
-    return lane16_div( lane16_mul( rule->stiffness, error ), denominator );
-}
-
 // Where a sweep has come to in one group: the rows that links have moved and not left yet stay in registers, because each link
-// waits for the one `stride` before it.
+// waits for the one `stride` before it. Row r of the group is at p[r % stride].
 typedef struct sweep
 {
     lane16v p[2];
@@ -41,12 +33,14 @@ LANE_INLINE sweep begin_sweep( const wisp_strand_link_job* job, int first, int s
     return s;
 }
 
-LANE_INLINE void sweep_row( const wisp_strand_link_job* job, const link_rule* rule, sweep* s, int row, int stride )
+// The link from `row`, which is at place k.
+LANE_INLINE void sweep_row( const wisp_strand_link_job* job, const link_rule* rule, sweep* s, int k, int row,
+                            int stride, bool has_lambda )
 {
     const lane16 zero = lane16_zero();
     const size_t lanes = (size_t)row * WISP_LANES, other = lanes + (size_t)stride * WISP_LANES;
-    const lane16v pa = s->p[0], pb = lane16v_load( job->position + (size_t)( row + stride ) * STRIDE );
-    const lane16 wa = s->w[0], wb = lane16_load( job->weight + other );
+    const lane16v pa = s->p[k], pb = lane16v_load( job->position + (size_t)( row + stride ) * STRIDE );
+    const lane16 wa = s->w[k], wb = lane16_load( job->weight + other );
     const lane16 rest = lane16_load( job->rest + lanes ), weight = lane16_add( wa, wb );
     const lane16v along = lane16v_sub( pa, pb );
     const lane16 squared = lane16v_dot( along, along );
@@ -54,64 +48,76 @@ LANE_INLINE void sweep_row( const wisp_strand_link_job* job, const link_rule* ru
     const lane16m holds = lane16m_and( lane16m_and( lane16_lt( zero, weight ), lane16_lt( zero, rest ) ),
                                        lane16_lt( lane16_set1( LEAST_SQUARE ), squared ) );
     const lane16 length = lane16_sqrt( squared );
-    const lane16 lambda = job->lambda != NULL ? lane16_neg( lane16_load( job->lambda + lanes ) ) : zero;
-    const lane16 change = lane16_select( holds, change_over_length( rule, weight, length, rest, lambda ), zero );
-    if ( job->lambda != NULL )
+    lane16 error = lane16_sub( rest, length ), lambda = zero;
+    if ( has_lambda )
     {
-        lane16_store( job->lambda + lanes, lane16_sub( lane16_mul( change, length ), lambda ) );
+        lambda = lane16_load( job->lambda + lanes );
+        error = lane16_sub( error, lane16_mul( rule->alpha, lambda ) );
+    }
+    const lane16 denominator = lane16_mul( length, lane16_add( weight, rule->alpha ) );
+    const lane16 change =
+        lane16_select( holds, lane16_div( lane16_mul( rule->stiffness, error ), denominator ), zero );
+    if ( has_lambda )
+    {
+        lane16_store( job->lambda + lanes, lane16_mul_add( change, length, lambda ) );
     }
     lane16v_store( job->position + (size_t)row * STRIDE, lane16v_mul_add( pa, lane16_mul( wa, change ), along ) );
-    const lane16v moved = lane16v_mul_add( pb, lane16_neg( lane16_mul( wb, change ) ), along );
-    s->p[0] = stride == 2 ? s->p[1] : moved;
-    s->w[0] = stride == 2 ? s->w[1] : wb;
-    s->p[1] = moved;
-    s->w[1] = wb;
-}
-
-LANE_INLINE void end_sweep( const wisp_strand_link_job* job, const sweep* s, int last, int stride )
-{
-    lane16v_store( job->position + (size_t)( last - 1 ) * STRIDE, s->p[1] );
-    if ( stride == 2 )
-    {
-        lane16v_store( job->position + (size_t)( last - 2 ) * STRIDE, s->p[0] );
-    }
+    s->p[k] = lane16v_sub( pb, lane16v_scale( along, lane16_mul( wb, change ) ) );
+    s->w[k] = wb;
 }
 
 // Groups of as many rows each, row by row in turns: their links do not wait for each other.
 LANE_INLINE void sweep_groups( const wisp_strand_link_job* job, const link_rule* rule, const int* first, int rows,
-                               int stride, int count )
+                               int stride, int count, bool has_lambda )
 {
     sweep s[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
         s[c] = begin_sweep( job, first[c], stride );
     }
-    for ( int row = 0; row + stride < rows; ++row )
+    int row = 0;
+    for ( ; row + 2 * stride <= rows; row += stride )
     {
-        for ( int c = 0; c < count; ++c )
+        for ( int k = 0; k < stride; ++k )
         {
-            sweep_row( job, rule, &s[c], first[c] + row, stride );
+            for ( int c = 0; c < count; ++c )
+            {
+                sweep_row( job, rule, &s[c], k, first[c] + row + k, stride, has_lambda );
+            }
         }
     }
+    // what is left ends before the second place has another link
+    const bool is_odd = row + stride < rows;
     for ( int c = 0; c < count; ++c )
     {
-        end_sweep( job, &s[c], first[c] + rows, stride );
+        if ( is_odd )
+        {
+            sweep_row( job, rule, &s[c], 0, first[c] + row, stride, has_lambda );
+        }
+        for ( int k = 0; k < stride; ++k )
+        {
+            const int at = first[c] + row + k + ( is_odd && k == 0 ? stride : 0 );
+            lane16v_store( job->position + (size_t)at * STRIDE, s[c].p[k] );
+        }
     }
 }
 
-LANE_INLINE void sweep_all( const wisp_strand_link_job* job, const link_rule* rule, int begin, int end, int stride )
+LANE_INLINE void sweep_all( const wisp_strand_link_job* job, int begin, int end, int stride, bool has_lambda )
 {
+    const bool compliant = job->inverse_dt2 > 0.0f;
+    const link_rule rule = { lane16_set1( compliant ? 1.0f : job->stiffness ),
+                             lane16_set1( job->compliance * job->inverse_dt2 ) };
     for ( int g = begin; g < end; )
     {
         const int count = strand_groups_alike( job->group_row, g, end );
         const int rows = job->group_row[g + 1] - job->group_row[g];
         if ( rows > stride && count == CHAINS )
         {
-            sweep_groups( job, rule, job->group_row + g, rows, stride, CHAINS );
+            sweep_groups( job, &rule, job->group_row + g, rows, stride, CHAINS, has_lambda );
         }
         else if ( rows > stride )
         {
-            sweep_groups( job, rule, job->group_row + g, rows, stride, 1 );
+            sweep_groups( job, &rule, job->group_row + g, rows, stride, 1, has_lambda );
         }
         g += count;
     }
@@ -120,16 +126,21 @@ LANE_INLINE void sweep_all( const wisp_strand_link_job* job, const link_rule* ru
 void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end )
 {
     const wisp_strand_link_job mine = *job;
-    const bool compliant = mine.inverse_dt2 > 0.0f;
-    const link_rule rule = { lane16_set1( compliant ? 1.0f : mine.stiffness ),
-                             lane16_set1( mine.compliance * mine.inverse_dt2 ) };
-    if ( mine.stride == 1 )
+    if ( mine.stride == 1 && mine.lambda == NULL )
     {
-        sweep_all( &mine, &rule, begin, end, 1 );
+        sweep_all( &mine, begin, end, 1, false );
+    }
+    else if ( mine.stride == 1 )
+    {
+        sweep_all( &mine, begin, end, 1, true );
+    }
+    else if ( mine.lambda == NULL )
+    {
+        sweep_all( &mine, begin, end, 2, false );
     }
     else
     {
-        sweep_all( &mine, &rule, begin, end, 2 );
+        sweep_all( &mine, begin, end, 2, true );
     }
 }
 

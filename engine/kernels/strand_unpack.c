@@ -1,19 +1,64 @@
-// Strands out of their lanes into the user's order. Three numbers a vertex, each read once: nothing here to vectorise.
+// Strands out of their lanes into the user's order: the numbers of eight strands are rows of eight lanes, and columns of eight
+// numbers are theirs.
 #include "kernel_isa.h"
 
-static void unpack_lane( const wisp_strand_unpack_job* job, int group, int lane )
+enum
 {
-    const float* from = job->position + (size_t)job->group_row[group] * 3 * WISP_LANES + (size_t)lane;
-    int strand = job->lane_strand[group * WISP_LANES + lane];
-    int count = job->lane_count[group * WISP_LANES + lane];
-    float* to = count > 0 ? job->points + 3 * (size_t)job->offsets[strand] : NULL;
-    for ( int i = 0; i < count; ++i )
+    EIGHT = 8,
+};
+
+// Numbers [begin, end) of one strand.
+static void unpack_lane( const float* from, float* to, int begin, int end )
+{
+    for ( int k = begin; k < end; ++k )
     {
-        to[0] = from[0];
-        to[1] = from[WISP_LANES];
-        to[2] = from[2 * WISP_LANES];
-        to += 3;
-        from += 3 * WISP_LANES;
+        to[k] = from[(size_t)k * WISP_LANES];
+    }
+}
+
+// Numbers of eight strands of as many vertices each. @param to where each of them goes
+static void unpack_eight( const float* from, float* const* to, int numbers )
+{
+    int k = 0;
+    for ( ; k + EIGHT <= numbers; k += EIGHT )
+    {
+        lane8i rows[EIGHT];
+        for ( int r = 0; r < EIGHT; ++r )
+        {
+            rows[r] = lane8_cast_int( lane8_load( from + (size_t)( k + r ) * WISP_LANES ) );
+        }
+        lane8i_transpose( rows );
+        for ( int l = 0; l < EIGHT; ++l )
+        {
+            lane8_storeu( to[l] + k, lane8_cast_float( rows[l] ) );
+        }
+    }
+    for ( int l = 0; l < EIGHT; ++l )
+    {
+        unpack_lane( from + l, to[l], k, numbers );
+    }
+}
+
+static void unpack_half( const wisp_strand_unpack_job* job, int group, int first_lane )
+{
+    const float* from = job->position + (size_t)job->group_row[group] * 3 * WISP_LANES + (size_t)first_lane;
+    const int32_t* strands = job->lane_strand + group * WISP_LANES + first_lane;
+    const int32_t* counts = job->lane_count + group * WISP_LANES + first_lane;
+    float* to[EIGHT];
+    bool alike = true;
+    for ( int l = 0; l < EIGHT; ++l )
+    {
+        to[l] = counts[l] > 0 ? job->points + 3 * (size_t)job->offsets[strands[l]] : NULL;
+        alike = alike && counts[l] == counts[0];
+    }
+    if ( alike )
+    {
+        unpack_eight( from, to, 3 * counts[0] );
+        return;
+    }
+    for ( int l = 0; l < EIGHT; ++l )
+    {
+        unpack_lane( from + l, to[l], 0, 3 * counts[l] );
     }
 }
 
@@ -21,9 +66,9 @@ void KERNEL( strand_unpack )( const wisp_strand_unpack_job* job, int group_begin
 {
     for ( int group = group_begin; group < group_end; ++group )
     {
-        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        for ( int lane = 0; lane < WISP_LANES; lane += EIGHT )
         {
-            unpack_lane( job, group, lane );
+            unpack_half( job, group, lane );
         }
     }
 }

@@ -266,6 +266,18 @@ wisp_pass_fn strands_bend_curved, strands_bend_link, strands_link_rows, strands_
 wisp_pass_fn strands_guard, strands_mend_tension, strands_mend_frames;
 wisp_pass_fn strands_mix;
 wisp_pass_fn strands_take_quality, strands_hand_out_strain, strands_hand_out_speed;
+/// All passes of strands with direct lengths, with or without links that bend them (strands_substeps.c).
+wisp_joined_fn strands_substeps;
+
+/// What passes hand to kernels, with the columns of the entity of a span.
+wisp_strand_motion_job strands_motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+wisp_strand_link_job strands_bend_link_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+wisp_strand_stretch_job strands_stretch_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+/// Memory of a worker, so many floats a row of the longest group, which is the first one: groups stand in the order of falling
+/// length. @return null without memory; the step fails with a sentence
+float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats );
+void strands_count_laid( wisp_frame* frame, int laid );
+
 /// Take a strand along as a rigid body, with its velocities: from one place of the root to another.
 void strands_turn( wisp_frame* frame, wisp_entity entity, int group, int lane, wisp_vec3 from, wisp_vec3 to,
                    wisp_quat turn );

@@ -252,6 +252,20 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
 }
 
+// Passes that can run together. With a rod, other ways to keep lengths, contacts or wishes for more iterations they run apart.
+static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
+{
+    const wisp_join join = {
+        .name = "strands.substeps",
+        .needs = { "strands.predict", "strands.stretch", "strands.velocity" },
+        .allows = { "strands.jump", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
+                    "strands.damping_anchored", "strands.air", "strands.bend_links" },
+        .run = strands_substeps,
+        .user = s,
+    };
+    return wisp_declare_join( r, &join );
+}
+
 static wisp_status declare_guard( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
@@ -352,8 +366,8 @@ static wisp_status declare( wisp_registry* r )
     }
     typedef wisp_status declare_fn( wisp_registry * registry, strands_state * state );
     // the order of equals: in PROJECT lengths have the last word
-    static declare_fn* const ALL[] = { declare_input,   declare_roots, declare_forces, declare_rods,
-                                       declare_lengths, declare_guard, declare_figures };
+    static declare_fn* const ALL[] = { declare_input,   declare_roots,    declare_forces, declare_rods,
+                                       declare_lengths, declare_substeps, declare_guard,  declare_figures };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( ALL ) && status == WISP_OK; ++i )
     {

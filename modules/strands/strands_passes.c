@@ -13,11 +13,10 @@ static const int32_t* rows_of( wisp_frame* frame, const wisp_span* span )
     return wisp_frame_strands( frame, span->entity )->group_row;
 }
 
-// Scratch of a kernel: groups stand in the order of falling length, so the first is the longest.
-static float* scratch_of( wisp_frame* frame, const wisp_span* span )
+float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
 {
     const int32_t* group_row = rows_of( frame, span );
-    const size_t bytes = (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH * sizeof( float );
+    const size_t bytes = (size_t)( group_row[1] - group_row[0] ) * (size_t)floats * sizeof( float );
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
     if ( scratch == NULL )
     {
@@ -125,7 +124,7 @@ static const float* share_of( wisp_frame* frame, const wisp_span* span, const st
     return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;
 }
 
-static wisp_strand_motion_job motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+wisp_strand_motion_job strands_motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     return ( wisp_strand_motion_job ){
@@ -143,13 +142,13 @@ static wisp_strand_motion_job motion_job( wisp_frame* frame, const wisp_span* sp
 
 void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_job job = motion_job( frame, span, user );
+    const wisp_strand_motion_job job = strands_motion_job( frame, span, user );
     wisp_frame_kernels( frame )->strand_predict( &job, span->begin, span->end );
 }
 
 void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_job job = motion_job( frame, span, user );
+    const wisp_strand_motion_job job = strands_motion_job( frame, span, user );
     wisp_frame_kernels( frame )->strand_velocity( &job, span->begin, span->end );
 }
 
@@ -172,7 +171,7 @@ static wisp_strand_rod_job rod_job( wisp_frame* frame, const wisp_span* span, co
         .acceleration = settings->gravity,
         .share = share_of( frame, span, state ),
         .dt = wisp_frame_seconds( frame ),
-        .scratch = scratch_of( frame, span ),
+        .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
     };
 }
 
@@ -213,43 +212,53 @@ void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
 // ---- lengths ----
 
 // Links keep their multipliers from one iteration to the next; with a single one they begin at 0 and are not kept.
-static void project_links( wisp_frame* frame, const wisp_span* span, const strands_link* link, wisp_component rows,
-                           int stride )
+static wisp_strand_link_job link_job( wisp_frame* frame, const wisp_span* span, const strands_link* link,
+                                      wisp_component rows, int stride )
 {
-    const int32_t* group_row = rows_of( frame, span );
     const float dt = wisp_frame_seconds( frame );
     const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
-    float* lambda = keeps ? column_of( frame, span, rows, 1 ) : NULL;
-    if ( keeps && span->iteration == 0 )
-    {
-        const size_t begin = strands_scalar( group_row[span->begin], 0 );
-        const size_t end = strands_scalar( group_row[span->end], 0 );
-        memset( lambda + begin, 0, ( end - begin ) * sizeof( float ) );
-    }
-    const wisp_strand_link_job job = {
-        .group_row = group_row,
+    return ( wisp_strand_link_job ){
+        .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
         .rest = column_of( frame, span, rows, 0 ),
-        .lambda = lambda,
+        .lambda = keeps ? column_of( frame, span, rows, 1 ) : NULL,
         .stride = stride,
         .stiffness = link->stiffness,
         .compliance = link->compliance,
         .inverse_dt2 = link->xpbd != 0 ? 1.0f / ( dt * dt ) : 0.0f,
     };
-    wisp_frame_kernels( frame )->strand_link( &job, span->begin, span->end );
+}
+
+wisp_strand_link_job strands_bend_link_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+{
+    return link_job( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link,
+                     2 );
+}
+
+static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_strand_link_job* job )
+{
+    if ( job->lambda != NULL && span->iteration == 0 )
+    {
+        const size_t begin = strands_scalar( job->group_row[span->begin], 0 );
+        const size_t end = strands_scalar( job->group_row[span->end], 0 );
+        memset( job->lambda + begin, 0, ( end - begin ) * sizeof( float ) );
+    }
+    wisp_frame_kernels( frame )->strand_link( job, span->begin, span->end );
 }
 
 void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    project_links( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+    const wisp_strand_link_job job =
+        link_job( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+    project_links( frame, span, &job );
 }
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const strands_state* state = user;
-    project_links( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link, 2 );
+    const wisp_strand_link_job job = strands_bend_link_job( frame, span, user );
+    project_links( frame, span, &job );
 }
 
 void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
@@ -275,11 +284,10 @@ static float* tension_of( wisp_frame* frame, const wisp_span* span, const strand
 }
 
 // The rod has pulled with a tension already, so what is found here adds to it.
-void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
+wisp_strand_stretch_job strands_stretch_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
-    const strands_state* state = user;
     const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
-    const wisp_strand_stretch_job job = {
+    return ( wisp_strand_stretch_job ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
@@ -291,15 +299,23 @@ void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
         .passes = direct->passes,
         .tolerance = direct->tolerance,
         .dt = wisp_frame_seconds( frame ),
-        .scratch = scratch_of( frame, span ),
+        .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
     };
-    if ( job.scratch == NULL )
-    {
-        return;
-    }
-    const int laid = wisp_frame_kernels( frame )->strand_stretch( &job, span->begin, span->end );
+}
+
+void strands_count_laid( wisp_frame* frame, int laid )
+{
     if ( laid > 0 )
     {
         wisp_frame_count( frame, WISP_COUNT_LAID, (uint64_t)laid );
+    }
+}
+
+void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const wisp_strand_stretch_job job = strands_stretch_job( frame, span, user );
+    if ( job.scratch != NULL )
+    {
+        strands_count_laid( frame, wisp_frame_kernels( frame )->strand_stretch( &job, span->begin, span->end ) );
     }
 }

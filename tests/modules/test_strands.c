@@ -329,6 +329,29 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
     close_strands( &s );
 }
 
+static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
+{
+    (void)state;
+    double worst[2] = { 0.0, 0.0 };
+    for ( int k = 0; k < 2; ++k )
+    {
+        strand_world s;
+        open_strands( &s, 4, 1, 1 );
+        wisp_strand_dynamics_def def = default_def();
+        def.bend = WISP_STRAND_BEND_NONE;
+        def.stretch_tolerance = k == 0 ? 1e-2f : 1e-6f;
+        const wisp_entity e = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
+        assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+        for ( int i = 0; i < 20; ++i )
+        {
+            strand_steps( s.world, 1, FRAME );
+            worst[k] = fmax( worst[k], quality_of( s.world, e ).strain_max );
+        }
+        close_strands( &s );
+    }
+    assert_true( worst[0] < 2e-5 && worst[1] < 2e-6 );
+}
+
 static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void** state )
 {
     (void)state;
@@ -581,6 +604,7 @@ int main( void )
         cmocka_unit_test( a_head_carries_its_roots_and_pins ),
         cmocka_unit_test( a_head_that_jumps_takes_its_strands_along_without_a_velocity ),
         cmocka_unit_test( roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes ),
+        cmocka_unit_test( a_finer_tolerance_has_more_passes_and_smaller_errors ),
         cmocka_unit_test( friction_on_the_grid_keeps_momentum_and_takes_relative_motion ),
         cmocka_unit_test( points_alone_keep_the_whole_chain_in_the_item_loop ),
         cmocka_unit_test( strands_without_dynamics_have_no_pass_that_moves_them ),
