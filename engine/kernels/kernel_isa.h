@@ -50,6 +50,7 @@ void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end );
 void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end );
 void KERNEL( strand_advance )( const wisp_strand_motion_job* job, int begin, int end );
 void KERNEL( strand_velocity )( const wisp_strand_motion_job* job, int begin, int end );
+int KERNEL( strand_first_beyond )( const wisp_strand_bound_job* job, int begin, int end );
 void KERNEL( strand_damp )( const wisp_strand_damp_job* job, int begin, int end );
 void KERNEL( strand_air )( const wisp_strand_air_job* job, int begin, int end );
 int KERNEL( strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end );

@@ -42,6 +42,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .strand_predict = KERNEL( strand_predict ),
     .strand_advance = KERNEL( strand_advance ),
     .strand_velocity = KERNEL( strand_velocity ),
+    .strand_first_beyond = KERNEL( strand_first_beyond ),
     .strand_damp = KERNEL( strand_damp ),
     .strand_air = KERNEL( strand_air ),
     .strand_stretch = KERNEL( strand_stretch ),

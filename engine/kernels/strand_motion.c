@@ -110,6 +110,30 @@ void KERNEL( strand_velocity )( const wisp_strand_motion_job* job, int begin, in
     }
 }
 
+LANE_INLINE lane16m is_within( const float* row, lane16 bound )
+{
+    const lane16v v = lane16v_load( row );
+    return lane16m_and( lane16m_and( lane16_le( lane16_abs( v.x ), bound ), lane16_le( lane16_abs( v.y ), bound ) ),
+                        lane16_le( lane16_abs( v.z ), bound ) );
+}
+
+int KERNEL( strand_first_beyond )( const wisp_strand_bound_job* job, int begin, int end )
+{
+    const wisp_strand_bound_job mine = *job;
+    const lane16 bound = lane16_set1( mine.bound );
+    for ( int row = begin; row < end; ++row )
+    {
+        const size_t at = (size_t)row * STRIDE;
+        const lane16m within =
+            lane16m_and( is_within( mine.position + at, bound ), is_within( mine.velocity + at, bound ) );
+        if ( lane16m_all( within ) == false )
+        {
+            return row;
+        }
+    }
+    return end;
+}
+
 void KERNEL( strand_damp )( const wisp_strand_damp_job* job, int begin, int end )
 {
     const wisp_strand_damp_job mine = *job;

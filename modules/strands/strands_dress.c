@@ -152,7 +152,7 @@ typedef struct wanted_component
 
 enum
 {
-    COMPONENT_COUNT = 22,
+    COMPONENT_COUNT = 23,
 };
 
 // A place to hold is asked for where one may come to be: by a pin, and by a strand that has no length to move in.
@@ -187,6 +187,7 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->settings, true },
         { s->good, true },
         { s->fault, true },
+        { s->seen, true },
         { s->head, anchored == false },
         { s->damping, d->damping > 0.0f },
         { s->air, d->drag > 0.0f },

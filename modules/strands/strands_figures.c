@@ -1,12 +1,10 @@
 // The guard, and figures: sums in double over fixed blocks of groups, so that no worker count changes them.
 #include "strands_internal.h"
 
+#include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
-
-// Bounds of the state, as the guard of particles has them.
-static const float BOUND = 1e6f;
 
 enum
 {
@@ -18,39 +16,31 @@ enum
 
 typedef struct guard_loop
 {
+    const wisp_kernels* kernels;
     const int32_t* group_row;
+    int32_t* seen;
     float *position, *velocity;
     float *good_position, *good_velocity;
     _Atomic int first_bad; // lowest row that left the bounds, INT_MAX if none did
 } guard_loop;
 
-// Of 48 floats a row; false for a NaN.
-static bool is_good( const float* rows, int row )
-{
-    // without a way out of the loop, so that it runs in lanes
-    const float* first = rows + (size_t)row * 3 * WISP_LANES;
-    int within = 0;
-    for ( int i = 0; i < 3 * WISP_LANES; ++i )
-    {
-        within += fabsf( first[i] ) <= BOUND ? 1 : 0;
-    }
-    return within == 3 * WISP_LANES;
-}
-
 static void look( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
-    for ( int row = loop->group_row[begin]; row < loop->group_row[end]; ++row )
+    const wisp_strand_bound_job job = { loop->position, loop->velocity, STRANDS_BOUND };
+    int bad = INT_MAX;
+    for ( int g = begin; g < end; ++g )
     {
-        if ( is_good( loop->position, row ) && is_good( loop->velocity, row ) )
-        {
-            continue;
-        }
-        int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
-        while ( row < lowest && atomic_compare_exchange_weak( &loop->first_bad, &lowest, row ) == false )
-        {
-        }
+        const int last = loop->group_row[g + 1];
+        const int row =
+            loop->seen[g] != 0 ? last : loop->kernels->strand_first_beyond( &job, loop->group_row[g], last );
+        bad = row < last && row < bad ? row : bad;
+        loop->seen[g] = 0; // until somebody has seen the next step
+    }
+    int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
+    while ( bad < lowest && atomic_compare_exchange_weak( &loop->first_bad, &lowest, bad ) == false )
+    {
     }
 }
 
@@ -66,7 +56,7 @@ static void keep( void* context, int begin, int end, int worker )
 
 static bool is_place( wisp_vec3 p )
 {
-    return fabsf( p.x ) <= BOUND && fabsf( p.y ) <= BOUND && fabsf( p.z ) <= BOUND;
+    return fabsf( p.x ) <= STRANDS_BOUND && fabsf( p.y ) <= STRANDS_BOUND && fabsf( p.z ) <= STRANDS_BOUND;
 }
 
 static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop, int row )
@@ -103,7 +93,9 @@ void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     int32_t* fault = wisp_frame_column( frame, span->entity, state->fault, 0 );
     guard_loop loop = {
+        .kernels = wisp_frame_kernels( frame ),
         .group_row = t->group_row,
+        .seen = wisp_frame_column( frame, span->entity, state->seen, 0 ),
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
         .good_position = wisp_frame_column( frame, span->entity, state->good, 0 ),

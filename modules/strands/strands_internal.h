@@ -8,6 +8,9 @@
 
 #include <math.h>
 
+/// Bound of each coordinate of positions, m, and velocities, m/s, as the guard of particles has it.
+#define STRANDS_BOUND 1e6f
+
 /// A definition that was checked, as passes read it. Presence of the other components says which passes there are.
 typedef struct strands_settings
 {
@@ -93,6 +96,8 @@ typedef struct strands_grid
 #define STRANDS_GOOD( X )                                                                                            \
     X( float, position, 48 ) /* at the end of the last step that was finite and within bounds */                     \
     X( float, velocity, 48 )
+#define STRANDS_SEEN( X )                                                                                            \
+    X( int32_t, seen, 1 ) /* the group was found within bounds where the step ended: 0 between steps */
 #define STRANDS_SURFACE( X ) X( wisp_entity, surface, 1 ) /* null: it was removed, roots stay */
 #define STRANDS_ANCHOR( X )                                                                                          \
     X( int32_t, slot, 48 )  /* [3][16] corners of the triangle, slots of the surface's fabric */                     \
@@ -123,6 +128,7 @@ typedef struct strands_grid
     X( straight, "strands.straight", WISP_TABLE_ENTITY, STRANDS_STRAIGHT )                                           \
     X( balance, "strands.balance", WISP_TABLE_STRAND_GROUP, STRANDS_BALANCE )                                        \
     X( good, "strands.good", WISP_TABLE_STRAND_ROW, STRANDS_GOOD )                                                   \
+    X( seen, "strands.seen", WISP_TABLE_STRAND_GROUP, STRANDS_SEEN )                                                 \
     X( surface, "strands.surface", WISP_TABLE_ENTITY, STRANDS_SURFACE )                                              \
     X( anchor, "strands.anchor", WISP_TABLE_STRAND_GROUP, STRANDS_ANCHOR )                                           \
     X( grid, "strands.grid", WISP_TABLE_ENTITY, STRANDS_GRID )

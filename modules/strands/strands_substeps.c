@@ -123,6 +123,17 @@ static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const 
     }
 }
 
+// The guard looks at what is hot now, and need not read it again.
+static void see( wisp_frame* frame, const wisp_span* pair, const pair_jobs* jobs, int32_t* seen )
+{
+    const wisp_strand_bound_job job = { jobs->motion.position, jobs->motion.velocity, STRANDS_BOUND };
+    for ( int g = pair->begin; g < pair->end; ++g )
+    {
+        const int first = jobs->group_row[g - pair->begin], last = jobs->group_row[g - pair->begin + 1];
+        seen[g] = wisp_frame_kernels( frame )->strand_first_beyond( &job, first, last ) == last ? 1 : 0;
+    }
+}
+
 void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end, void* user )
 {
     strands_state* state = user;
@@ -140,6 +151,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     }
     const int32_t* group_row = all.motion.group_row;
     float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
+    int32_t* seen = wisp_frame_column( frame, span->entity, state->seen, 0 );
     pair_jobs jobs = all;
     jobs.motion.group_row = jobs.link.group_row = jobs.stretch.group_row = jobs.group_row;
     jobs.motion.previous = jobs.stretch.previous =
@@ -150,5 +162,9 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
         turn_to( &jobs, &all, &pair );
         run_pair( frame, pair, substep_end, &has, &jobs, tension + strands_scalar( group_row[pair.begin], 0 ),
                   state );
+        if ( substep_end == wisp_frame_substeps( frame ) )
+        {
+            see( frame, &pair, &jobs, seen );
+        }
     }
 }

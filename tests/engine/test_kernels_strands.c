@@ -315,6 +315,62 @@ static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** s
     assert_true( s.velocity[row][0][2] == v );
 }
 
+static void advancing_is_taking_velocities_and_predicting( void** state )
+{
+    (void)state;
+    static strands_state one, two;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int t = 0; t < count; ++t )
+    {
+        strands_state* s[2] = { &one, &two };
+        for ( int k = 0; k < 2; ++k )
+        {
+            make_strands( s[k] );
+            const wisp_strand_motion_job motion = motion_job( s[k], DT );
+            const wisp_strand_stretch_job stretch = stretch_job( s[k], DT, 2 );
+            tables[t]->strand_predict( &motion, 0, STRAND_GROUPS );
+            tables[t]->strand_stretch( &stretch, 0, STRAND_GROUPS );
+            if ( k == 0 )
+            {
+                tables[t]->strand_velocity( &motion, 0, STRAND_GROUPS );
+                tables[t]->strand_predict( &motion, 0, STRAND_GROUPS );
+            }
+            else
+            {
+                tables[t]->strand_advance( &motion, 0, STRAND_GROUPS );
+            }
+        }
+        assert_memory_equal( &one, &two, sizeof( one ) );
+    }
+}
+
+static void the_first_row_beyond_the_bound_is_found( void** state )
+{
+    (void)state;
+    static const float WRONG[] = { NAN, INFINITY, -INFINITY, 10.1f, -10.1f };
+    static strands_state s;
+    make_strands( &s );
+    const wisp_strand_bound_job job = { s.position[0][0], s.velocity[0][0], 10.0f };
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int t = 0; t < count; ++t )
+    {
+        assert_int_equal( tables[t]->strand_first_beyond( &job, 0, STRAND_ROWS ), STRAND_ROWS );
+        for ( int i = 0; i < STRAND_ROWS * 96; ++i )
+        {
+            const int row = i / 96, k = i / 16 % 3, lane = i % 16;
+            float* number = i / 48 % 2 == 0 ? &s.position[row][k][lane] : &s.velocity[row][k][lane];
+            const float kept = *number;
+            *number = WRONG[i % WISP_COUNT( WRONG )];
+            assert_int_equal( tables[t]->strand_first_beyond( &job, 0, STRAND_ROWS ), row );
+            assert_int_equal( tables[t]->strand_first_beyond( &job, 0, row ), row );
+            assert_int_equal( tables[t]->strand_first_beyond( &job, row + 1, STRAND_ROWS ), STRAND_ROWS );
+            *number = kept;
+        }
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -329,6 +385,8 @@ int main( void )
         cmocka_unit_test( air_leaves_motion_along_the_strand_alone ),
         cmocka_unit_test( damping_leaves_the_rigid_motion_alone ),
         cmocka_unit_test( roots_go_where_they_are_carried_and_their_velocity_says_so ),
+        cmocka_unit_test( advancing_is_taking_velocities_and_predicting ),
+        cmocka_unit_test( the_first_row_beyond_the_bound_is_found ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -85,6 +85,8 @@ static void open_with_stranger( run* r, const shape_case* c, int workers )
     r->s.def.modules = MODULES;
     r->s.def.module_count = WISP_COUNT( MODULES );
     r->s.def.allocator = test_host_allocator( &r->s.host );
+    r->s.def.log = test_log_listen;
+    r->s.def.log_user = &r->s.log;
     r->s.def.workers = workers;
     r->s.def.substeps = c->substeps;
     assert_int_equal( wisp_world_create( &r->s.def, &r->s.world, NULL ), WISP_OK );
@@ -218,6 +220,39 @@ static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
     assert_true( laid > 0 );
 }
 
+// What the guard is told was seen in the loop, it must have seen; where the last substep is timed nobody has.
+static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
+{
+    (void)state;
+    const shape_case two_substeps = { "two substeps", .bend = WISP_STRAND_BEND_LINKS, .substeps = 2, .passes = 8 };
+    for ( int k = 0; k < 2 * 8; ++k )
+    {
+        run r;
+        open_with_stranger( &r, &two_substeps, 1 );
+        add_case( &r, &two_substeps, k % 2 == 1 );
+        assert_true( is_together( &r ) == ( k % 2 == 0 ) );
+        strand_steps( r.s.world, 2 + k / 2, SECONDS );
+        wisp_vec3 before[STRANDS * 12];
+        memcpy( before, strand_points( r.s.world, r.strands ), sizeof( before ) );
+        const wisp_strand_topology* t = wisp_world_strands( r.s.world, r.strands );
+        float* velocity = wisp_world_column( r.s.world, r.strands, WISP_STRAND_VELOCITY, 0 );
+        for ( int g = 3; g > 0; g -= 2 )
+        {
+            velocity[(size_t)( t->group_row[g] + 7 ) * 3 * WISP_LANES + 5] = NAN;
+        }
+        strand_steps( r.s.world, 1, SECONDS );
+        assert_true( wisp_is_halted( r.s.world, r.strands ) );
+        assert_memory_equal( strand_points( r.s.world, r.strands ), before, sizeof( before ) );
+        char first[40];
+        snprintf( first, sizeof( first ), "strand %d, vertex", t->lane_strand[WISP_LANES + 5] );
+        assert_non_null( strstr( r.s.log.last, first ) );
+        assert_int_equal( wisp_resume( r.s.world, r.strands ), WISP_OK );
+        strand_steps( r.s.world, 5, SECONDS );
+        assert_false( wisp_is_halted( r.s.world, r.strands ) );
+        close_run( &r );
+    }
+}
+
 static void rods_contacts_and_other_lengths_run_apart( void** state )
 {
     (void)state;
@@ -247,6 +282,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_bit_is_as_if_passes_ran_one_after_another ),
+        cmocka_unit_test( what_leaves_its_bounds_is_put_back_all_the_same ),
         cmocka_unit_test( rods_contacts_and_other_lengths_run_apart ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

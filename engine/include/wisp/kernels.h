@@ -330,6 +330,14 @@ typedef struct wisp_bound_job
     float bound;           ///< of the magnitude of each of their first three numbers
 } wisp_bound_job;
 
+/// Are vertices where and as fast as vertices can be?
+typedef struct wisp_strand_bound_job
+{
+    const float* position; ///< [row][3][16] m
+    const float* velocity; ///< [row][3][16] m/s
+    float bound;           ///< of the magnitude of each number, lanes without a strand included
+} wisp_strand_bound_job;
+
 /// Strands in time, lane = strand. Pinned vertices (weight 0) have a velocity that tells how they are carried.
 typedef struct wisp_strand_motion_job
 {
@@ -611,6 +619,8 @@ typedef struct wisp_kernels
     /// strand_velocity of the substep before and strand_predict in one
     void ( *strand_advance )( const wisp_strand_motion_job* job, int begin, int end );
     void ( *strand_velocity )( const wisp_strand_motion_job* job, int begin, int end );
+    /// @return the first row of [begin, end) with a number that is NaN or beyond the bound, else end
+    int ( *strand_first_beyond )( const wisp_strand_bound_job* job, int begin, int end );
     void ( *strand_damp )( const wisp_strand_damp_job* job, int begin, int end );
     void ( *strand_air )( const wisp_strand_air_job* job, int begin, int end );
     /// @return how many strands were laid out from the root
