@@ -303,7 +303,7 @@ static void start( wisp_world* world, wisp_entity strands, const strands_state* 
     const wisp_rigid origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     memcpy( wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 ), rest, bytes );
     memcpy( wisp_world_column( world, strands, s->good, 0 ), rest, bytes );
-    *head = ( strands_head ){ origin, origin, origin, 0 };
+    *head = ( strands_head ){ .from = origin, .to = origin, .target = origin };
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES;

@@ -15,12 +15,14 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
     head->jumped = way > settings->teleport ? 1 : 0;
+    head->has_stood = head->stands;
+    head->stands = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0 ? 1 : 0;
 }
 
 wisp_rigid strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
 {
     // a head that stands still is bitwise where it was, in every substep
-    const bool stands = head->jumped != 0 || memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0;
+    const bool stands = head->jumped != 0 || head->stands != 0;
     return wisp_rigid_between( stands ? head->to : head->from, head->to,
                                stands ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
 }
@@ -121,10 +123,9 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    const bool is_still = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0;
-    if ( is_still && span->substep > 0 )
+    if ( head->stands != 0 && ( head->has_stood != 0 || span->substep > 0 ) )
     {
-        return; // roots are where the first substep has put them
+        return; // roots are where the first substep that it stood in has put them
     }
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
