@@ -128,18 +128,31 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
                                            lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
 }
 
+// Frames wait for nothing but their own segment, and go by themselves before what is measured between two of them: so many more of
+// them are under way at once.
+static void carry_frames( const wisp_strand_rod_job* job, lane16 back, int first, int last )
+{
+    lane16v p = coasting( job, first, back );
+    for ( int row = first; row + 1 < last; ++row )
+    {
+        const lane16v next = coasting( job, row + 1, back );
+        frame16_store( job->frame + (size_t)row * QUATERNION, carry_frame( job, row, lane16v_sub( next, p ) ) );
+        p = next;
+    }
+}
+
 static void measure_frames( const wisp_strand_rod_job* job, int group, int first, int last )
 {
     frame16 before = clamp_frame( job, group );
     const lane16 back = way_back( job, group );
+    carry_frames( job, back, first, last );
     lane16v p = coasting( job, first, back ), t_before = frame16_z( before );
     float* out = job->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
         const lane16v next = coasting( job, row + 1, back );
-        const lane16v e = lane16v_sub( next, p ), t = lane16v_scale( e, lanes_of( job->inverse_length, row ) );
-        const frame16 q = carry_frame( job, row, e );
-        frame16_store( job->frame + (size_t)row * QUATERNION, q );
+        const lane16v t = lane16v_scale( lane16v_sub( next, p ), lanes_of( job->inverse_length, row ) );
+        const frame16 q = frame16_load( job->frame + (size_t)row * QUATERNION );
         measure_vertex( job, row, before, q, t_before, t, out );
         before = q;
         t_before = t;
