@@ -56,7 +56,8 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination*
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
     const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
-    // off is minus the coefficient, and off^2 / pivot before stands for off coupling: what one segment waits for of the other is kept short
+    // off is minus the coefficient, and off^2 / pivot before stands for off coupling: what one segment waits for of the other is kept
+    // short
     const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
     const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
     const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
