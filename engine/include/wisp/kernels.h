@@ -378,9 +378,10 @@ typedef struct wisp_strand_air_job
 
 /// Segments of rest length by one direct solve of the chain, Newton pass by Newton pass: with C_s = (|e_s|^2 - l_s^2) / 2 the
 /// system J W J^T dlambda = -C is tridiagonal, and costs one quotient a segment and no root. Passes end early when all
-/// strands of a group are exact to single precision, or to `tolerance` where that is finer. A strand that is not within `tolerance` after the last pass is laid out
-/// from the root, each segment in its direction (or, without one, in that of the segment before it); if that carries a vertex
-/// farther than the strand is long, the vertex loses its velocity. Strands with further pins are not laid out.
+/// strands of a group are exact to single precision, or to `tolerance` where that is finer. A strand that is not within
+/// `tolerance` after the last pass is laid out from the root, each segment in its direction (or, without one, in that of the
+/// segment before it); if that carries a vertex farther than the strand is long, the vertex loses its velocity. Strands with
+/// further pins are not laid out.
 typedef struct wisp_strand_stretch_job
 {
     const int32_t* group_row;
