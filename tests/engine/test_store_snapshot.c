@@ -131,6 +131,28 @@ static void a_restored_store_is_the_one_that_was_taken( void** state )
     assert_int_equal( wrong_bytes( &f->s, store_handle( &f->s, 2 ) ), 0 );
 }
 
+static void what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot( void** state )
+{
+    fixture* f = *state;
+    fill_three( &f->s );
+    const wisp_component c = MASS;
+    const wisp_entity e = store_handle( &f->s, 2 );
+    const size_t whole = store_snapshot_size( &f->s ), column = column_size( &f->s, e, c, 0 );
+    f->s.transient = store_bit( c );
+    assert_true( store_snapshot_size( &f->s ) < whole );
+
+    snapshot shot = take_snapshot( &f->s );
+    const uint64_t hash = store_hash( &f->s );
+    memset( bytes_of( &f->s, e, c, 0 ), 0x3c, column );
+    assert_int_equal( store_hash( &f->s ), hash );
+    assert_int_equal( store_restore( &f->s, shot.bytes, shot.size, NULL ), WISP_OK );
+    free( shot.bytes );
+    for ( size_t i = 0; i < column; ++i )
+    {
+        assert_int_equal( bytes_of( &f->s, e, c, 0 )[i], 0x3c );
+    }
+}
+
 // The bytes are refused with a sentence, and nothing has changed.
 static void assert_refused( store* s, const void* bytes, size_t size )
 {
@@ -301,6 +323,7 @@ int main( void )
         STORE_TEST( a_tag_without_columns_changes_the_hash ),
         STORE_TEST( hashed_bytes_of_another_length_hash_differently ),
         STORE_TEST( a_restored_store_is_the_one_that_was_taken ),
+        STORE_TEST( what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot ),
         STORE_TEST( a_snapshot_cut_anywhere_is_refused ),
         STORE_TEST( a_snapshot_with_bytes_behind_it_is_refused ),
         STORE_TEST( a_snapshot_with_any_bit_flipped_is_refused ),
