@@ -6,6 +6,8 @@
 
 #include "world.h"
 
+#include "wisp/explain.h"
+
 enum
 {
     FAKE_COMPONENTS = 16, // letters A to P
@@ -196,6 +198,22 @@ static inline void step( wisp_world* world )
     {
         fail_msg( "no step: %s", wisp_world_message( world ) );
     }
+}
+
+// ---- plans as reports ----
+
+/// The pass of that name, which is there.
+static inline const wisp_plan_pass* pass_of( const wisp_plan_report* report, const char* name )
+{
+    for ( int i = 0; i < report->pass_count; ++i )
+    {
+        if ( strcmp( report->passes[i].name, name ) == 0 )
+        {
+            return report->passes + i;
+        }
+    }
+    fail_msg( "no pass is called %s", name );
+    return NULL;
 }
 
 // ---- plans and traces as text ----

@@ -1,8 +1,6 @@
 // The plan as data: what a report says of passes that are kept, of those that are not, of modules, and of cost.
 #include "plan_fixture.h"
 
-#include "wisp/explain.h"
-
 #include <float.h>
 #include <math.h>
 
@@ -34,19 +32,6 @@ static wisp_plan_report* explain( wisp_world* world )
         fail_msg( "no report: %s", wisp_world_message( world ) );
     }
     return report;
-}
-
-static const wisp_plan_pass* pass_of( const wisp_plan_report* report, const char* name )
-{
-    for ( int i = 0; i < report->pass_count; ++i )
-    {
-        if ( strcmp( report->passes[i].name, name ) == 0 )
-        {
-            return report->passes + i;
-        }
-    }
-    fail_msg( "no pass is called %s", name );
-    return NULL;
 }
 
 static const wisp_plan_module* module_of( const wisp_plan_report* report, const char* name )

@@ -186,19 +186,6 @@ static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_r
     }
 }
 
-static const wisp_plan_pass* find_pass( const wisp_plan_report* report, const char* name )
-{
-    for ( int i = 0; i < report->pass_count; ++i )
-    {
-        if ( strcmp( report->passes[i].name, name ) == 0 )
-        {
-            return report->passes + i;
-        }
-    }
-    fail_msg( "no pass '%s'", name );
-    return NULL;
-}
-
 static void the_plan_tells_what_runs_together( void** state )
 {
     (void)state;
@@ -209,7 +196,7 @@ static void the_plan_tells_what_runs_together( void** state )
         want( world, e, "C" );
         wisp_plan_report* report = NULL;
         assert_int_equal( wisp_world_explain( world, &report ), WISP_OK );
-        const wisp_plan_pass* pass = find_pass( report, "project" );
+        const wisp_plan_pass* pass = pass_of( report, "project" );
         char line[512];
         wisp_plan_pass_text( pass, line, sizeof( line ) );
         if ( iterations == 1 )
@@ -222,7 +209,7 @@ static void the_plan_tells_what_runs_together( void** state )
             assert_null( pass->joined );
             assert_null( strstr( line, "together" ) );
         }
-        assert_null( find_pass( report, "spoil" )->joined );
+        assert_null( pass_of( report, "spoil" )->joined );
         wisp_plan_report_release( report );
         wisp_world_destroy( world );
     }

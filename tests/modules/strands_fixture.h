@@ -16,22 +16,33 @@ typedef struct strand_world
     wisp_world* world;
 } strand_world;
 
+/// A world of these modules that is not made yet: what else it needs goes into s->def. Modules live as long as it does.
+static inline void prepare_strands( strand_world* s, const wisp_module* const* modules, int module_count )
+{
+    *s = ( strand_world ){ 0 };
+    s->def = wisp_default_world_def();
+    s->def.modules = modules;
+    s->def.module_count = module_count;
+    s->def.allocator = test_host_allocator( &s->host );
+    s->def.log = test_log_listen;
+    s->def.log_user = &s->log;
+}
+
 /// Close with close_strands().
+static inline void open_prepared( strand_world* s )
+{
+    assert_int_equal( wisp_world_create( &s->def, &s->world, NULL ), WISP_OK );
+}
+
 static inline void open_strands( strand_world* s, int substeps, int iterations, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
                                                   &wisp_strand_look_module, &wisp_strands_module };
-    *s = ( strand_world ){ 0 };
-    s->def = wisp_default_world_def();
-    s->def.modules = MODULES;
-    s->def.module_count = WISP_COUNT( MODULES );
-    s->def.allocator = test_host_allocator( &s->host );
-    s->def.log = test_log_listen;
-    s->def.log_user = &s->log;
+    prepare_strands( s, MODULES, WISP_COUNT( MODULES ) );
     s->def.workers = workers;
     s->def.substeps = substeps;
     s->def.iterations = iterations;
-    assert_int_equal( wisp_world_create( &s->def, &s->world, NULL ), WISP_OK );
+    open_prepared( s );
 }
 
 static inline void close_strands( strand_world* s )

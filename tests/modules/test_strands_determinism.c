@@ -112,19 +112,14 @@ static void open_place( running* r, const golden_case* c, const place_to_run* pl
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module,
                                                   &wisp_guide_hair_module };
     *r = ( running ){ .c = c };
-    r->s.def = wisp_default_world_def();
-    r->s.def.modules = MODULES;
-    r->s.def.module_count = WISP_COUNT( MODULES );
-    r->s.def.allocator = test_host_allocator( &r->s.host );
-    r->s.def.log = test_log_listen;
-    r->s.def.log_user = &r->s.log;
+    prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
     r->s.def.workers = place->workers;
     r->s.def.isa = place->isa;
     r->s.def.parallel_for = place->parallel_for;
     r->s.def.parallel_for_user = calls;
     r->s.def.substeps = 4;
     r->s.def.iterations = c->iterations;
-    assert_int_equal( wisp_world_create( &r->s.def, &r->s.world, NULL ), WISP_OK );
+    open_prepared( &r->s );
 }
 
 static void assert_ok( wisp_world* world, wisp_status status )

@@ -81,15 +81,10 @@ static void open_with_stranger( run* r, const shape_case* c, int workers )
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
                                                   &wisp_strand_look_module, &wisp_strands_module, &stranger_module };
     *r = ( run ){ 0 };
-    r->s.def = wisp_default_world_def();
-    r->s.def.modules = MODULES;
-    r->s.def.module_count = WISP_COUNT( MODULES );
-    r->s.def.allocator = test_host_allocator( &r->s.host );
-    r->s.def.log = test_log_listen;
-    r->s.def.log_user = &r->s.log;
+    prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
     r->s.def.workers = workers;
     r->s.def.substeps = c->substeps;
-    assert_int_equal( wisp_world_create( &r->s.def, &r->s.world, NULL ), WISP_OK );
+    open_prepared( &r->s );
 }
 
 static wisp_strand_dynamics_def def_of( const shape_case* c, const int32_t* pins, int pin_count, const float* masses )
