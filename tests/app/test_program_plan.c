@@ -278,6 +278,26 @@ static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void
     assert_non_null( strstr( result.out, "style=dashed, constraint=false" ) );
 }
 
+static void what_runs_together_is_told_in_every_form( void** state )
+{
+    (void)state;
+#define CHAINS "plan " WISP_SOURCE_ROOT "/data/scenes/chain_links.yaml --steps 1 --format "
+    json_t* root = read_json( CHAINS "json" );
+    const json_t* passes = json_object_get( root, "passes" );
+    const json_t* stretch = json_object_get( find( passes, "strands.stretch" ), "place" );
+    assert_string_equal( word( stretch, "joined" ), "strands.substeps" );
+    // of strands whose lengths are kept by links
+    const json_t* links = json_object_get( find( passes, "strands.links" ), "place" );
+    assert_true( json_is_null( json_object_get( links, "joined" ) ) );
+    json_decref( root );
+    run( CHAINS "text" );
+    assert_non_null( strstr( result.out, "strands.stretch          (fused) (in strands.substeps)" ) );
+    run( CHAINS "dot" );
+    assert_balanced( result.out );
+    assert_non_null( strstr( result.out, "fused, in strands.substeps" ) );
+#undef CHAINS
+}
+
 static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void** state )
 {
     (void)state;
@@ -304,6 +324,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_quote_in_a_name_does_not_end_a_string_of_the_graph ),
         cmocka_unit_test( an_empty_scene_has_a_plan_in_every_form ),
         cmocka_unit_test( a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed ),
+        cmocka_unit_test( what_runs_together_is_told_in_every_form ),
         cmocka_unit_test( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input ),
     };
     return cmocka_run_group_tests( tests, enter_folder, leave_folder );

@@ -45,16 +45,15 @@ typedef struct wisp_plan_pass
     const char* missing[WISP_PLAN_USES + 1]; ///< those of `needs` that no entity has
 
     // Where it runs; null, -1 and 0 of an absent one.
-    const char* loop; ///< "before", "substep", "iteration", "substep end", "item loop" or "after"
-    int wave;         ///< within the loop; nodes of one wave run side by side
-    int node;         ///< passes of one node run item by item together
-    bool is_fused;    ///< behind another pass of its node
-    /// What runs it together with the other passes of an entity "module.noun"; null: nothing does.
-    const char* joined;
-    int entities; ///< that it runs on
-    int items;    ///< of all of these entities: groups of strands, blocks of particles, or entities
-    int blocks;   ///< what workers draw: so many items of one entity
-    int runs;     ///< a step, from substeps and iterations
+    const char* loop;   ///< "before", "substep", "iteration", "substep end", "item loop" or "after"
+    int wave;           ///< within the loop; nodes of one wave run side by side
+    int node;           ///< passes of one node run item by item together
+    bool is_fused;      ///< behind another pass of its node
+    const char* joined; ///< what runs it together with others on at least one entity, "module.noun"; null: nothing
+    int entities;       ///< that it runs on
+    int items;          ///< of all of these entities: groups of strands, blocks of particles, or entities
+    int blocks;         ///< what workers draw: so many items of one entity
+    int runs;           ///< a step, from substeps and iterations
 
     /// Bytes that one run reads and writes: rows of every component it reads, and again of every one it writes.
     uint64_t bytes;
