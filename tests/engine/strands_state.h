@@ -6,7 +6,8 @@
 enum
 {
     STRAND_GROUPS = 8,
-    STRAND_ROWS = 3 + 20 + 20 + 9 + 1 + 1 + 2 + 2, // vertices of each group's longest strands: alike in pairs, and not
+    // vertices of each group's longest strands: alike in pairs, and not
+    STRAND_ROWS = 3 + 20 + 20 + 9 + 1 + 1 + 2 + 2,
 };
 
 typedef struct strands_state
