@@ -81,6 +81,7 @@ static wisp_status run( const triangle_scene* scene, const triangle_setting* set
         const surface_look look = surface_entrant_look( &entrant );
         memcpy( out->points, points, (size_t)scene->mesh.vertex_count * sizeof( wisp_vec3 ) );
         out->kinetic = look.kinetic;
+        out->first_order = (double)wisp_world_counter( entrant.world, WISP_COUNT_FIRST_ORDER );
         out->is_finite = look.is_finite && entrant.halted_at == 0;
     }
     surface_entrant_destroy( &entrant );
