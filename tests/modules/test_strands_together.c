@@ -45,7 +45,7 @@ typedef struct shape_case
     wisp_strand_bend bend;
     wisp_solver solver;
     int substeps, passes;
-    bool mixed_lengths, with_pins, damped, blown, heavy_tips, short_strands, on_surface, jumps, tight;
+    bool mixed_lengths, with_pins, damped, blown, heavy_tips, short_strands, on_surface, loses_surface, jumps, tight;
 } shape_case;
 
 static const shape_case CASES[] = {
@@ -65,6 +65,8 @@ static const shape_case CASES[] = {
     { "on a surface", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .on_surface = true, .passes = 8 },
     { "on a surface, damped", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .on_surface = true, .damped = true,
       .passes = 8 },
+    { "on a surface that is removed", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .on_surface = true,
+      .loses_surface = true, .passes = 8 },
     { "a head that jumps", .bend = WISP_STRAND_BEND_LINKS, .substeps = 5, .jumps = true, .passes = 8 },
 };
 
@@ -146,6 +148,10 @@ static void one_step( run* r, const shape_case* c, int n )
 {
     const float t = SECONDS * (float)( n + 1 );
     const wisp_vec3 place = { 0.1f * t + ( c->jumps && n > 5 ? 30.0f : 0.0f ), -0.3f * t, 0.0f };
+    if ( c->loses_surface && n == STEPS / 2 )
+    {
+        assert_int_equal( wisp_remove( r->s.world, r->surface ), WISP_OK );
+    }
     if ( c->on_surface == false )
     {
         assert_int_equal( wisp_move_strand_head( r->s.world, r->strands,
