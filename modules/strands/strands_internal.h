@@ -42,8 +42,7 @@ typedef struct strands_head
     wisp_rigid from, to; // at the start and at the end of the step
     wisp_rigid target;   // at the end of the next one
     int32_t jumped;      // the strands went along at once: the pose is `to` from the first substep on
-    int32_t stands;      // it does not move in this step
-    int32_t has_stood;   // nor did it in the step before, so that roots are where it holds them
+    int32_t stands;      // it does not move in this step: roots are where it holds them already
 } strands_head;
 
 typedef struct strands_air

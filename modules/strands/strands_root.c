@@ -15,7 +15,6 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
     head->jumped = way > settings->teleport ? 1 : 0;
-    head->has_stood = head->stands;
     head->stands = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0 ? 1 : 0;
 }
 
@@ -123,9 +122,9 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    if ( head->stands != 0 && ( head->has_stood != 0 || span->substep > 0 ) )
+    if ( head->stands != 0 )
     {
-        return; // roots are where the first substep that it stood in has put them
+        return; // roots are where its last way has ended, or where strands began
     }
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
