@@ -40,6 +40,13 @@ void KERNEL( hold_edges )( const wisp_hold_job* job, int begin, int end );
 void KERNEL( hold_triangles )( const wisp_hold_job* job, int begin, int end );
 void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end );
 void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end );
+void KERNEL( piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
+int KERNEL( edges_near )( const wisp_piece_near_job* job );
+int KERNEL( points_near )( const wisp_piece_near_job* job );
+void KERNEL( closing )( const wisp_closing_job* job, int begin, int end );
+float KERNEL( apart )( const wisp_apart_job* job );
+void KERNEL( quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
+                           float high[4] );
 void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end );
 void KERNEL( push )( const wisp_push_job* job, int begin, int end );
 void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );

@@ -9,6 +9,7 @@
 #include "wisp/kernels.h"
 #include "wisp/mesh_tree.h"
 #include "wisp/module.h"
+#include "wisp/pieces.h"
 #include "wisp/random.h"
 #include "wisp/samples.h"
 #include "wisp/shapes.h"

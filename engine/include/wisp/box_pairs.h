@@ -17,12 +17,6 @@ typedef enum wisp_pair_search
     WISP_PAIR_SEARCH_COUNT,
 } wisp_pair_search;
 
-/// A closed box. One that is empty (low above high) or not finite overlaps nothing.
-typedef struct wisp_box
-{
-    float low[3], high[3]; ///< m
-} wisp_box;
-
 /// Do two boxes overlap, neither of which is empty or without a number? Touching is overlapping.
 static inline bool wisp_box_overlaps( const wisp_box* a, const wisp_box* b )
 {

@@ -2,6 +2,7 @@
 /// instruction set, reached through a table; every table gives the same bits.
 #pragma once
 
+#include "wisp/pieces.h"
 #include "wisp/random.h"
 #include "wisp/shapes.h"
 #include "wisp/springs.h"
@@ -606,6 +607,23 @@ typedef struct wisp_kernels
     // groups of eight pairs
     void ( *closest_triangle )( const wisp_closest_job* job, int begin, int end );
     void ( *closest_segments )( const wisp_closest_job* job, int begin, int end );
+    /// Where the pieces of rows [begin, end) are. @param points that a piece has: 1, 2 or 3
+    void ( *piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
+    /// Edges that share no point with others and are apart from them by no more than what is asked, as far as a plane across
+    /// the line through their middles tells. No pair that is within is missing but for rounding; a pair with a number
+    /// that is not finite is one. @return how many
+    int ( *edges_near )( const wisp_piece_near_job* job );
+    /// The same of points that ask triangles.
+    int ( *points_near )( const wisp_piece_near_job* job );
+    // pairs [begin, end), multiples of 8
+    void ( *closing )( const wisp_closing_job* job, int begin, int end );
+    /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
+    ///         that are no number are nowhere
+    float ( *apart )( const wisp_apart_job* job );
+    /// The least and the largest of each number of some quads, less those of others if there are any. What is no number
+    /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
+    void ( *quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
+                          float high[4] );
     // groups of eight particles
     void ( *half_space )( const wisp_half_space_job* job, int begin, int end );
     // slots, multiples of 8

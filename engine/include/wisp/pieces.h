@@ -1,0 +1,66 @@
+/// Points, edges and triangles that are looked at together: which of them are near others, and how near they may come.
+#pragma once
+
+#include "wisp/base.h"
+
+WISP_BEGIN_C
+
+/// A closed box. One that is empty (low above high) or not finite overlaps nothing.
+typedef struct wisp_box
+{
+    float low[3], high[3]; ///< m
+} wisp_box;
+
+/// Up to eight pieces of one kind: points, edges or triangles. 64-byte aligned.
+typedef struct wisp_piece_row
+{
+    float middle[3][8];   ///< m
+    float arm[3][8];      ///< m, from the middle to the first corner; not of a point
+    int32_t point4[2][8]; ///< points times 4; a point has one
+    int32_t item
+        [8]; ///< what the piece is called, >= 0; -1: there is none in this lane, whose points are any that there are
+    int32_t third4[8];        ///< of a triangle the third point times 4
+    float other_arm[2][3][8]; ///< m, of a triangle: to the second and the third corner
+    float normal[3][8];       ///< unit, of a triangle; 0 where twice its area is below 1e-15 m^2
+    float rounded[8];         ///< m, of a triangle, how far from its plane a corner is
+} wisp_piece_row;
+
+/// Pairs of pieces: what they are called, and their points times 4 as wisp_closest_job has them. Room for 8 more than are put.
+typedef struct wisp_piece_pairs
+{
+    int32_t *first, *second;
+    int32_t* point4[4];
+} wisp_piece_pairs;
+
+/// Which pieces of some rows are so near pieces of others that they may be within a distance.
+typedef struct wisp_piece_near_job
+{
+    const wisp_piece_row *askers, *rows;
+    int asker_rows, row_count;
+    const wisp_box *asker_box, *box; ///< around all pieces of the askers, and of the rows; at most 3 rows of either
+    float within;                    ///< m
+    float seen;                      ///< m, >= within: what is farther from the others' box is not looked at
+    float* least; ///< [8] in and out: lowered to how far those are apart at least that are looked at and not found, m
+    bool is_own;  ///< of edges: askers are the rows, a pair is named by the one that is called less
+    wisp_piece_pairs found; ///< out
+} wisp_piece_near_job;
+
+/// Two sets of points, and directions along which they may be apart. The lists of points are padded to eights.
+typedef struct wisp_apart_job
+{
+    const float* quads;       ///< [point][4] m
+    const int32_t* point4[2]; ///< of either set, points times 4
+    int count[2];             ///< multiples of 8
+    float along[3][3];        ///< of any length above 1e-15; what is shorter tells nothing
+} wisp_apart_job;
+
+/// How much nearer the sides of pairs may come, at most: no more than two of their points.
+typedef struct wisp_closing_job
+{
+    const float* ahead;       ///< [point][4] m: where it goes, give or take the fourth
+    const int32_t* point4[4]; ///< [pair] as wisp_piece_pairs has them
+    bool are_edges;           ///< the first side has two points, else one
+    float* closing;           ///< [pair] out, m
+} wisp_closing_job;
+
+WISP_END_C
