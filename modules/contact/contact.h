@@ -72,9 +72,11 @@ WISP_API wisp_status wisp_unset_contact( wisp_world* world, wisp_entity guest );
 typedef struct wisp_contact_figures
 {
     int guests, points, edges, triangles; ///< that take part; with samples, points are boundary particles
-    int64_t candidates;     ///< pairs that are looked at, as they may meet before pairs are looked for anew
-    int contacts;           ///< pairs that pressed on each other in the last substep
-    int searches, renewals; ///< in this step: for all pairs, and for those of the points that went astray
+    int64_t
+        candidates; ///< pairs that may meet before pairs are looked for anew: of particles, or else of patches, each of
+                    ///< some triangles that lie together
+    int contacts;   ///< pairs that pressed on each other in the last substep
+    int searches;   ///< in this step, for all pairs
     float
         least_gap; ///< of the pairs' thickness: the nearest pair at the end; 1 or more: none is nearer than it should
     int guarded;   ///< vertices whose way was cut in this step, summed over substeps; above 0 momentum is not kept

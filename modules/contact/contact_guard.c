@@ -119,15 +119,26 @@ static bool take_cuts( guard_loop* loop, int count )
     return any;
 }
 
-// Where lists cannot reach as far as points go, points go no farther than lists reach.
+// Where lists cannot reach as far as points go, patches go no farther than lists reach.
 static void limit_ways( const contact_work* work )
 {
     contact_soup* s = work->soup;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        const float left = ALMOST * ( s->reach[i] - s->spent[i] ), way = s->gone[i];
-        const bool is_free = s->now[(size_t)i * 4 + 3] > 0.0f;
-        s->share[i] = s->is_short && is_free && way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
+        s->share[i] = 1.0f;
+    }
+    for ( int p = 0; p < s->patch_count && s->is_short; ++p )
+    {
+        const contact_patch* patch = s->patches + p;
+        const float left = ALMOST * ( s->courses[p].reach - s->courses[p].spent );
+        const float way = contact_length_of_way( s, s->ways + p );
+        const float share = way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
+        for ( int i = 0; i < patch->point_count; ++i )
+        {
+            const int point = s->patch_points[patch->first_point + i] / 4;
+            const bool is_free = s->now[(size_t)point * 4 + 3] > 0.0f;
+            s->share[point] = is_free ? contact_smaller( s->share[point], share ) : s->share[point];
+        }
     }
 }
 

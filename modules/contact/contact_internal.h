@@ -15,9 +15,11 @@
 
 enum
 {
-    CONTACT_BATCH = 128,  // pairs whose distances are asked at once
-    CONTACT_BLOCK = 64,   // rows of a block: it is projected by one worker, from its first to its last
-    CONTACT_COLOURS = 64, // of blocks; blocks of one colour share no point
+    CONTACT_BATCH = 128,          // pairs whose distances are asked at once
+    CONTACT_PAIRS_MOST = 24 * 24, // of pieces of one kind in two patches, or of the points of either with triangles
+    CONTACT_ROOM = 1024,          // pairs that are looked at together
+    CONTACT_BLOCK = 64,           // rows of a block: it is projected by one worker, from its first to its last
+    CONTACT_COLOURS = 64,         // of blocks; blocks of one colour share no point
 };
 
 /// The definition of a guest with the defaults filled in.
@@ -47,24 +49,63 @@ typedef struct contact_guest
     double impulse[3]; // N s, of this step
 } contact_guest;
 
-/// A pair within reach: a point and a triangle, two edges, or two boundary particles.
-typedef struct contact_candidate
+/// Some pieces that lie together, which are looked at together: each piece of the soup is in one patch.
+typedef struct contact_patch
+{
+    int32_t guest;
+    int32_t first_point, point_count; // in patch_points: all points of its pieces; to eights the last repeats
+    int32_t kind_row[3], rows[3];     // first row, and how many, of points, edges and triangles
+} contact_patch;
+
+/// Where the points of a patch go: the middle of their ways, and how far from it any of them is at most.
+typedef struct contact_way
+{
+    float middle[3], spread; // m a substep
+} contact_way;
+
+/// What a search takes for granted: a patch goes on as it did, give or take its reach.
+typedef struct contact_course
+{
+    float drift[3]; // m a substep, less what all points have in common
+    float reach;    // m, how far it may go astray
+    float spent;    // m, how far it went since
+} contact_course;
+
+/// A pair that is nearer than it might come to its gap: a point and a triangle, two edges, or two boundary particles.
+typedef struct contact_pair
 {
     int32_t a, b;
-    float gap;   // m, to be kept: never more than the pair has at rest
-    float due;   // m, of what its sides went astray: until then it is farther apart than its gap
-    float drift; // m a substep, that it may come nearer by what its points were at when it was found
-} contact_candidate;
+    float gap; // m, to be kept: never more than the pair has at rest
+} contact_pair;
 
-/// Pairs of one kind, in the order of their sides where a search of all found them.
-typedef struct contact_list
+/// Pairs of one kind that may meet in this substep, in any order.
+typedef struct contact_near
 {
-    contact_candidate* items;
-    int32_t* near;       // those that may meet in this substep; each batch of items has its own in front of its place
-    int32_t* near_count; // [batch]
+    contact_pair* items;
     int count, most;
-    bool are_edges;
-} contact_list;
+} contact_near;
+
+/// Pairs of patches that may come near each other. Those of a patch begin with itself, then others rise.
+typedef struct contact_patch_pairs
+{
+    int32_t* begin; // [patch + 1]
+    int32_t* other; // [pair]
+    float* slack;   // [pair] m: no two of their pieces are nearer to their gap
+    int count;
+} contact_patch_pairs;
+
+/// A pair of patches that is looked at.
+typedef struct contact_due
+{
+    int32_t patch, pair;
+} contact_due;
+
+/// Two boundary particles within reach.
+typedef struct contact_candidate
+{
+    contact_pair pair;
+    float due; // m, of what its sides went astray: until then it is farther apart than its gap
+} contact_candidate;
 
 /// So many points has a pair at most: two boundary particles, each between three.
 #define CONTACT_MOST_POINTS 6
@@ -97,13 +138,11 @@ typedef struct contact_blocks
     int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
 } contact_blocks;
 
-/// The lists of pairs: what a search of all finds, and what is found behind it for points that went astray.
+/// What is found of pairs: points and triangles, or particles; edges.
 typedef enum contact_kind
 {
-    CONTACT_LATE_POINTS,
     CONTACT_POINTS,
-    CONTACT_LATE_EDGES,
-    CONTACT_EDGES_LIST,
+    CONTACT_EDGES,
     CONTACT_KIND_COUNT,
 } contact_kind;
 
@@ -113,54 +152,47 @@ typedef enum contact_place
     CONTACT_NOW,
     CONTACT_SAFE,
     CONTACT_REST,
-    CONTACT_DRIFT,
-    CONTACT_REACH,
-    CONTACT_SPENT,
-    CONTACT_ASTRAY,
     CONTACT_AHEAD,
     CONTACT_LATE,
-    CONTACT_GONE,
-    CONTACT_POINT_WAY,
-    CONTACT_EDGE_WAY,
-    CONTACT_TRIANGLE_WAY,
-    CONTACT_EDGE_REACH,
-    CONTACT_TRIANGLE_REACH,
-    CONTACT_EDGE_DRIFT,
-    CONTACT_TRIANGLE_DRIFT,
     CONTACT_SHIFT,
     CONTACT_SHARE,
-    CONTACT_EDGES,
-    CONTACT_TRIANGLES,
+    CONTACT_EDGE_POINTS,
+    CONTACT_TRIANGLE_POINTS,
     CONTACT_TANGLED,
     CONTACT_FACES,
     CONTACT_COLOUR_MASKS,
-    CONTACT_POINT_BOXES,
-    CONTACT_EDGE_BOXES,
-    CONTACT_TRIANGLE_BOXES,
-    CONTACT_RENEWED,
-    CONTACT_ITEMS, // of each kind
-    CONTACT_NEAR = CONTACT_ITEMS + CONTACT_KIND_COUNT,
-    CONTACT_NEAR_COUNT = CONTACT_NEAR + CONTACT_KIND_COUNT,
-    CONTACT_MET = CONTACT_NEAR_COUNT + CONTACT_KIND_COUNT,
-    CONTACT_LATE_ROWS,
-    CONTACT_EDGE_LATE,
-    CONTACT_TRIANGLE_LATE,
+    CONTACT_PATCHES,
+    CONTACT_PATCH_POINTS,
+    CONTACT_PATCH_OF,
+    CONTACT_PIECE_ROWS,
+    CONTACT_WAYS,
+    CONTACT_WAYS_GONE,
+    CONTACT_COURSES,
+    CONTACT_PATCH_LATE,
+    CONTACT_PATCH_PLACED,
+    CONTACT_PATCH_BOXES,
+    CONTACT_PATCH_NORMALS,
+    CONTACT_REACHED_BOXES,
+    CONTACT_PAIRS_BEGIN, // of two lists, which take turns
+    CONTACT_PAIRS_OTHER = CONTACT_PAIRS_BEGIN + 2,
+    CONTACT_PAIRS_SLACK = CONTACT_PAIRS_OTHER + 2,
+    CONTACT_DUE = CONTACT_PAIRS_SLACK + 2,
+    CONTACT_DUE_COUNT,
+    CONTACT_NEAR, // of each kind
+    CONTACT_NEAR_SPARE = CONTACT_NEAR + CONTACT_KIND_COUNT,
+    CONTACT_NEAR_COUNT,
     CONTACT_ROWS,
+    CONTACT_LATE_ROWS,
     CONTACT_BLOCK_BEGIN,
     CONTACT_BLOCK_COLOUR,
     CONTACT_BLOCK_ORDER,
     CONTACT_SAMPLE_PARENTS,
     CONTACT_SAMPLE_WEIGHTS,
+    CONTACT_SAMPLE_WAYS,
+    CONTACT_SAMPLE_BOXES,
+    CONTACT_CANDIDATES,
     CONTACT_PLACE_COUNT,
 } contact_place;
-
-/// Pieces whose points went astray since all pairs were looked for, with the boxes that they got then.
-typedef struct contact_renewed
-{
-    int32_t* items;
-    wisp_box* boxes;
-    int count, most;
-} contact_renewed;
 
 /// Warm memory: a function of the columns, rebuilt when they were changed from outside. Which pairs are listed depends on its
 /// past; which of them become rows does not.
@@ -181,35 +213,40 @@ typedef struct contact_soup
     float common[3];       // m, that all points together went; 0 where some cannot be cut
     float least_thickness; // m, of the guests
 
-    // What a search takes for granted: each point goes on as it did, give or take its reach.
-    float* drift;                       // [point][4] m a substep, less what all have in common
-    float* reach;                       // [point] m
-    float* spent;                       // [point] m, how far it went astray since
-    float* astray;                      // [point] m, how far it may go astray in this substep
-    float* gone;                        // [point] m, how far it did
-    float *edge_reach, *triangle_reach; // m, of the points the largest
-    float *edge_drift,
-        *triangle_drift; // [piece][4] m a substep: of the middle, and how much a point's differs from it
-    float travelled[3];  // m, that all points together went since
-    int drifted;         // substeps since, as long as points are taken to drift
-    float *point_way, *edge_way, *triangle_way; // m, how far astray each may be; of particles in place of edges
-    uint8_t *edge_late, *triangle_late;         // [piece] one of its points is
-    wisp_box *point_boxes, *edge_boxes, *triangle_boxes;
-    wisp_box_pairs point_pairs, edge_pairs; // of points with triangles, or of particles; of edges
-    wisp_box_pairs triangle_pairs;          // of triangles with points
-    bool has_point_grid;
-    contact_renewed renewed[3]; // points, edges, triangles
-    int searches, renewals;     // in this step
+    int patch_count;
+    contact_patch* patches;
+    int32_t* patch_points;    // points times 4
+    int32_t* patch_of;        // [point] one that it is a point of
+    wisp_piece_row* pieces;   // [row]
+    contact_way *ways, *gone; // [patch] in this substep, in the one before
+    contact_course* courses;  // [patch]
+    uint8_t* patch_late;      // [patch] one of its points is
+    uint8_t* is_placed;       // [patch] its pieces are where its points are safe
+    wisp_box* patch_boxes;    // [patch] where it is safe, if it is placed
+    float* patch_normals;     // [patch][3] of any length, if it is placed
+    wisp_box* reached_boxes;  // [patch] where it may be while it keeps to its course
+    wisp_box_pairs overlaps;  // of patches, or of particles
+    int drifted;              // substeps since all pairs were looked for, as long as patches are taken to drift
+    int searches;             // in this step
+
+    contact_patch_pairs pairs[2]; // the second was in use before
+    int pairs_turn;               // whose arrays the first has
+    contact_due* due;             // [pair] those that are looked at in this substep
+    int32_t* due_count;           // [patch]
+    contact_near near[CONTACT_KIND_COUNT];
 
     // Boundary particles, where they are what is kept apart: vertices, then points on edges and in triangles at rest.
     int sample_count;
     int32_t ( *sample_parents )[3]; // [sample] points
     float ( *sample_weights )[3];   // [sample]
     wisp_samples sampler;
+    float* sample_ways; // [sample] m, how far astray each may be
+    wisp_box* sample_boxes;
+    contact_candidate* candidates;
+    int candidate_count;
 
-    contact_list lists[CONTACT_KIND_COUNT];
     bool is_listed; // what may meet is in the lists
-    bool is_short;  // there were more pairs than lists may have: points may go no farther than lists reach
+    bool is_short;  // there were more pairs than lists may have: patches may go no farther than lists reach
     contact_row *rows, *late_rows; // the late ones are guarded, and not projected
     int split;                     // rows of points and triangles, which come first
     int row_count, late_row_count;
@@ -278,37 +315,30 @@ typedef enum contact_reached
 contact_reached contact_expect_ways( const contact_work* work );
 /// How far each point went.
 contact_reached contact_measure_ways( const contact_work* work );
-/// Take it that a point goes on as in this substep, and count anew how far it goes astray.
-void contact_set_course( const contact_work* work, int point );
-/// The same for all points.
+/// Take it that all patches go on as in this substep, and count anew how far they go astray.
 void contact_set_courses( const contact_work* work );
+/// How far a way leads, beside what all points have in common, m.
+float contact_length_of_way( const contact_soup* s, const contact_way* way );
 /// Count the substep's ways.
 void contact_spend_ways( const contact_work* work );
-/// For so many substeps it is taken that points go on as they did.
+/// For so many substeps it is taken that patches go on as they did.
 int contact_drift_substeps( const contact_work* work );
 
 // contact_search.c
 /// Look for all pairs.
 wisp_status contact_search( const contact_work* work, wisp_error* error );
-/// The box that a piece stays in as long as its points keep to their courses, in a frame that goes where all go.
-wisp_box contact_box_around( const contact_work* work, const int32_t* points, int count, float reach );
-/// What its points say of a piece: drift [4] and reach.
-void contact_take_course( const contact_soup* s, const int32_t* points, int count, float drift[4], float* reach );
-/// Of a list of triangles, points or edges, those that may meet a point, a triangle or an edge. @return how many
-int contact_keep_triangles( const contact_work* work, int point, int32_t* items, int count );
-int contact_keep_points( const contact_work* work, int triangle, int32_t* items, int count );
-int contact_keep_edges( const contact_work* work, int edge, int32_t* items, int count );
+/// The box around a patch where it is safe.
+wisp_box contact_box_around( const contact_work* work, const contact_patch* patch );
 /// What two points, or pieces of them, keep: m, 0 if their guests, or their guest and itself, do not keep apart.
 float contact_gap_of( const contact_work* work, int a, int b );
 /// Do two guests, or a guest and itself, keep apart?
 bool contact_may_meet( const contact_guest* a, const contact_guest* b );
 
-// contact_renew.c
-/// Look for the pairs of those points alone that go farther astray than their reach.
-/// @param done false: there are too many, and all pairs are to be looked for
-wisp_status contact_renew( const contact_work* work, bool* done, wisp_error* error );
+// contact_patches.c
+/// Cut the soup into patches. @return false without memory
+bool contact_make_patches( const contact_work* work );
 
-// contact_near.c
+// contact_closest.c
 /// Pairs of pieces whose distances are asked: all of points and triangles, or all of edges.
 typedef struct contact_pieces
 {
@@ -318,7 +348,13 @@ typedef struct contact_pieces
 } contact_pieces;
 
 /// Put a pair to its place, below CONTACT_BATCH.
-void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4] );
+static inline void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4] )
+{
+    for ( int k = 0; k < 4; ++k )
+    {
+        pieces->point4[at / WISP_SLICE][k][at % WISP_SLICE] = points[k] * 4;
+    }
+}
 /// @param quads [point][4] where they are measured
 /// @param weight, normal [group] as wisp_closest_job has them, or both null @return [count] m, the same bits either way
 const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
@@ -326,34 +362,66 @@ const float* contact_measure_pieces( const contact_work* work, const float* quad
 const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
                                         int count );
 
-// contact_candidates.c
-/// Room for so many pairs in a list. @return false without memory
-bool contact_reserve_list( const contact_work* work, contact_kind kind, size_t count );
-/// Put a search's pairs behind those of a list, which has room.
-/// @param askers [pairs->asker_count] what the askers are, null: what they are called
-/// @param turned the askers are the second side
-void contact_fill_list( const contact_work* work, contact_kind kind, const wisp_box_pairs* pairs,
-                        const int32_t* askers, bool turned );
+// contact_near.c
+/// Which pairs of pieces may become rows: into `near`, in any order. @param late_only of patches alone that have a point that is
+/// late
+wisp_status contact_find_near( const contact_work* work, bool late_only, wisp_error* error );
+
+// contact_meet.c
+/// Pairs of one kind of pieces that are looked at together.
+typedef struct contact_batch
+{
+    int count;
+    int32_t first[CONTACT_ROOM], second[CONTACT_ROOM], point4[4][CONTACT_ROOM];
+    uint8_t of[CONTACT_ROOM];                                               // which pair of patches they are of
+    int32_t met[CONTACT_ROOM];                                              // those that go on
+    float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
+    contact_pair found[CONTACT_ROOM];
+} contact_batch;
+
+/// Room behind those that are there.
+static inline void contact_take_room( contact_batch* batch, wisp_piece_pairs* out )
+{
+    out->first = batch->first + batch->count;
+    out->second = batch->second + batch->count;
+    for ( int k = 0; k < 4; ++k )
+    {
+        out->point4[k] = batch->point4[k] + batch->count;
+    }
+}
+
+/// Is there room for all pairs of two patches?
+static inline bool contact_has_room( const contact_batch* batch )
+{
+    return batch->count + CONTACT_PAIRS_MOST + WISP_SLICE <= CONTACT_ROOM;
+}
+/// How far apart all pairs are where they are safe.
+void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch );
+/// Of those that are met, with their gaps: which become rows. They go to `near`, as far as it has room.
+/// @param total how many go there
+void contact_meet( const contact_work* work, contact_kind kind, contact_batch* batch, int met, _Atomic int* total );
+/// Room for so many. @return false without memory
+bool contact_reserve_near( const contact_work* work, contact_kind kind, int count );
 
 // contact_samples.c
 /// Sample all guests at rest, if particles are what is kept apart.
 wisp_status contact_sample_guests( const contact_work* work );
-/// Boxes around particles where they are safe: as askers and as what is asked.
-wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* error );
+/// Where a particle is.
+void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] );
 /// What a pair of particles is to keep, m; 0 if it is none.
 float contact_sample_gap_of( const contact_work* work, int a, int b );
 /// The plane between two particles.
-void contact_measure_samples( const contact_soup* s, const float* quads, const contact_candidate* c,
-                              contact_row* row );
+void contact_measure_samples( const contact_soup* s, const float* quads, const contact_pair* pair, contact_row* row );
 
-// contact_due.c
-/// Look which pairs of the lists may become rows: into `near` of the lists. @param late_only those alone that have a point
-/// that is late @return how many, as often as they are listed
-int contact_search_lists( const contact_work* work, bool late_only );
+// contact_sample_pairs.c
+/// Look for all pairs of particles.
+wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* error );
+/// Which of them may become rows, as contact_find_near().
+wisp_status contact_find_near_samples( const contact_work* work, bool late_only, wisp_error* error );
 
 // contact_rows.c
-/// The points of a candidate.
-void contact_set_points( const contact_work* work, const contact_candidate* c, bool is_edge, contact_row* row );
+/// The points of a pair.
+void contact_set_points( const contact_work* work, const contact_pair* pair, bool is_edge, contact_row* row );
 /// Rows of all pairs that may meet in this substep, in the order of points and edges, whatever found them.
 wisp_status contact_find_rows( const contact_work* work, wisp_error* error );
 /// Rows of the pairs that are missing because points are late, behind the others.
@@ -374,6 +442,8 @@ int contact_guard( const contact_work* work );
 void contact_hold( const contact_work* work );
 
 // contact_untangle.c
+/// The edge between two points of a guest, the first of which is less.
+int contact_find_edge( const contact_soup* s, const contact_guest* guest, int a, int b );
 wisp_status contact_mark_tangles( const contact_work* work, wisp_error* error );
 void contact_untangle( const contact_work* work );
 
@@ -387,17 +457,11 @@ static inline contact_guest* contact_guest_of( const contact_work* work, int poi
     return work->state->guests + (int)work->soup->rest[(size_t)point * 4 + 3];
 }
 
-/// How much nearer the pieces of two drifts may come in a substep, at most, m. A float is rounded: a little more than that.
-static inline float contact_drift_between( const float a[4], const float b[4] )
+/// How much nearer two patches may come in a substep, at most, m. A float is rounded: a little more than that.
+static inline float contact_closing_of( const contact_way* a, const contact_way* b )
 {
-    const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
-    return 1.0001f * ( sqrtf( x * x + y * y + z * z ) + a[3] + b[3] );
-}
-
-/// May a point go farther astray than its reach?
-static inline bool contact_is_beyond( const contact_soup* s, int point )
-{
-    return s->spent[point] + s->astray[point] > s->reach[point];
+    const float x = a->middle[0] - b->middle[0], y = a->middle[1] - b->middle[1], z = a->middle[2] - b->middle[2];
+    return 1.0001f * ( sqrtf( x * x + y * y + z * z ) + ( a->spread + b->spread ) );
 }
 
 static inline float contact_larger( float a, float b )

@@ -478,11 +478,8 @@ wisp_status wisp_read_contact_figures( wisp_world* world, wisp_contact_figures* 
     {
         *out = *figures;
         out->searches = state->soup.searches;
-        out->renewals = state->soup.renewals;
-        for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
-        {
-            out->candidates += state->soup.lists[kind].count;
-        }
+        const bool are_samples = state->world.features == WISP_CONTACT_SAMPLES;
+        out->candidates = are_samples ? state->soup.candidate_count : state->soup.pairs[0].count;
     }
     return status;
 }

@@ -1,41 +1,335 @@
-// How near pieces are: points and triangles, or two edges, eight pairs at a time.
+// Which pieces of patches may meet in this substep. Of two patches it is known how far their pieces are from their gaps, less
+// what they came nearer since: so only those are looked at that might come to it.
 #include "contact_internal.h"
 
-void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4] )
+#include <stdatomic.h>
+#include <string.h>
+
+enum
 {
-    for ( int k = 0; k < 4; ++k )
+    PATCH_GRAIN = 128,
+    PLACE_GRAIN = 64,
+    DUE_GRAIN = 16, // pairs of patches
+};
+
+// Pieces are measured that may be nearer than so many gaps beside their gap: the more, the longer what is measured holds. Of
+// others it is known how far a plane between them is; what is so many gaps from the other patch is not looked at.
+static const float MEASURED_GAPS = 0.6f, SEEN_GAPS = 1.5f;
+// What is farther apart as a whole than so many gaps beside its gap is not looked at piece by piece.
+static const float APART_GAPS = 0.5f;
+
+typedef struct near_loop
+{
+    const contact_work* work;
+    contact_soup* soup;
+    bool late_only;
+    int due_count;
+    _Atomic int total[CONTACT_KIND_COUNT];
+    _Atomic bool lacks_memory;
+} near_loop;
+
+// ---- pairs of patches ----
+
+// Those whose pieces might come to their gaps in this substep. Pairs that nothing is known of are due, and so are those with what
+// is no number.
+static void find_due( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const near_loop* loop = context;
+    contact_soup* s = loop->soup;
+    contact_patch_pairs* pairs = s->pairs;
+    for ( int p = begin; p < end; ++p )
     {
-        pieces->point4[at / WISP_SLICE][k][at % WISP_SLICE] = points[k] * 4;
+        const contact_way way = s->ways[p], gone = s->gone[p];
+        int count = 0;
+        for ( int i = pairs->begin[p]; i < pairs->begin[p + 1]; ++i )
+        {
+            const int32_t other = pairs->other[i];
+            const bool is_asked = loop->late_only == false || ( s->patch_late[p] | s->patch_late[other] ) != 0;
+            pairs->slack[i] -= loop->late_only ? 0.0f : contact_closing_of( &gone, s->gone + other );
+            const bool is_due = is_asked && !( pairs->slack[i] > contact_closing_of( &way, s->ways + other ) );
+            s->due[pairs->begin[p] + count] = ( contact_due ){ p, i };
+            count += is_due ? 1 : 0;
+        }
+        s->due_count[p] = count;
     }
 }
 
-const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
-                                     float ( *weight )[4][WISP_SLICE], float ( *normal )[3][WISP_SLICE] )
+static int gather_due( contact_soup* s )
 {
-    const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
-    // lanes without a pair repeat the last one
-    for ( int i = count; i < groups * WISP_SLICE; ++i )
+    int count = 0;
+    for ( int p = 0; p < s->patch_count; ++p )
     {
-        for ( int k = 0; k < 4; ++k )
+        const contact_due* from = s->due + s->pairs[0].begin[p];
+        for ( int i = 0; i < s->due_count[p]; ++i )
         {
-            pieces->point4[i / WISP_SLICE][k][i % WISP_SLICE] =
-                pieces->point4[( count - 1 ) / WISP_SLICE][k][( count - 1 ) % WISP_SLICE];
+            s->due[count++] = from[i];
         }
     }
-    const wisp_closest_job job = {
-        .quads = quads,
-        .point4 = (const int32_t( * )[4][WISP_SLICE])pieces->point4,
-        .distance = pieces->distance,
-        .weight = weight,
-        .normal = normal,
-    };
-    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
-    ( pieces->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
-    return pieces->distance[0];
+    return count;
 }
 
-const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
-                                        int count )
+// ---- where their pieces are ----
+
+enum
 {
-    return contact_measure_pieces( work, quads, pieces, count, NULL, NULL );
+    PLACED = 1,
+    ASKED = 2,
+};
+
+// Of all its triangles; 0 without any.
+static void take_normal( contact_soup* s, int p )
+{
+    const contact_patch* patch = s->patches + p;
+    const wisp_piece_row* row = s->pieces + patch->kind_row[2];
+    float* normal = s->patch_normals + 3 * (size_t)p;
+    normal[0] = normal[1] = normal[2] = 0.0f;
+    for ( int lane = 0; lane < WISP_SLICE && patch->rows[2] > 0 && row->item[lane] >= 0; ++lane )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            normal[k] += row->normal[k][lane];
+        }
+    }
+}
+
+static void place_patches( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const near_loop* loop = context;
+    contact_soup* s = loop->soup;
+    const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
+    for ( int p = begin; p < end; ++p )
+    {
+        if ( s->is_placed[p] != ASKED )
+        {
+            continue;
+        }
+        s->patch_boxes[p] = contact_box_around( loop->work, s->patches + p );
+        for ( int kind = 0; kind < 3; ++kind )
+        {
+            const int row = s->patches[p].kind_row[kind];
+            kernels->piece_place( s->safe, s->pieces, kind + 1, row, row + s->patches[p].rows[kind] );
+        }
+        take_normal( s, p );
+        s->is_placed[p] = PLACED;
+    }
+}
+
+static void place_due( near_loop* loop )
+{
+    contact_soup* s = loop->soup;
+    if ( loop->late_only == false )
+    {
+        memset( s->is_placed, 0, (size_t)s->patch_count );
+    }
+    for ( int i = 0; i < loop->due_count; ++i )
+    {
+        const int32_t both[2] = { s->due[i].patch, s->pairs[0].other[s->due[i].pair] };
+        for ( int k = 0; k < 2; ++k )
+        {
+            s->is_placed[both[k]] = s->is_placed[both[k]] == PLACED ? PLACED : ASKED;
+        }
+    }
+    wisp_parallel_for( loop->work->parallel, s->patch_count, PLACE_GRAIN, place_patches, loop );
+}
+
+// ---- their pieces ----
+
+// A pair of patches that is being looked at.
+typedef struct looked
+{
+    float gap, closing, within;             // m
+    float slack;                            // m, over what was measured
+    _Alignas( 32 ) float least[WISP_SLICE]; // m, that what was not is apart
+} looked;
+
+// What a worker looks at: some pairs of patches, and of each kind of pieces those that are to be measured.
+typedef struct looking
+{
+    near_loop* loop;
+    looked of[DUE_GRAIN];
+    contact_batch batches[CONTACT_KIND_COUNT];
+} looking;
+
+static void measure( looking* l, contact_kind kind )
+{
+    contact_batch* batch = l->batches + kind;
+    contact_measure_batch( l->loop->work, kind, batch );
+    int met = 0;
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        looked* of = l->of + batch->of[i];
+        const float distance = batch->distance[i], slack = distance - 1.001f * of->gap;
+        of->slack = slack < of->slack ? slack : of->slack;
+        batch->gap[i] = of->gap;
+        batch->met[met] = i;
+        met += distance < of->gap + of->closing ? 1 : 0;
+    }
+    contact_meet( l->loop->work, kind, batch, met, l->loop->total + kind );
+    batch->count = 0;
+}
+
+// Put patches into a job, as one that asks with pieces of a kind and one that is asked.
+static void take_sides( const contact_soup* s, int asker, int asker_kind, int asked, int asked_kind,
+                        wisp_piece_near_job* job )
+{
+    const contact_patch *a = s->patches + asker, *b = s->patches + asked;
+    job->askers = s->pieces + a->kind_row[asker_kind];
+    job->asker_rows = a->rows[asker_kind];
+    job->rows = s->pieces + b->kind_row[asked_kind];
+    job->row_count = b->rows[asked_kind];
+    job->asker_box = s->patch_boxes + asker;
+    job->box = s->patch_boxes + asked;
+}
+
+static void put_found( contact_batch* batch, int found, int of )
+{
+    memset( batch->of + batch->count, of, (size_t)found );
+    batch->count += found;
+}
+
+// How far patches are apart as a whole, along the way between them or across one of them.
+static float distance_of( const wisp_kernels* kernels, const contact_soup* s, int a, int b )
+{
+    const contact_patch *pa = s->patches + a, *pb = s->patches + b;
+    wisp_apart_job job = {
+        .quads = s->safe,
+        .point4 = { s->patch_points + pa->first_point, s->patch_points + pb->first_point },
+        .count = { pa->point_count, pb->point_count },
+    };
+    memcpy( job.along[0], s->patch_normals + 3 * (size_t)a, sizeof( job.along[0] ) );
+    memcpy( job.along[1], s->patch_normals + 3 * (size_t)b, sizeof( job.along[1] ) );
+    const wisp_box *box = s->patch_boxes + a, *other = s->patch_boxes + b;
+    for ( int k = 0; k < 3; ++k )
+    {
+        job.along[2][k] = ( box->low[k] + box->high[k] ) - ( other->low[k] + other->high[k] );
+    }
+    return kernels->apart( &job );
+}
+
+static void look_at( looking* l, const contact_due* due, int number )
+{
+    const contact_soup* s = l->loop->soup;
+    const wisp_kernels* kernels = wisp_frame_kernels( l->loop->work->frame );
+    looked* of = l->of + number;
+    contact_batch *edges = l->batches + CONTACT_EDGES, *points = l->batches + CONTACT_POINTS;
+    const int a = due->patch, b = s->pairs[0].other[due->pair];
+    const float apart = a == b ? 0.0f : distance_of( kernels, s, a, b );
+    if ( apart > 1.001f * of->gap + of->closing + APART_GAPS * of->gap )
+    {
+        of->slack = apart - 1.001f * of->gap;
+        return;
+    }
+    wisp_piece_near_job job;
+    job.within = of->within;
+    job.seen = of->within + SEEN_GAPS * of->gap;
+    job.least = of->least;
+    job.is_own = a == b;
+    take_sides( s, a, 1, b, 1, &job );
+    contact_take_room( edges, &job.found );
+    put_found( edges, kernels->edges_near( &job ), number );
+    for ( int turn = 0; turn < ( a == b ? 1 : 2 ); ++turn )
+    {
+        take_sides( s, turn == 0 ? a : b, 0, turn == 0 ? b : a, 2, &job );
+        contact_take_room( points, &job.found );
+        put_found( points, kernels->points_near( &job ), number );
+    }
+}
+
+static void begin_look( const near_loop* loop, const contact_due* due, looked* of )
+{
+    const contact_soup* s = loop->soup;
+    const contact_guest* guests = loop->work->state->guests;
+    const int a = due->patch, b = s->pairs[0].other[due->pair];
+    of->gap =
+        0.5f * ( guests[s->patches[a].guest].settings.thickness + guests[s->patches[b].guest].settings.thickness );
+    of->closing = contact_closing_of( s->ways + a, s->ways + b );
+    of->within = 1.001f * of->gap + of->closing + MEASURED_GAPS * of->gap;
+    of->slack = of->within + SEEN_GAPS * of->gap - 1.001f * of->gap;
+    for ( int i = 0; i < WISP_SLICE; ++i )
+    {
+        of->least[i] = INFINITY;
+    }
+}
+
+static float slack_of( const looked* of )
+{
+    float least = of->least[0];
+    for ( int i = 1; i < WISP_SLICE; ++i )
+    {
+        least = contact_smaller( least, of->least[i] );
+    }
+    return contact_smaller( of->slack, least - 1.001f * of->gap );
+}
+
+static void look( void* context, int begin, int end, int worker )
+{
+    near_loop* loop = context;
+    contact_soup* s = loop->soup;
+    looking* l = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *l ) );
+    if ( l == NULL )
+    {
+        atomic_store( &loop->lacks_memory, true );
+        return;
+    }
+    l->loop = loop;
+    l->batches[CONTACT_POINTS].count = l->batches[CONTACT_EDGES].count = 0;
+    for ( int i = begin; i < end; ++i )
+    {
+        if ( contact_has_room( l->batches + CONTACT_POINTS ) == false ||
+             contact_has_room( l->batches + CONTACT_EDGES ) == false )
+        {
+            measure( l, CONTACT_POINTS );
+            measure( l, CONTACT_EDGES );
+        }
+        begin_look( loop, s->due + i, l->of + ( i - begin ) );
+        look_at( l, s->due + i, i - begin );
+    }
+    measure( l, CONTACT_POINTS );
+    measure( l, CONTACT_EDGES );
+    for ( int i = begin; i < end && loop->late_only == false; ++i )
+    {
+        s->pairs[0].slack[s->due[i].pair] = slack_of( l->of + ( i - begin ) );
+    }
+}
+
+// @return whether `near` had room for all
+static bool look_at_all( near_loop* loop )
+{
+    contact_near* near = loop->soup->near;
+    bool fits = true;
+    atomic_init( &loop->lacks_memory, false );
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        atomic_init( loop->total + kind, 0 );
+    }
+    wisp_parallel_for( loop->work->parallel, loop->due_count, DUE_GRAIN, look, loop );
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        near[kind].count = atomic_load( loop->total + kind );
+        fits = fits && near[kind].count <= near[kind].most;
+    }
+    return fits;
+}
+
+wisp_status contact_find_near( const contact_work* work, bool late_only, wisp_error* error )
+{
+    contact_soup* s = work->soup;
+    near_loop loop = { .work = work, .soup = s, .late_only = late_only };
+    wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, find_due, &loop );
+    loop.due_count = gather_due( s );
+    place_due( &loop );
+    bool enough = true;
+    while ( enough && look_at_all( &loop ) == false )
+    {
+        for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+        {
+            const int count = s->near[kind].count;
+            enough = enough && contact_reserve_near( work, (contact_kind)kind, count + count / 2 );
+        }
+    }
+    return enough && atomic_load( &loop.lacks_memory ) == false
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory to look at %d pairs of patches", loop.due_count );
 }

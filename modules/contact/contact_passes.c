@@ -28,23 +28,18 @@ static bool succeeds( const contact_work* work, wisp_status status, const wisp_e
     return status == WISP_OK;
 }
 
-static bool search_all( const contact_work* work )
+static bool search( const contact_work* work )
 {
-    contact_soup* s = work->soup;
     wisp_error error = { 0 };
-    s->is_anew = false;
-    s->searches += 1;
-    const wisp_status status = contact_mark_tangles( work, &error );
-    return succeeds( work, status == WISP_OK ? contact_search( work, &error ) : status, &error );
+    work->soup->searches += 1;
+    return succeeds( work, contact_search( work, &error ), &error );
 }
 
-// The pairs of points that go too far astray, or all pairs if these are many.
-static bool search_astray( const contact_work* work )
+// While something is crossed, what is changes from substep to substep.
+static bool mark_tangles( const contact_work* work )
 {
     wisp_error error = { 0 };
-    bool done;
-    const wisp_status status = contact_renew( work, &done, &error );
-    return succeeds( work, status, &error ) && ( done || search_all( work ) );
+    return succeeds( work, contact_mark_tangles( work, &error ), &error );
 }
 
 static bool find_rows( const contact_work* work )
@@ -63,7 +58,7 @@ static void begin_step( const contact_work* work )
 {
     wisp_contact_figures* f = &work->memory->figures;
     *f = ( wisp_contact_figures ){ .crossings = -1 };
-    work->soup->searches = work->soup->renewals = 0;
+    work->soup->searches = 0;
     for ( int g = 0; g < work->state->guest_count; ++g )
     {
         memset( work->state->guests[g].impulse, 0, sizeof( work->state->guests[g].impulse ) );
@@ -92,26 +87,31 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     }
     contact_gather( &work, true );
     const contact_reached reached = contact_expect_ways( &work );
-    // while something is crossed, what is changes from substep to substep
-    const bool is_all = s->is_listed == false || s->is_anew || work.memory->tangled != 0;
-    if ( is_all ? search_all( &work ) : reached != CONTACT_BEYOND || search_astray( &work ) )
+    const bool is_new = s->is_listed == false || s->is_anew;
+    s->is_listed = is_new == false;
+    s->is_anew = false;
+    if ( ( is_new || work.memory->tangled != 0 ) && mark_tangles( &work ) == false )
+    {
+        return;
+    }
+    if ( ( is_new == false && reached != CONTACT_BEYOND ) || search( &work ) )
     {
         find_rows( &work );
     }
 }
 
-// What went farther than it was expected to has no rows that could hold it: they are found for as far as it went. Who is cut
-// then does not go on as pairs were looked for, either.
+// What went elsewhere than it was expected to has no rows that could hold it: they are found for where it went. Who is cut then
+// goes elsewhere again, until nobody does.
 static void guard_ways( const contact_work* work )
 {
     enum
     {
-        MOST_ROUNDS = 4,
+        MOST_ROUNDS = 8, // two were the most that any test needed
     };
     contact_reached reached = contact_measure_ways( work );
     for ( int round = 0; round < MOST_ROUNDS; ++round )
     {
-        const bool is_searched = reached != CONTACT_BEYOND || search_astray( work );
+        const bool is_searched = reached != CONTACT_BEYOND || search( work );
         if ( is_searched == false || ( reached != CONTACT_WITHIN && find_late_rows( work ) == false ) )
         {
             return;
@@ -119,7 +119,7 @@ static void guard_ways( const contact_work* work )
         const int cut = contact_guard( work );
         work->memory->figures.guarded += cut;
         reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
-        if ( reached != CONTACT_BEYOND )
+        if ( reached == CONTACT_WITHIN )
         {
             return;
         }

@@ -8,9 +8,11 @@
 enum
 {
     ROW_GRAIN = 256,
+    DIGIT_BITS = 8,
+    DIGITS = 1 << DIGIT_BITS,
 };
 
-void contact_set_points( const contact_work* work, const contact_candidate* c, bool is_edge, contact_row* row )
+void contact_set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
     const contact_soup* s = work->soup;
     if ( work->state->world.features == WISP_CONTACT_SAMPLES )
@@ -57,16 +59,16 @@ static void measure_pieces( const contact_work* work, int count, bool are_edges,
 }
 
 // Points, weights, normals and distances of up to a batch of pairs, all of one kind, where they are safe.
-static void measure_pairs( const contact_work* work, const contact_candidate* const* candidates, int count,
-                           bool are_edges, contact_row* rows )
+static void measure_pairs( const contact_work* work, const contact_pair* pairs, int count, bool are_edges,
+                           contact_row* rows )
 {
     const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
     for ( int i = 0; i < count; ++i )
     {
-        contact_set_points( work, candidates[i], are_edges, rows + i );
+        contact_set_points( work, pairs + i, are_edges, rows + i );
         if ( are_samples )
         {
-            contact_measure_samples( work->soup, work->soup->safe, candidates[i], rows + i );
+            contact_measure_samples( work->soup, work->soup->safe, pairs + i, rows + i );
         }
     }
     if ( are_samples == false )
@@ -75,7 +77,7 @@ static void measure_pairs( const contact_work* work, const contact_candidate* co
     }
 }
 
-static void begin_row( const contact_work* work, const contact_candidate* c, contact_row* row )
+static void begin_row( const contact_work* work, const contact_pair* c, contact_row* row )
 {
     row->a = c->a;
     row->b = c->b;
@@ -90,73 +92,90 @@ static void begin_row( const contact_work* work, const contact_candidate* c, con
 // ---- rows ----
 
 // By the first side, then by the second.
-static int order_of( const contact_candidate* c, int32_t a, int32_t b )
+static int order_of( const contact_pair* c, int32_t a, int32_t b )
 {
     const int first = ( c->a > a ) - ( c->a < a );
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
 }
 
-static int compare( const void* a, const void* b )
+static int compare_with_row( const void* pair, const void* row )
 {
-    const contact_candidate* other = *(const contact_candidate* const*)b;
-    return order_of( *(const contact_candidate* const*)a, other->a, other->b );
+    const contact_row* r = row;
+    return order_of( pair, r->a, r->b );
 }
 
-static int take_near( const contact_list* list, const contact_candidate** met )
+static void count_digits( const contact_pair* from, int count, bool by_a, int shift, int32_t begin[DIGITS + 1] )
 {
-    int count = 0;
-    for ( int batch = 0; batch * CONTACT_BATCH < list->count; ++batch )
+    memset( begin, 0, ( DIGITS + 1 ) * sizeof( *begin ) );
+    for ( int i = 0; i < count; ++i )
     {
-        for ( int i = 0; i < list->near_count[batch]; ++i )
-        {
-            met[count++] = list->items + list->near[batch * CONTACT_BATCH + i];
-        }
+        const int32_t number = by_a ? from[i].a : from[i].b;
+        begin[( number >> shift & ( DIGITS - 1 ) ) + 1] += 1;
     }
-    return count;
-}
-
-// @return 1, or 0 if the pair is the last one already
-static int put( const contact_candidate** met, int count, const contact_candidate* c )
-{
-    const bool is_new = count == 0 || compare( met + count - 1, &c ) != 0;
-    met[count] = c;
-    return is_new ? 1 : 0;
-}
-
-// Late pairs are few and in no order, and some are in both lists. @param spare room for the late ones @return how many
-static int merge_near( const contact_list* list, const contact_list* late, const contact_candidate** met,
-                       const contact_candidate** spare )
-{
-    const int late_count = take_near( late, spare );
-    if ( late_count == 0 )
+    for ( int d = 0; d < DIGITS; ++d )
     {
-        return take_near( list, met );
+        begin[d + 1] += begin[d];
     }
-    qsort( spare, (size_t)late_count, sizeof( *spare ), compare );
-    int count = 0, next = 0;
-    for ( int batch = 0; batch * CONTACT_BATCH < list->count; ++batch )
+}
+
+// Radix sort: no two pairs are equal. @param spare [near->count]
+static void sort_pairs( contact_near* near, contact_pair* spare )
+{
+    contact_pair *from = near->items, *to = spare;
+    int32_t most[2] = { 0, 0 }, begin[DIGITS + 1];
+    for ( int i = 0; i < near->count; ++i )
     {
-        for ( int i = 0; i < list->near_count[batch]; ++i )
+        most[0] = from[i].b > most[0] ? from[i].b : most[0];
+        most[1] = from[i].a > most[1] ? from[i].a : most[1];
+    }
+    for ( int side = 0; side < 2; ++side )
+    {
+        for ( int shift = 0; most[side] >> shift > 0; shift += DIGIT_BITS )
         {
-            const contact_candidate* c = list->items + list->near[batch * CONTACT_BATCH + i];
-            for ( ; next < late_count && compare( spare + next, &c ) <= 0; ++next )
+            count_digits( from, near->count, side == 1, shift, begin );
+            for ( int i = 0; i < near->count; ++i )
             {
-                count += put( met, count, spare[next] );
+                const int32_t number = side == 1 ? from[i].a : from[i].b;
+                to[begin[number >> shift & ( DIGITS - 1 )]++] = from[i];
             }
-            count += put( met, count, c );
+            contact_pair* const sorted = to;
+            to = from;
+            from = sorted;
         }
     }
-    for ( ; next < late_count; ++next )
+    if ( from != near->items )
     {
-        count += put( met, count, spare[next] );
+        memcpy( near->items, from, (size_t)near->count * sizeof( *from ) );
     }
-    return count;
+}
+
+static wisp_status find_sorted( const contact_work* work, bool late_only, wisp_error* error )
+{
+    contact_soup* s = work->soup;
+    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
+    const wisp_status status = are_samples ? contact_find_near_samples( work, late_only, error )
+                                           : contact_find_near( work, late_only, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const int most = s->near[0].count > s->near[1].count ? s->near[0].count : s->near[1].count;
+    contact_pair* spare;
+    if ( contact_reserve( work, CONTACT_NEAR_SPARE, (size_t)most * sizeof( *spare ), (void**)&spare ) == false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs that may meet", most );
+    }
+    for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
+    {
+        sort_pairs( s->near + kind, spare );
+    }
+    return WISP_OK;
 }
 
 typedef struct row_loop
 {
     const contact_work* work;
-    const contact_candidate* const* met;
+    const contact_pair* pairs;
     contact_row* rows;
     bool are_edges;
 } row_loop;
@@ -169,81 +188,73 @@ static void fill_rows( void* context, int begin, int end, int worker )
     {
         const int count = end - first < CONTACT_BATCH ? end - first : CONTACT_BATCH;
         contact_row* rows = loop->rows + first;
-        measure_pairs( loop->work, loop->met + first, count, loop->are_edges, rows );
+        measure_pairs( loop->work, loop->pairs + first, count, loop->are_edges, rows );
         for ( int i = 0; i < count; ++i )
         {
-            begin_row( loop->work, loop->met[first + i], rows + i );
+            begin_row( loop->work, loop->pairs + first + i, rows + i );
         }
     }
+}
+
+static wisp_status fill_all( const contact_work* work, contact_place place, contact_row** rows, wisp_error* error )
+{
+    contact_soup* s = work->soup;
+    const int split = s->near[CONTACT_POINTS].count, edges = s->near[CONTACT_EDGES].count;
+    if ( contact_reserve( work, place, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs that may meet", split + edges );
+    }
+    row_loop of_points = { work, s->near[CONTACT_POINTS].items, *rows, false },
+             of_edges = { work, s->near[CONTACT_EDGES].items, *rows + split, true };
+    wisp_parallel_for( work->parallel, split, ROW_GRAIN, fill_rows, &of_points );
+    wisp_parallel_for( work->parallel, edges, ROW_GRAIN, fill_rows, &of_edges );
+    return WISP_OK;
 }
 
 wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
     s->row_count = s->late_row_count = s->split = 0;
-    const size_t most = (size_t)contact_search_lists( work, false );
-    const contact_candidate** met;
-    if ( contact_reserve( work, CONTACT_MET, 2 * most * sizeof( *met ), (void**)&met ) == false ||
-         contact_reserve( work, CONTACT_ROWS, most * sizeof( contact_row ), (void**)&s->rows ) == false )
+    wisp_status status = find_sorted( work, false, error );
+    status = status == WISP_OK ? fill_all( work, CONTACT_ROWS, &s->rows, error ) : status;
+    if ( status != WISP_OK )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs that may meet", most );
+        return status;
     }
-    const contact_list* l = s->lists;
-    s->split = merge_near( l + CONTACT_POINTS, l + CONTACT_LATE_POINTS, met, met + most );
-    const contact_candidate** edges = met + s->split;
-    s->row_count = s->split + merge_near( l + CONTACT_EDGES_LIST, l + CONTACT_LATE_EDGES, edges, met + most );
-    row_loop of_points = { work, met, s->rows, false }, of_edges = { work, edges, s->rows + s->split, true };
-    wisp_parallel_for( work->parallel, s->split, ROW_GRAIN, fill_rows, &of_points );
-    wisp_parallel_for( work->parallel, s->row_count - s->split, ROW_GRAIN, fill_rows, &of_edges );
+    s->split = s->near[CONTACT_POINTS].count;
+    s->row_count = s->split + s->near[CONTACT_EDGES].count;
     return contact_make_blocks( work )
                ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %zu pairs", most );
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %d pairs", s->row_count );
 }
 
 // ---- late rows ----
 
-static int compare_with_row( const void* candidate, const void* row )
+// Those that are no rows yet.
+static void keep_missing( contact_near* near, const contact_row* rows, int row_count )
 {
-    const contact_row* r = row;
-    return order_of( candidate, r->a, r->b );
-}
-
-// Those of two lists that are no rows yet, in order. @return how many
-static int take_missing( const contact_soup* s, const contact_list* list, const contact_list* late, bool are_edges,
-                         const contact_candidate** out )
-{
-    int found = take_near( list, out ), count = 0;
-    found += take_near( late, out + found );
-    qsort( out, (size_t)found, sizeof( *out ), compare );
-    const contact_row* rows = s->rows + ( are_edges ? s->split : 0 );
-    const size_t row_count = (size_t)( are_edges ? s->row_count - s->split : s->split );
-    for ( int i = 0; i < found; ++i )
+    int kept = 0;
+    for ( int i = 0; i < near->count; ++i )
     {
-        const bool is_row =
-            row_count > 0 && bsearch( out[i], rows, row_count, sizeof( *rows ), compare_with_row ) != NULL;
-        count += is_row ? 0 : put( out, count, out[i] );
+        const bool is_row = row_count > 0 && bsearch( near->items + i, rows, (size_t)row_count, sizeof( *rows ),
+                                                      compare_with_row ) != NULL;
+        near->items[kept] = near->items[i];
+        kept += is_row ? 0 : 1;
     }
-    return count;
+    near->count = kept;
 }
 
 wisp_status contact_find_late_rows( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
     s->late_row_count = 0;
-    const size_t most = (size_t)contact_search_lists( work, true );
-    const contact_candidate** out;
-    if ( contact_reserve( work, CONTACT_MET, most * sizeof( *out ), (void**)&out ) == false ||
-         contact_reserve( work, CONTACT_LATE_ROWS, most * sizeof( contact_row ), (void**)&s->late_rows ) == false )
+    wisp_status status = find_sorted( work, true, error );
+    if ( status == WISP_OK )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs that may meet", most );
+        keep_missing( s->near + CONTACT_POINTS, s->rows, s->split );
+        keep_missing( s->near + CONTACT_EDGES, s->rows + s->split, s->row_count - s->split );
+        status = fill_all( work, CONTACT_LATE_ROWS, &s->late_rows, error );
     }
-    const contact_list* l = s->lists;
-    const int split = take_missing( s, l + CONTACT_POINTS, l + CONTACT_LATE_POINTS, false, out );
-    const int edges = take_missing( s, l + CONTACT_EDGES_LIST, l + CONTACT_LATE_EDGES, true, out + split );
-    s->late_row_count = split + edges;
-    row_loop of_points = { work, out, s->late_rows, false },
-             of_edges = { work, out + split, s->late_rows + split, true };
-    wisp_parallel_for( work->parallel, split, ROW_GRAIN, fill_rows, &of_points );
-    wisp_parallel_for( work->parallel, edges, ROW_GRAIN, fill_rows, &of_edges );
-    return WISP_OK;
+    s->late_row_count = status == WISP_OK ? s->near[CONTACT_POINTS].count + s->near[CONTACT_EDGES].count : 0;
+    return status;
 }

@@ -5,11 +5,6 @@
 
 #include <string.h>
 
-enum
-{
-    GRAIN = 1024,
-};
-
 // ---- sampling, at rest ----
 
 static bool reserve_samples( const contact_work* work, int count )
@@ -19,8 +14,9 @@ static bool reserve_samples( const contact_work* work, int count )
                             (void**)&s->sample_parents ) &&
            contact_reserve( work, CONTACT_SAMPLE_WEIGHTS, (size_t)count * sizeof( *s->sample_weights ),
                             (void**)&s->sample_weights ) &&
-           contact_reserve( work, CONTACT_EDGE_WAY, (size_t)count * sizeof( float ), (void**)&s->edge_way ) &&
-           contact_reserve( work, CONTACT_EDGE_BOXES, (size_t)count * sizeof( wisp_box ), (void**)&s->edge_boxes );
+           contact_reserve( work, CONTACT_SAMPLE_WAYS, (size_t)count * sizeof( float ), (void**)&s->sample_ways ) &&
+           contact_reserve( work, CONTACT_SAMPLE_BOXES, (size_t)count * sizeof( wisp_box ),
+                            (void**)&s->sample_boxes );
 }
 
 static void add_vertices( contact_soup* s, const contact_guest* guest )
@@ -121,7 +117,7 @@ wisp_status contact_sample_guests( const contact_work* work )
 
 // ---- pairs ----
 
-static void place( const contact_soup* s, const float* quads, int sample, float out[3] )
+void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] )
 {
     const int32_t* parents = s->sample_parents[sample];
     const float* weights = s->sample_weights[sample];
@@ -133,56 +129,11 @@ static void place( const contact_soup* s, const float* quads, int sample, float 
     }
 }
 
-static float reach_of( const contact_soup* s, int sample )
-{
-    const int32_t* parents = s->sample_parents[sample];
-    return contact_larger( s->reach[parents[0]], contact_larger( s->reach[parents[1]], s->reach[parents[2]] ) );
-}
-
-static void box_samples( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
-    for ( int i = begin; i < end; ++i )
-    {
-        float at[3];
-        place( s, s->safe, i, at );
-        const contact_guest* guest = contact_guest_of( work, s->sample_parents[i][0] );
-        const float wide = 0.5f * guest->settings.thickness + reach_of( s, i );
-        for ( int k = 0; k < 3; ++k )
-        {
-            s->edge_boxes[i].low[k] = at[k] - wide;
-            s->edge_boxes[i].high[k] = at[k] + wide;
-        }
-    }
-}
-
-wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* error )
-{
-    enum
-    {
-        MOST_PER_SAMPLE = 512,
-    };
-    contact_soup* s = work->soup;
-    wisp_parallel_for( work->parallel, s->sample_count, GRAIN, box_samples, (void*)(uintptr_t)work );
-    const wisp_box_job job = {
-        .boxes = s->edge_boxes,
-        .box_count = s->sample_count,
-        .search = work->state->world.search,
-        .kernels = wisp_frame_kernels( work->frame ),
-        .limit = (size_t)s->sample_count * MOST_PER_SAMPLE,
-    };
-    s->edge_pairs.pair_count = 0;
-    s->edge_pairs.asker_count = 0;
-    return wisp_box_pairs_find( &s->point_pairs, work->parallel, &job, error );
-}
-
 static float distance_of( const contact_soup* s, const float* quads, int a, int b )
 {
     float p[3], q[3];
-    place( s, quads, a, p );
-    place( s, quads, b, q );
+    contact_place_sample( s, quads, a, p );
+    contact_place_sample( s, quads, b, q );
     const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
     return sqrtf( x * x + y * y + z * z );
 }
@@ -197,24 +148,21 @@ float contact_sample_gap_of( const contact_work* work, int a, int b )
     const contact_guest* gb = contact_guest_of( work, s->sample_parents[b][0] );
     const float gap = 0.5f * ( ga->settings.thickness + gb->settings.thickness );
     const float apart = REST_GAPS * gap + s->least_thickness;
-    const bool is_pair = contact_may_meet( ga, gb ) &&
-                         distance_of( s, s->safe, a, b ) < gap + reach_of( s, a ) + reach_of( s, b ) &&
-                         ( ga != gb || distance_of( s, s->rest, a, b ) > apart );
+    const bool is_pair = contact_may_meet( ga, gb ) && ( ga != gb || distance_of( s, s->rest, a, b ) > apart );
     return is_pair ? gap : 0.0f;
 }
 
-void contact_measure_samples( const contact_soup* s, const float* quads, const contact_candidate* c,
-                              contact_row* row )
+void contact_measure_samples( const contact_soup* s, const float* quads, const contact_pair* pair, contact_row* row )
 {
     float p[3], q[3];
-    place( s, quads, c->a, p );
-    place( s, quads, c->b, q );
+    contact_place_sample( s, quads, pair->a, p );
+    contact_place_sample( s, quads, pair->b, q );
     const float d[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
     row->distance = sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
     for ( int k = 0; k < 3; ++k )
     {
-        row->weight[k] = s->sample_weights[c->a][k];
-        row->weight[3 + k] = -s->sample_weights[c->b][k];
+        row->weight[k] = s->sample_weights[pair->a][k];
+        row->weight[3 + k] = -s->sample_weights[pair->b][k];
         row->normal[k] = row->distance > 0.0f ? d[k] / row->distance : 0.0f;
     }
 }

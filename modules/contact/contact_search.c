@@ -1,120 +1,15 @@
-// Which pairs are within reach: those that share no point and may come to their gap while all points keep to their courses.
+// Which patches may come near each other while all keep to their courses.
 #include "contact_internal.h"
 
 #include <string.h>
 
 enum
 {
-    BOX_GRAIN = 1024,
-    MOST_PER_POINT = 512, // pairs a point, before reach is cut
+    BOX_GRAIN = 256,
+    MOST_PER_PATCH = 512, // pairs a patch, before reach is cut
 };
 
-// ---- courses of pieces, and boxes around them ----
-
-void contact_take_course( const contact_soup* s, const int32_t* points, int count, float drift[4], float* reach )
-{
-    const float share = 1.0f / (float)count;
-    float most = 0.0f;
-    *reach = 0.0f;
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        float sum = 0.0f;
-        for ( int i = 0; i < count; ++i )
-        {
-            sum += s->drift[(size_t)points[i] * 4 + k];
-        }
-        drift[k] = share * sum;
-    }
-    for ( int i = 0; i < count; ++i )
-    {
-        const float* u = s->drift + (size_t)points[i] * 4;
-        const float x = u[0] - drift[0], y = u[1] - drift[1], z = u[2] - drift[2];
-        most = contact_larger( most, x * x + y * y + z * z );
-        *reach = contact_larger( *reach, s->reach[points[i]] );
-    }
-    drift[3] = sqrtf( most );
-}
-
-static float substeps_left( const contact_work* work )
-{
-    return (float)( contact_drift_substeps( work ) - work->soup->drifted );
-}
-
-// Rows are made of pairs that might come to their gap in a substep, wherever they go in it: its drift counts all around.
-static float longest_drift( const contact_soup* s, const int32_t* points, int count )
-{
-    float most = 0.0f;
-    for ( int i = 0; i < count; ++i )
-    {
-        const float* u = s->drift + (size_t)points[i] * 4;
-        most = contact_larger( most, u[0] * u[0] + u[1] * u[1] + u[2] * u[2] );
-    }
-    return 1.001f * sqrtf( most );
-}
-
-wisp_box contact_box_around( const contact_work* work, const int32_t* points, int count, float reach )
-{
-    const contact_soup* s = work->soup;
-    const float wide =
-        0.5f * contact_guest_of( work, points[0] )->settings.thickness + reach + longest_drift( s, points, count );
-    const float substeps = substeps_left( work );
-    wisp_box box;
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        float low = INFINITY, high = -INFINITY;
-        bool is_number = true;
-        for ( int i = 0; i < count; ++i )
-        {
-            const size_t at = (size_t)points[i] * 4 + k;
-            const float x = s->safe[at] - s->travelled[k], end = x + substeps * s->drift[at];
-            is_number = is_number && x == x && end == end;
-            low = contact_smaller( low, contact_smaller( x, end ) );
-            high = contact_larger( high, contact_larger( x, end ) );
-        }
-        box.low[k] = is_number ? low - wide : INFINITY; // a box like this meets nothing
-        box.high[k] = is_number ? high + wide : -INFINITY;
-    }
-    return box;
-}
-
-static void box_points( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
-    for ( int i = begin; i < end; ++i )
-    {
-        s->point_boxes[i] = contact_box_around( work, &i, 1, s->reach[i] );
-    }
-}
-
-static void box_edges( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
-    for ( int i = begin; i < end; ++i )
-    {
-        const int32_t* points = s->edges + (size_t)i * 2;
-        contact_take_course( s, points, 2, s->edge_drift + (size_t)i * 4, s->edge_reach + i );
-        s->edge_boxes[i] = contact_box_around( work, points, 2, s->edge_reach[i] );
-    }
-}
-
-static void box_triangles( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
-    for ( int i = begin; i < end; ++i )
-    {
-        const int32_t* points = s->triangles + (size_t)i * 3;
-        contact_take_course( s, points, 3, s->triangle_drift + (size_t)i * 4, s->triangle_reach + i );
-        s->triangle_boxes[i] = contact_box_around( work, points, 3, s->triangle_reach[i] );
-    }
-}
-
-// ---- which pairs may meet ----
+// ---- what is kept apart ----
 
 bool contact_may_meet( const contact_guest* a, const contact_guest* b )
 {
@@ -132,128 +27,129 @@ float contact_gap_of( const contact_work* work, int a, int b )
     return contact_may_meet( ga, gb ) ? 0.5f * ( ga->settings.thickness + gb->settings.thickness ) : 0.0f;
 }
 
-// Pieces of a kind, as they were searched.
-typedef struct piece_kind
-{
-    const int32_t* points; // [piece][count], null: a piece is a point
-    int count;
-    const float *reach, *drift;
-} piece_kind;
+// ---- boxes ----
 
-static piece_kind kind_of_points( const contact_soup* s )
+wisp_box contact_box_around( const contact_work* work, const contact_patch* patch )
 {
-    return ( piece_kind ){ NULL, 1, s->reach, s->drift };
+    const contact_soup* s = work->soup;
+    float low[4], high[4];
+    wisp_box box;
+    wisp_frame_kernels( work->frame )
+        ->quad_range( s->safe, NULL, s->patch_points + patch->first_point, patch->point_count, low, high );
+    memcpy( box.low, low, sizeof( box.low ) );
+    memcpy( box.high, high, sizeof( box.high ) );
+    return box;
 }
 
-static piece_kind kind_of_edges( const contact_soup* s )
+// The box that a patch stays in as long as it keeps to its course, in a frame that goes where all go.
+static wisp_box reached_box( const contact_work* work, int p )
 {
-    return ( piece_kind ){ s->edges, 2, s->edge_reach, s->edge_drift };
-}
-
-static piece_kind kind_of_triangles( const contact_soup* s )
-{
-    return ( piece_kind ){ s->triangles, 3, s->triangle_reach, s->triangle_drift };
-}
-
-static void points_of( const piece_kind* kind, int32_t piece, int32_t* out )
-{
-    for ( int i = 0; i < kind->count; ++i )
+    const contact_soup* s = work->soup;
+    const contact_course* course = s->courses + p;
+    const float wide = 0.5f * work->state->guests[s->patches[p].guest].settings.thickness + course->reach;
+    const float substeps = (float)contact_drift_substeps( work );
+    wisp_box box = contact_box_around( work, s->patches + p );
+    for ( int k = 0; k < 3; ++k )
     {
-        out[i] = kind->points != NULL ? kind->points[(size_t)piece * (size_t)kind->count + (size_t)i] : piece;
+        const float way = substeps * course->drift[k];
+        box.low[k] += contact_smaller( way, 0.0f ) - wide;
+        box.high[k] += contact_larger( way, 0.0f ) + wide;
+    }
+    return box;
+}
+
+static void box_patches( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const contact_work* work = context;
+    contact_soup* s = work->soup;
+    for ( int p = begin; p < end; ++p )
+    {
+        s->reached_boxes[p] = reached_box( work, p );
     }
 }
 
-static bool share_a_point( const int32_t points[4], int split )
+// ---- lists ----
+
+static bool patches_meet( const contact_work* work, int a, int b )
 {
-    bool share = false;
-    for ( int i = 0; i < split; ++i )
-    {
-        for ( int k = split; k < 4; ++k )
-        {
-            share = share || points[i] == points[k];
-        }
-    }
-    return share;
+    const contact_patch* patches = work->soup->patches;
+    const contact_guest* guests = work->state->guests;
+    return contact_may_meet( guests + patches[a].guest, guests + patches[b].guest );
 }
 
-// Those of a list that share no point with the asker, may meet it, and are so near that they may come to their gap. Most
-// boxes that overlap belong to neighbours in the mesh, which are not, as they go where the asker goes.
-static int keep_near( const contact_work* work, const piece_kind kinds[2], int asking, int asker, int32_t* items,
-                      int count )
+static int keep_meeting( const void* context, int asker, int32_t* items, int count )
 {
-    const piece_kind *mine = kinds + asking, *theirs = kinds + 1 - asking;
-    const int split = kinds[0].count;
-    const float substeps = substeps_left( work ) + 1.0f; // and the one that they might come to their gap in
-    contact_pieces pieces;
-    pieces.are_edges = split == 2;
-    int32_t points[4];
-    points_of( mine, asker, points + ( asking == 0 ? 0 : split ) );
-    const float* guest_of = work->soup->rest + 3; // [point * 4]
-    const int own = asking == 0 ? 0 : 3, other = 3 - own;
-    float guest = -1.0f, gap = 0.0f; // what is kept from this guest
     int kept = 0;
-    for ( int from = 0; from < count; )
+    for ( int i = 0; i < count; ++i )
     {
-        int32_t list[CONTACT_BATCH];
-        float within[CONTACT_BATCH];
-        int listed = 0;
-        for ( ; from < count && listed < CONTACT_BATCH; ++from )
-        {
-            const int32_t item = items[from];
-            points_of( theirs, item, points + ( asking == 0 ? split : 0 ) );
-            if ( guest_of[(size_t)points[other] * 4] != guest )
-            {
-                guest = guest_of[(size_t)points[other] * 4];
-                gap = contact_gap_of( work, points[own], points[other] );
-            }
-            if ( gap > 0.0f && share_a_point( points, split ) == false )
-            {
-                contact_put_pieces( &pieces, listed, points );
-                within[listed] = 1.001f * gap + ( mine->reach[asker] + theirs->reach[item] ) +
-                                 substeps * contact_drift_between( mine->drift + (size_t)asker * 4,
-                                                                   theirs->drift + (size_t)item * 4 );
-                list[listed++] = item;
-            }
-        }
-        const float* distance = contact_measure_distances( work, work->soup->safe, &pieces, listed );
-        for ( int i = 0; i < listed; ++i )
-        {
-            items[kept] = list[i];
-            kept += distance[i] < within[i] ? 1 : 0;
-        }
+        const int32_t item = items[i];
+        items[kept] = item;
+        kept += patches_meet( context, asker, item ) ? 1 : 0;
     }
     return kept;
 }
 
-int contact_keep_triangles( const contact_work* work, int point, int32_t* items, int count )
+static bool reserve_pairs( const contact_work* work, contact_patch_pairs* pairs, size_t most, int which )
 {
-    const piece_kind kinds[2] = { kind_of_points( work->soup ), kind_of_triangles( work->soup ) };
-    return keep_near( work, kinds, 0, point, items, count );
+    const size_t patches = (size_t)work->soup->patch_count + 1;
+    return contact_reserve( work, CONTACT_PAIRS_BEGIN + (contact_place)which, patches * sizeof( int32_t ),
+                            (void**)&pairs->begin ) &&
+           contact_reserve( work, CONTACT_PAIRS_OTHER + (contact_place)which, most * sizeof( int32_t ),
+                            (void**)&pairs->other ) &&
+           contact_reserve( work, CONTACT_PAIRS_SLACK + (contact_place)which, most * sizeof( float ),
+                            (void**)&pairs->slack ) &&
+           contact_reserve( work, CONTACT_DUE, most * sizeof( contact_due ), (void**)&work->soup->due ) &&
+           contact_reserve( work, CONTACT_DUE_COUNT, patches * sizeof( int32_t ), (void**)&work->soup->due_count );
 }
 
-int contact_keep_points( const contact_work* work, int triangle, int32_t* items, int count )
+// What is known of a pair that was listed before holds.
+static void add_pair( contact_patch_pairs* pairs, int32_t other, const contact_patch_pairs* known, int* next,
+                      int end )
 {
-    const piece_kind kinds[2] = { kind_of_points( work->soup ), kind_of_triangles( work->soup ) };
-    return keep_near( work, kinds, 1, triangle, items, count );
+    while ( *next < end && known->other[*next] < other )
+    {
+        *next += 1;
+    }
+    const bool is_known = *next < end && known->other[*next] == other;
+    pairs->other[pairs->count] = other;
+    pairs->slack[pairs->count++] = is_known ? known->slack[*next] : -INFINITY;
 }
 
-int contact_keep_edges( const contact_work* work, int edge, int32_t* items, int count )
+static bool list_pairs( const contact_work* work, bool is_known )
 {
-    const piece_kind kinds[2] = { kind_of_edges( work->soup ), kind_of_edges( work->soup ) };
-    return keep_near( work, kinds, 0, edge, items, count );
+    contact_soup* s = work->soup;
+    const wisp_box_pairs* found = &s->overlaps;
+    const contact_patch_pairs known = s->pairs[0];
+    // the arrays of the list before that one are free
+    s->pairs[0] = s->pairs[1];
+    s->pairs[1] = known;
+    s->pairs_turn = 1 - s->pairs_turn;
+    contact_patch_pairs* pairs = s->pairs;
+    if ( reserve_pairs( work, pairs, found->pair_count + (size_t)s->patch_count, s->pairs_turn ) == false )
+    {
+        return false;
+    }
+    pairs->count = 0;
+    for ( int p = 0; p < s->patch_count; ++p )
+    {
+        int next = is_known ? known.begin[p] : 0;
+        const int end = is_known ? known.begin[p + 1] : 0;
+        pairs->begin[p] = pairs->count;
+        if ( patches_meet( work, p, p ) )
+        {
+            add_pair( pairs, p, &known, &next, end );
+        }
+        for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
+        {
+            add_pair( pairs, found->item[i], &known, &next, end );
+        }
+    }
+    pairs->begin[s->patch_count] = pairs->count;
+    return true;
 }
 
 // ---- searching ----
-
-static int filter_triangles( const void* context, int asker, int32_t* items, int count )
-{
-    return contact_keep_triangles( context, asker, items, count );
-}
-
-static int filter_edges( const void* context, int asker, int32_t* items, int count )
-{
-    return contact_keep_edges( context, asker, items, count );
-}
 
 static wisp_status find_pairs( const contact_work* work, wisp_error* error )
 {
@@ -262,70 +158,39 @@ static wisp_status find_pairs( const contact_work* work, wisp_error* error )
     {
         return contact_find_sample_pairs( work, error );
     }
-    wisp_parallel_for( work->parallel, s->point_count, BOX_GRAIN, box_points, (void*)(uintptr_t)work );
-    wisp_parallel_for( work->parallel, s->edge_count, BOX_GRAIN, box_edges, (void*)(uintptr_t)work );
-    wisp_parallel_for( work->parallel, s->triangle_count, BOX_GRAIN, box_triangles, (void*)(uintptr_t)work );
-    const size_t limit = (size_t)s->point_count * MOST_PER_POINT;
-    const wisp_box_job points = {
-        .askers = s->point_boxes,
-        .asker_count = s->point_count,
-        .boxes = s->triangle_boxes,
-        .box_count = s->triangle_count,
+    wisp_parallel_for( work->parallel, s->patch_count, BOX_GRAIN, box_patches, (void*)(uintptr_t)work );
+    const wisp_box_job job = {
+        .boxes = s->reached_boxes,
+        .box_count = s->patch_count,
         .search = work->state->world.search,
         .kernels = wisp_frame_kernels( work->frame ),
-        .limit = limit,
-        .filter = filter_triangles,
+        .limit = (size_t)s->patch_count * MOST_PER_PATCH,
+        .filter = keep_meeting,
         .filter_context = work,
     };
-    const wisp_box_job edges = {
-        .boxes = s->edge_boxes,
-        .box_count = s->edge_count,
-        .search = work->state->world.search,
-        .kernels = wisp_frame_kernels( work->frame ),
-        .limit = limit,
-        .filter = filter_edges,
-        .filter_context = work,
-    };
-    const wisp_status status = wisp_box_pairs_find( &s->point_pairs, work->parallel, &points, error );
-    return status == WISP_OK ? wisp_box_pairs_find( &s->edge_pairs, work->parallel, &edges, error ) : status;
+    return wisp_box_pairs_find( &s->overlaps, work->parallel, &job, error );
 }
 
 // Look less far, and let the guard cut what goes farther.
 static void halve_reach( contact_soup* s )
 {
-    for ( int i = 0; i < s->point_count; ++i )
+    for ( int p = 0; p < s->patch_count; ++p )
     {
-        s->reach[i] *= 0.5f;
-        for ( size_t k = 0; k < 3; ++k )
+        s->courses[p].reach *= 0.5f;
+        for ( int k = 0; k < 3; ++k )
         {
-            s->drift[(size_t)i * 4 + k] *= 0.5f;
+            s->courses[p].drift[k] *= 0.5f;
         }
     }
-}
-
-static bool take_lists( const contact_work* work )
-{
-    contact_soup* s = work->soup;
-    const size_t points = s->point_pairs.pair_count, edges = s->edge_pairs.pair_count;
-    bool enough = contact_reserve_list( work, CONTACT_POINTS, points ) &&
-                  contact_reserve_list( work, CONTACT_EDGES_LIST, edges ) &&
-                  contact_reserve_list( work, CONTACT_LATE_POINTS, (size_t)s->point_count ) &&
-                  contact_reserve_list( work, CONTACT_LATE_EDGES, (size_t)s->edge_count );
-    if ( enough )
-    {
-        contact_fill_list( work, CONTACT_POINTS, &s->point_pairs, NULL, false );
-        contact_fill_list( work, CONTACT_EDGES_LIST, &s->edge_pairs, NULL, false );
-    }
-    return enough;
 }
 
 wisp_status contact_search( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
+    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
     wisp_status status = WISP_BAD_INPUT;
     contact_set_courses( work );
-    s->has_point_grid = s->is_short = false;
-    s->renewed[0].count = s->renewed[1].count = s->renewed[2].count = 0;
+    s->is_short = false;
     for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < 40; ++halvings )
     {
         status = find_pairs( work, error );
@@ -335,10 +200,9 @@ wisp_status contact_search( const contact_work* work, wisp_error* error )
             s->is_short = true;
         }
     }
-    if ( status == WISP_OK && take_lists( work ) == false )
+    if ( status == WISP_OK && are_samples == false && list_pairs( work, s->is_listed ) == false )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs",
-                            s->point_pairs.pair_count + s->edge_pairs.pair_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs", s->overlaps.pair_count );
     }
     s->is_listed = status == WISP_OK;
     return status;

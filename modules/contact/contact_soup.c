@@ -9,9 +9,7 @@ void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator )
     {
         wisp_buffer_release( soup->buffers + i, allocator );
     }
-    wisp_box_pairs_release( &soup->point_pairs, allocator );
-    wisp_box_pairs_release( &soup->edge_pairs, allocator );
-    wisp_box_pairs_release( &soup->triangle_pairs, allocator );
+    wisp_box_pairs_release( &soup->overlaps, allocator );
     wisp_crossings_release( &soup->crossings, allocator );
     wisp_samples_release( &soup->sampler, allocator );
     *soup = ( contact_soup ){ 0 };
@@ -74,32 +72,15 @@ static bool reserve_all( const contact_work* work )
     return contact_reserve( work, CONTACT_NOW, points * quad, (void**)&s->now ) &&
            contact_reserve( work, CONTACT_SAFE, points * quad, (void**)&s->safe ) &&
            contact_reserve( work, CONTACT_REST, points * quad, (void**)&s->rest ) &&
-           contact_reserve( work, CONTACT_DRIFT, points * quad, (void**)&s->drift ) &&
-           contact_reserve( work, CONTACT_REACH, points * sizeof( float ), (void**)&s->reach ) &&
-           contact_reserve( work, CONTACT_SPENT, points * sizeof( float ), (void**)&s->spent ) &&
            contact_reserve( work, CONTACT_AHEAD, points * quad, (void**)&s->ahead ) &&
            contact_reserve( work, CONTACT_LATE, points, (void**)&s->is_late ) &&
-           contact_reserve( work, CONTACT_GONE, points * sizeof( float ), (void**)&s->gone ) &&
-           contact_reserve( work, CONTACT_ASTRAY, points * sizeof( float ), (void**)&s->astray ) &&
-           contact_reserve( work, CONTACT_POINT_WAY, points * sizeof( float ), (void**)&s->point_way ) &&
-           contact_reserve( work, CONTACT_EDGE_WAY, edges * sizeof( float ), (void**)&s->edge_way ) &&
-           contact_reserve( work, CONTACT_TRIANGLE_WAY, triangles * sizeof( float ), (void**)&s->triangle_way ) &&
-           contact_reserve( work, CONTACT_EDGE_REACH, edges * sizeof( float ), (void**)&s->edge_reach ) &&
-           contact_reserve( work, CONTACT_TRIANGLE_REACH, triangles * sizeof( float ), (void**)&s->triangle_reach ) &&
-           contact_reserve( work, CONTACT_EDGE_DRIFT, edges * quad, (void**)&s->edge_drift ) &&
-           contact_reserve( work, CONTACT_TRIANGLE_DRIFT, triangles * quad, (void**)&s->triangle_drift ) &&
-           contact_reserve( work, CONTACT_EDGE_LATE, edges, (void**)&s->edge_late ) &&
-           contact_reserve( work, CONTACT_TRIANGLE_LATE, triangles, (void**)&s->triangle_late ) &&
            contact_reserve( work, CONTACT_SHIFT, points * quad, (void**)&s->shift ) &&
            contact_reserve( work, CONTACT_SHARE, points * sizeof( float ), (void**)&s->share ) &&
-           contact_reserve( work, CONTACT_EDGES, edges * 2 * sizeof( int32_t ), (void**)&s->edges ) &&
-           contact_reserve( work, CONTACT_TRIANGLES, triangles * 3 * sizeof( int32_t ), (void**)&s->triangles ) &&
+           contact_reserve( work, CONTACT_EDGE_POINTS, edges * 2 * sizeof( int32_t ), (void**)&s->edges ) &&
+           contact_reserve( work, CONTACT_TRIANGLE_POINTS, triangles * 3 * sizeof( int32_t ),
+                            (void**)&s->triangles ) &&
            contact_reserve( work, CONTACT_TANGLED, points, (void**)&s->is_tangled ) &&
-           contact_reserve( work, CONTACT_COLOUR_MASKS, points * sizeof( uint64_t ), (void**)&s->colours ) &&
-           contact_reserve( work, CONTACT_POINT_BOXES, points * sizeof( wisp_box ), (void**)&s->point_boxes ) &&
-           contact_reserve( work, CONTACT_EDGE_BOXES, edges * sizeof( wisp_box ), (void**)&s->edge_boxes ) &&
-           contact_reserve( work, CONTACT_TRIANGLE_BOXES, triangles * sizeof( wisp_box ),
-                            (void**)&s->triangle_boxes );
+           contact_reserve( work, CONTACT_COLOUR_MASKS, points * sizeof( uint64_t ), (void**)&s->colours );
 }
 
 static void fill_surface( const contact_work* work, const contact_guest* guest, int number )
@@ -169,16 +150,13 @@ wisp_status contact_build_soup( const contact_work* work )
     }
     memset( s->is_tangled, 0, (size_t)s->point_count );
     memset( s->colours, 0, (size_t)s->point_count * sizeof( uint64_t ) );
-    memset( s->drift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
-    memset( s->reach, 0, (size_t)s->point_count * sizeof( float ) );
-    memset( s->spent, 0, (size_t)s->point_count * sizeof( float ) );
     for ( int g = 0; g < work->state->guest_count; ++g )
     {
         const contact_guest* guest = work->state->guests + g;
         guest->is_strands ? fill_strands( work, guest, g ) : fill_surface( work, guest, g );
     }
     const bool samples = work->state->world.features == WISP_CONTACT_SAMPLES;
-    if ( samples && contact_sample_guests( work ) != WISP_OK )
+    if ( contact_make_patches( work ) == false || ( samples && contact_sample_guests( work ) != WISP_OK ) )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
         return WISP_NO_MEMORY;

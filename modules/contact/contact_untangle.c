@@ -72,7 +72,7 @@ wisp_status contact_mark_tangles( const contact_work* work, wisp_error* error )
 // ---- which triangles an edge has ----
 
 // Edges of a guest rise by their first point, then by their second.
-static int find_edge( const contact_soup* s, const contact_guest* guest, int a, int b )
+int contact_find_edge( const contact_soup* s, const contact_guest* guest, int a, int b )
 {
     int low = guest->first_edge, high = guest->first_edge + guest->edge_count - 1;
     while ( low < high )
@@ -108,7 +108,7 @@ static bool find_faces( const contact_work* work )
             for ( int side = 0; side < 3; ++side )
             {
                 const int a = corner[side], b = corner[( side + 1 ) % 3];
-                int32_t* faces = s->faces[find_edge( s, guest, a < b ? a : b, a < b ? b : a )];
+                int32_t* faces = s->faces[contact_find_edge( s, guest, a < b ? a : b, a < b ? b : a )];
                 faces[faces[0] >= 0 ? 1 : 0] = t;
             }
         }

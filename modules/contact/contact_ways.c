@@ -8,15 +8,16 @@
 enum
 {
     GRAIN = 2048,
-    SUBSTEPS_AHEAD = 5, // that points are taken to drift
+    PATCH_GRAIN = 256,
+    SUBSTEPS_AHEAD = 5, // that patches are taken to drift
 };
 
 // What is farther is no way of a point, but a number that went wrong.
 static const float FARTHEST = 1e6f;
 // Projections move points elsewhere than predicted: so much of the way, and so much of the thickness besides, is taken for the
-// most.
-static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f;
-// How far astray a point may go: so many times what it may in a substep.
+// most. Who is late goes where it went, give or take what is of no account: else cuts by a rounding would go on and on.
+static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_LATE = 0.01f;
+// How far astray a patch may go: so many times what it may in a substep.
 static const float REACH_SUBSTEPS = 4.0f;
 
 typedef struct way_loop
@@ -24,14 +25,14 @@ typedef struct way_loop
     const contact_work* work;
     contact_soup* soup;
     double ( *sums )[3]; // [block]
-    float drifts;        // 1 while points are taken to drift, else 0
+    float drifts;        // 1 while patches are taken to drift, else 0
     bool is_expected;    // else it is measured
     _Atomic int reached; // contact_reached
 } way_loop;
 
 int contact_drift_substeps( const contact_work* work )
 {
-    // particles stand between their points and have no drift of their own
+    // particles stand between points of several patches
     return work->state->world.features == WISP_CONTACT_SAMPLES ? 0 : SUBSTEPS_AHEAD;
 }
 
@@ -102,14 +103,6 @@ static float length_of( float x, float y, float z )
     return length < FARTHEST ? length : 0.0f;
 }
 
-// How far from its course a point is that goes some way.
-static float stray_of( const way_loop* loop, const float* way, const float* drift )
-{
-    const float *c = loop->soup->common, drifts = loop->drifts;
-    return length_of( way[0] - c[0] - drifts * drift[0], way[1] - c[1] - drifts * drift[1],
-                      way[2] - c[2] - drifts * drift[2] );
-}
-
 // Where a point goes, and how well that is known: which pairs become rows follows from this, not from what was searched.
 static void expect_way( contact_soup* s, int point )
 {
@@ -133,7 +126,7 @@ static bool measure_way( contact_soup* s, int point )
     if ( is_late )
     {
         memcpy( ahead, way, sizeof( way ) );
-        ahead[3] = 0.0f;
+        ahead[3] = SPARE_LATE * s->least_thickness;
         s->is_late[point] = 1;
     }
     return is_late;
@@ -143,37 +136,105 @@ static void find_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    contact_soup* s = loop->soup;
-    contact_reached reached = CONTACT_WITHIN;
+    bool is_late = false;
     for ( int p = begin; p < end; ++p )
     {
-        const size_t i = (size_t)p * 4;
-        const float way[3] = { s->now[i] - s->safe[i], s->now[i + 1] - s->safe[i + 1],
-                               s->now[i + 2] - s->safe[i + 2] };
-        bool is_late = false;
         if ( loop->is_expected )
         {
-            expect_way( s, p );
+            expect_way( loop->soup, p );
         }
         else
         {
-            is_late = measure_way( s, p );
+            is_late = measure_way( loop->soup, p ) || is_late;
         }
-        s->gone[p] = stray_of( loop, way, s->drift + i );
-        s->astray[p] = stray_of( loop, s->ahead + i, s->drift + i ) + s->ahead[i + 3];
-        const bool is_beyond = contact_is_beyond( s, p );
-        reached = is_beyond ? CONTACT_BEYOND : ( is_late && reached == CONTACT_WITHIN ? CONTACT_ELSEWHERE : reached );
     }
-    raise_to( &loop->reached, (int)reached );
+    if ( is_late )
+    {
+        raise_to( &loop->reached, CONTACT_ELSEWHERE );
+    }
+}
+
+// ---- ways of patches ----
+
+// @param spare m, that all of it is give or take
+static contact_way middle_of( const float low[4], const float high[4], float spare )
+{
+    contact_way way;
+    float squared = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        const float wide = high[k] - low[k];
+        way.middle[k] = 0.5f * ( low[k] + high[k] );
+        squared += wide * wide;
+    }
+    way.spread = 0.50001f * sqrtf( squared ) + spare;
+    return way;
+}
+
+static contact_way expected_way_of( const contact_work* work, const contact_patch* patch )
+{
+    const contact_soup* s = work->soup;
+    float low[4], high[4];
+    wisp_frame_kernels( work->frame )
+        ->quad_range( s->ahead, NULL, s->patch_points + patch->first_point, patch->point_count, low, high );
+    return middle_of( low, high, contact_larger( high[3], 0.0f ) );
+}
+
+static contact_way gone_way_of( const contact_work* work, const contact_patch* patch )
+{
+    const contact_soup* s = work->soup;
+    float low[4], high[4];
+    wisp_frame_kernels( work->frame )
+        ->quad_range( s->now, s->safe, s->patch_points + patch->first_point, patch->point_count, low, high );
+    return middle_of( low, high, 0.0f );
+}
+
+static bool has_late( const contact_soup* s, const contact_patch* patch )
+{
+    const int32_t* points = s->patch_points + patch->first_point;
+    bool late = false;
+    for ( int i = 0; i < patch->point_count; ++i )
+    {
+        late = late || s->is_late[points[i] / 4] != 0;
+    }
+    return late;
+}
+
+float contact_length_of_way( const contact_soup* s, const contact_way* way )
+{
+    const float *m = way->middle, *c = s->common;
+    return length_of( m[0] - c[0], m[1] - c[1], m[2] - c[2] ) + way->spread;
+}
+
+static void find_patch_ways( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    way_loop* loop = context;
+    contact_soup* s = loop->soup;
+    bool is_beyond = false;
+    for ( int p = begin; p < end; ++p )
+    {
+        s->ways[p] = expected_way_of( loop->work, s->patches + p );
+        s->patch_late[p] = loop->is_expected == false && has_late( s, s->patches + p );
+        is_beyond = is_beyond || s->courses[p].spent + contact_length_of_way( s, s->ways + p ) > s->courses[p].reach;
+    }
+    if ( is_beyond )
+    {
+        raise_to( &loop->reached, CONTACT_BEYOND );
+    }
 }
 
 static contact_reached take_ways( const contact_work* work, bool is_expected )
 {
-    way_loop loop = { .work = work, .soup = work->soup, .is_expected = is_expected };
-    loop.drifts = work->soup->drifted < contact_drift_substeps( work ) ? 1.0f : 0.0f;
+    contact_soup* s = work->soup;
+    way_loop loop = { .work = work, .soup = s, .is_expected = is_expected };
     atomic_init( &loop.reached, CONTACT_WITHIN );
     find_common( &loop );
-    wisp_parallel_for( work->parallel, work->soup->point_count, GRAIN, find_ways, &loop );
+    wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_ways, &loop );
+    if ( is_expected || atomic_load( &loop.reached ) != CONTACT_WITHIN )
+    {
+        wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, find_patch_ways, &loop );
+    }
     return (contact_reached)atomic_load( &loop.reached );
 }
 
@@ -189,33 +250,24 @@ contact_reached contact_measure_ways( const contact_work* work )
 
 // ---- courses ----
 
-void contact_set_course( const contact_work* work, int point )
-{
-    static const float HALF = 0.5f; // of a pair
-    contact_soup* s = work->soup;
-    const bool drifts = contact_drift_substeps( work ) > s->drifted;
-    const float least = HALF * work->state->world.margin * s->least_thickness;
-    const size_t i = (size_t)point * 4;
-    // in a frame that goes where all go
-    const float *ahead = s->ahead + i, *c = s->common;
-    for ( size_t k = 0; k < 3; ++k )
-    {
-        s->drift[i + k] = drifts ? ahead[k] - c[k] : 0.0f;
-    }
-    s->drift[i + 3] = 0.0f;
-    const float astray =
-        drifts ? ahead[3] : ahead[3] + length_of( ahead[0] - c[0], ahead[1] - c[1], ahead[2] - c[2] );
-    s->reach[point] = contact_larger( least, REACH_SUBSTEPS * astray );
-    s->spent[point] = 0.0f;
-    s->astray[point] = s->gone[point] = astray;
-}
-
 static void set_courses( void* context, int begin, int end, int worker )
 {
     (void)worker;
+    const contact_work* work = context;
+    const contact_soup* s = work->soup;
+    const float drifts = contact_drift_substeps( work ) > 0 ? 1.0f : 0.0f;
+    const float least = work->state->world.margin * s->least_thickness;
     for ( int p = begin; p < end; ++p )
     {
-        contact_set_course( context, p );
+        const contact_way* way = s->ways + p;
+        contact_course* course = s->courses + p;
+        for ( int k = 0; k < 3; ++k )
+        {
+            course->drift[k] = drifts * ( way->middle[k] - s->common[k] );
+        }
+        const float length = contact_length_of_way( s, way ), astray = drifts > 0.0f ? way->spread : length;
+        course->reach = length + contact_larger( least, REACH_SUBSTEPS * astray );
+        course->spent = 0.0f;
     }
 }
 
@@ -223,27 +275,32 @@ void contact_set_courses( const contact_work* work )
 {
     contact_soup* s = work->soup;
     s->drifted = 0;
-    memset( s->travelled, 0, sizeof( s->travelled ) );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, set_courses, (void*)(uintptr_t)work );
+    wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, set_courses, (void*)(uintptr_t)work );
 }
 
 static void spend_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    contact_soup* s = context;
+    const way_loop* loop = context;
+    contact_soup* s = loop->soup;
     for ( int p = begin; p < end; ++p )
     {
-        s->spent[p] += s->gone[p];
+        contact_course* course = s->courses + p;
+        s->gone[p] = gone_way_of( loop->work, s->patches + p );
+        contact_way astray = s->gone[p];
+        for ( int k = 0; k < 3; ++k )
+        {
+            astray.middle[k] -= loop->drifts * course->drift[k];
+        }
+        course->spent += contact_length_of_way( s, &astray );
     }
 }
 
 void contact_spend_ways( const contact_work* work )
 {
     contact_soup* s = work->soup;
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, spend_ways, s );
-    s->drifted += s->drifted < contact_drift_substeps( work ) ? 1 : 0;
-    for ( int k = 0; k < 3; ++k )
-    {
-        s->travelled[k] += s->common[k];
-    }
+    way_loop loop = { .work = work, .soup = s };
+    loop.drifts = s->drifted < contact_drift_substeps( work ) ? 1.0f : 0.0f;
+    wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, spend_ways, &loop );
+    s->drifted += loop.drifts > 0.0f ? 1 : 0;
 }

@@ -495,6 +495,46 @@ static void a_halted_guest_stands_and_is_met_again_when_it_is_resumed( void** st
     close_world( &h );
 }
 
+// Thicker than its edges are long, a sheet is pushed apart nowhere: it keeps what it has at rest. Bent round, it does not.
+static void a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
+{
+    (void)state;
+    for ( int bent = 0; bent < 2; ++bent )
+    {
+        hosted h;
+        open_contact( &h, 2, 1, 1 );
+        test_mesh sheet = level_sheet( 9, 0.4f, ( wisp_vec3 ){ 0 } );
+        const wisp_entity e = add_draping( h.world, &sheet, NULL, 0, ( wisp_vec3 ){ 0 } );
+        float before[81][3], *column = wisp_world_column( h.world, e, WISP_PARTICLE_POSITION, 0 );
+        assert_non_null( column );
+        for ( int v = 0; v < 81; ++v )
+        {
+            float* at = column + (size_t)wisp_world_fabric( h.world, e )->vertex_slot[v] * 4;
+            if ( bent != 0 ) // over itself, half of the thickness above
+            {
+                at[1] = at[0] > 0.0f ? 0.06f * fminf( at[0] / 0.05f, 1.0f ) : 0.0f;
+                at[0] = at[0] > 0.0f ? -at[0] : at[0];
+            }
+            memcpy( before[v], at, sizeof( before[v] ) );
+        }
+        const wisp_contact_def def = contact_of( 0.12f );
+        set_contact( h.world, e, &def );
+        want_figures( h.world );
+        double most = 0.0;
+        for ( int step = 0; step < 10; ++step )
+        {
+            run_steps( h.world, 1, DT );
+        }
+        for ( int v = 0; v < 81; ++v )
+        {
+            const float* at = place_of( h.world, e, v );
+            most = fmax( most, fabs( (double)( at[1] - before[v][1] ) ) );
+        }
+        assert_true( bent == 0 ? most < 1e-6 && contact_figures( h.world ).contacts == 0 : most > 0.01 );
+        close_world( &h );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -504,6 +544,7 @@ int main( void )
         cmocka_unit_test( what_is_too_near_is_parted_slowly_and_gets_no_velocity ),
         cmocka_unit_test( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still ),
         cmocka_unit_test( layers_and_masks_say_who_meets ),
+        cmocka_unit_test( a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still ),
         cmocka_unit_test( a_surface_meets_itself_unless_told_not_to ),
         cmocka_unit_test( pins_push_and_are_not_pushed ),
         cmocka_unit_test( what_lay_on_a_guest_falls_when_that_is_removed_or_leaves ),

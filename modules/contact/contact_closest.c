@@ -1,0 +1,33 @@
+// How near pieces are: points and triangles, or two edges, eight pairs at a time.
+#include "contact_internal.h"
+
+const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
+                                     float ( *weight )[4][WISP_SLICE], float ( *normal )[3][WISP_SLICE] )
+{
+    const int groups = ( count + WISP_SLICE - 1 ) / WISP_SLICE;
+    // lanes without a pair repeat the last one
+    for ( int i = count; i < groups * WISP_SLICE; ++i )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            pieces->point4[i / WISP_SLICE][k][i % WISP_SLICE] =
+                pieces->point4[( count - 1 ) / WISP_SLICE][k][( count - 1 ) % WISP_SLICE];
+        }
+    }
+    const wisp_closest_job job = {
+        .quads = quads,
+        .point4 = (const int32_t( * )[4][WISP_SLICE])pieces->point4,
+        .distance = pieces->distance,
+        .weight = weight,
+        .normal = normal,
+    };
+    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
+    ( pieces->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
+    return pieces->distance[0];
+}
+
+const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,
+                                        int count )
+{
+    return contact_measure_pieces( work, quads, pieces, count, NULL, NULL );
+}

@@ -1,0 +1,204 @@
+// Which pairs become rows: those that might come to their gap in this substep, wherever their points go in it. This looks at the
+// state alone, whatever found them.
+#include "contact_internal.h"
+
+#include <stdatomic.h>
+#include <string.h>
+
+// ---- distances ----
+
+static void swap_where( bool swapped, int32_t* a, int32_t* b )
+{
+    const int32_t was = *a, other = *b;
+    *a = swapped ? other : was;
+    *b = swapped ? was : other;
+}
+
+// Of two edges the one that is called less is the first.
+static void put_less_first( contact_batch* batch )
+{
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        const bool swapped = batch->second[i] < batch->first[i];
+        swap_where( swapped, batch->first + i, batch->second + i );
+        swap_where( swapped, batch->point4[0] + i, batch->point4[2] + i );
+        swap_where( swapped, batch->point4[1] + i, batch->point4[3] + i );
+    }
+}
+
+void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
+{
+    if ( kind == CONTACT_EDGES )
+    {
+        put_less_first( batch );
+    }
+    contact_pieces pieces;
+    pieces.are_edges = kind == CONTACT_EDGES;
+    for ( int first = 0; first < batch->count; first += CONTACT_BATCH )
+    {
+        const int rest = batch->count - first, count = rest < CONTACT_BATCH ? rest : CONTACT_BATCH;
+        for ( int i = 0; i < count; ++i )
+        {
+            for ( int k = 0; k < 4; ++k )
+            {
+                pieces.point4[i / WISP_SLICE][k][i % WISP_SLICE] = batch->point4[k][first + i];
+            }
+        }
+        memcpy( batch->distance + first, contact_measure_distances( work, work->soup->safe, &pieces, count ),
+                (size_t)count * sizeof( float ) );
+    }
+}
+
+// ---- who meets ----
+
+// Put those that are met behind each other.
+static void close_ranks( contact_batch* batch, int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const int from = batch->met[i];
+        batch->first[i] = batch->first[from];
+        batch->second[i] = batch->second[from];
+        batch->gap[i] = batch->gap[from];
+        batch->distance[i] = batch->distance[from];
+        for ( int k = 0; k < 4; ++k )
+        {
+            batch->point4[k][i] = batch->point4[k][from];
+        }
+    }
+}
+
+// Where something is already crossed, the plane has no right side.
+static bool is_tangled( const contact_soup* s, contact_kind kind, const contact_batch* batch, int i )
+{
+    const int split = kind == CONTACT_EDGES ? 2 : 1;
+    bool sides[2] = { false, false };
+    for ( int k = 0; k < 4; ++k )
+    {
+        sides[k >= split] = sides[k >= split] || s->is_tangled[batch->point4[k][i] / 4] != 0;
+    }
+    return sides[0] && sides[1];
+}
+
+// To whole eights the last pair repeats.
+static int fill_up( contact_batch* batch, int count )
+{
+    for ( ; count % WISP_SLICE != 0; ++count )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            batch->point4[k][count] = batch->point4[k][count - 1];
+        }
+    }
+    return count;
+}
+
+// How much nearer the sides of each pair may come in this substep.
+static void find_closings( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
+{
+    const wisp_closing_job job = {
+        .ahead = work->soup->ahead,
+        .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
+        .are_edges = kind == CONTACT_EDGES,
+        .closing = batch->closing,
+    };
+    wisp_frame_kernels( work->frame )->closing( &job, 0, fill_up( batch, count ) );
+}
+
+static bool may_meet( const contact_batch* batch, int i )
+{
+    return batch->distance[i] > 0.0f && batch->distance[i] < batch->gap[i] + batch->closing[i];
+}
+
+// ---- what is thin at rest ----
+
+// Are the boxes around the two sides of a pair nearer than a distance?
+static bool boxes_are_within( const float* quads, const contact_batch* batch, int i, int split, float distance )
+{
+    bool within = true;
+    for ( int k = 0; k < 3 && within; ++k )
+    {
+        float low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+        for ( int p = 0; p < 4; ++p )
+        {
+            const float x = quads[batch->point4[p][i] + k];
+            low[p >= split] = contact_smaller( low[p >= split], x );
+            high[p >= split] = contact_larger( high[p >= split], x );
+        }
+        within = low[0] - high[1] < distance && low[1] - high[0] < distance;
+    }
+    return within;
+}
+
+// A guest is not pushed apart where it is thinner at rest.
+static void thin_gaps( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
+{
+    static const float REST_SHARE = 0.9f; // so that nothing presses at rest
+    const contact_soup* s = work->soup;
+    contact_pieces pieces;
+    pieces.are_edges = kind == CONTACT_EDGES;
+    for ( int next = 0; next < count; )
+    {
+        int thin[CONTACT_BATCH], thin_count = 0;
+        for ( ; next < count && thin_count < CONTACT_BATCH; ++next )
+        {
+            const bool is_own = s->rest[batch->point4[0][next] + 3] == s->rest[batch->point4[3][next] + 3];
+            if ( is_own &&
+                 boxes_are_within( s->rest, batch, next, kind == CONTACT_EDGES ? 2 : 1, 2.0f * batch->gap[next] ) )
+            {
+                const int32_t points[4] = { batch->point4[0][next] / 4, batch->point4[1][next] / 4,
+                                            batch->point4[2][next] / 4, batch->point4[3][next] / 4 };
+                contact_put_pieces( &pieces, thin_count, points );
+                thin[thin_count++] = next;
+            }
+        }
+        const float* distance = contact_measure_distances( work, s->rest, &pieces, thin_count );
+        for ( int i = 0; i < thin_count; ++i )
+        {
+            batch->gap[thin[i]] = contact_smaller( batch->gap[thin[i]], REST_SHARE * distance[i] );
+        }
+    }
+}
+
+// ---- what is found ----
+
+bool contact_reserve_near( const contact_work* work, contact_kind kind, int count )
+{
+    contact_near* near = work->soup->near + kind;
+    const bool enough = contact_reserve( work, CONTACT_NEAR + (contact_place)kind,
+                                         (size_t)count * sizeof( *near->items ), (void**)&near->items );
+    near->most = enough ? count : 0;
+    return enough;
+}
+
+void contact_meet( const contact_work* work, contact_kind kind, contact_batch* batch, int met, _Atomic int* total )
+{
+    const contact_soup* s = work->soup;
+    contact_near* near = work->soup->near + kind;
+    close_ranks( batch, met );
+    find_closings( work, kind, batch, met );
+    int kept = 0;
+    for ( int i = 0; i < met; ++i )
+    {
+        batch->met[kept] = i;
+        const bool is_let_go = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
+        kept += may_meet( batch, i ) && is_let_go == false ? 1 : 0;
+    }
+    for ( int i = 0; i < kept; ++i )
+    {
+        batch->closing[i] = batch->closing[batch->met[i]];
+    }
+    close_ranks( batch, kept );
+    thin_gaps( work, kind, batch, kept );
+    int count = 0;
+    for ( int i = 0; i < kept; ++i )
+    {
+        batch->found[count] = ( contact_pair ){ batch->first[i], batch->second[i], batch->gap[i] };
+        count += batch->gap[i] > 0.0f && may_meet( batch, i ) ? 1 : 0;
+    }
+    const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
+    if ( first + count <= near->most )
+    {
+        memcpy( near->items + first, batch->found, (size_t)count * sizeof( *batch->found ) );
+    }
+}
