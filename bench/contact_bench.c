@@ -2,11 +2,13 @@
 
 // Below so many seconds everything is smaller and shorter.
 #define BRIEF_SECONDS 40.0
+// From so many on the cloth that folds is that of the pictures.
+#define FINE_SECONDS 240.0
 
 contact_plan contact_default_plan( const bench_options* options )
 {
     const double seconds = bench_seconds( options );
-    const bool full = seconds >= 600.0, brief = seconds < BRIEF_SECONDS;
+    const bool full = seconds >= 600.0, brief = seconds < BRIEF_SECONDS, fine = seconds >= FINE_SECONDS;
     return ( contact_plan ){
         .sheet_sides = { 32, brief ? 48 : 100, 316 },
         .sphere_levels = { 3, brief ? 4 : 5, 6 },
@@ -15,7 +17,7 @@ contact_plan contact_default_plan( const bench_options* options )
         .query_seconds = full    ? 60.0
                          : brief ? 0.2 * seconds
                                  : 0.3 * seconds,
-        .fold_side = full    ? 64
+        .fold_side = fine    ? 64
                      : brief ? 16
                              : 24,
         .fold_steps = brief ? 40 : 300,
