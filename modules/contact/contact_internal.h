@@ -408,6 +408,8 @@ bool contact_reserve_near( const contact_work* work, contact_kind kind, int coun
 wisp_status contact_sample_guests( const contact_work* work );
 /// Where a particle is.
 void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] );
+/// How far two particles are apart, m.
+float contact_sample_distance( const contact_soup* s, const float* quads, int a, int b );
 /// What a pair of particles is to keep, m; 0 if it is none.
 float contact_sample_gap_of( const contact_work* work, int a, int b );
 /// The plane between two particles.

@@ -13,6 +13,16 @@ enum
 
 // ---- which are listed ----
 
+static float reach_of( const contact_soup* s, int sample )
+{
+    float reach = 0.0f;
+    for ( int k = 0; k < 3; ++k )
+    {
+        reach = contact_larger( reach, s->courses[s->patch_of[s->sample_parents[sample][k]]].reach );
+    }
+    return reach;
+}
+
 static void box_samples( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -21,13 +31,9 @@ static void box_samples( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const int32_t* parents = s->sample_parents[i];
-        float at[3], reach = 0.0f;
+        float at[3];
         contact_place_sample( s, s->safe, i, at );
-        for ( int k = 0; k < 3; ++k )
-        {
-            reach = contact_larger( reach, s->courses[s->patch_of[parents[k]]].reach );
-        }
-        const float wide = 0.5f * contact_guest_of( work, parents[0] )->settings.thickness + reach;
+        const float wide = 0.5f * contact_guest_of( work, parents[0] )->settings.thickness + reach_of( s, i );
         for ( int k = 0; k < 3; ++k )
         {
             s->sample_boxes[i].low[k] = at[k] - wide;
@@ -38,12 +44,17 @@ static void box_samples( void* context, int begin, int end, int worker )
 
 static int keep_pairs( const void* context, int asker, int32_t* items, int count )
 {
+    const contact_work* work = context;
+    const contact_soup* s = work->soup;
+    const float reach = reach_of( s, asker );
     int kept = 0;
     for ( int i = 0; i < count; ++i )
     {
         const int32_t item = items[i];
+        const float gap = contact_sample_gap_of( work, asker, item );
+        const float within = 1.001f * gap + reach + reach_of( s, item );
         items[kept] = item;
-        kept += contact_sample_gap_of( context, asker, item ) > 0.0f ? 1 : 0;
+        kept += gap > 0.0f && !( contact_sample_distance( s, s->safe, asker, item ) > within ) ? 1 : 0;
     }
     return kept;
 }

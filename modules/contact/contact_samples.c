@@ -129,7 +129,7 @@ void contact_place_sample( const contact_soup* s, const float* quads, int sample
     }
 }
 
-static float distance_of( const contact_soup* s, const float* quads, int a, int b )
+float contact_sample_distance( const contact_soup* s, const float* quads, int a, int b )
 {
     float p[3], q[3];
     contact_place_sample( s, quads, a, p );
@@ -148,7 +148,8 @@ float contact_sample_gap_of( const contact_work* work, int a, int b )
     const contact_guest* gb = contact_guest_of( work, s->sample_parents[b][0] );
     const float gap = 0.5f * ( ga->settings.thickness + gb->settings.thickness );
     const float apart = REST_GAPS * gap + s->least_thickness;
-    const bool is_pair = contact_may_meet( ga, gb ) && ( ga != gb || distance_of( s, s->rest, a, b ) > apart );
+    const bool is_pair =
+        contact_may_meet( ga, gb ) && ( ga != gb || contact_sample_distance( s, s->rest, a, b ) > apart );
     return is_pair ? gap : 0.0f;
 }
 

@@ -255,8 +255,9 @@ static void set_courses( void* context, int begin, int end, int worker )
     (void)worker;
     const contact_work* work = context;
     const contact_soup* s = work->soup;
+    static const float HALF = 0.5f; // of a pair
     const float drifts = contact_drift_substeps( work ) > 0 ? 1.0f : 0.0f;
-    const float least = work->state->world.margin * s->least_thickness;
+    const float margin = work->state->world.margin * s->least_thickness;
     for ( int p = begin; p < end; ++p )
     {
         const contact_way* way = s->ways + p;
@@ -265,8 +266,10 @@ static void set_courses( void* context, int begin, int end, int worker )
         {
             course->drift[k] = drifts * ( way->middle[k] - s->common[k] );
         }
-        const float length = contact_length_of_way( s, way ), astray = drifts > 0.0f ? way->spread : length;
-        course->reach = length + contact_larger( least, REACH_SUBSTEPS * astray );
+        // patches are few, so that a wide reach costs less than searching often; particles are many
+        const float length = contact_length_of_way( s, way );
+        course->reach = drifts > 0.0f ? length + contact_larger( margin, REACH_SUBSTEPS * way->spread )
+                                      : contact_larger( HALF * margin, REACH_SUBSTEPS * length );
         course->spent = 0.0f;
     }
 }
