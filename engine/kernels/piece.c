@@ -187,113 +187,85 @@ enum
     TESTS_MOST = ROWS_MOST * LANES * ROWS_MOST,
 };
 
-LANE_INLINE int keep_edges( const wisp_piece_near_job* job, const near_test* tests, int count )
+// `are_edges` is a constant where this is inlined: edges ask edges, or points triangles.
+LANE_INLINE int keep( const wisp_piece_near_job* job, const near_test* tests, int count, bool are_edges )
 {
     const wisp_piece_pairs* to = &job->found;
+    const int second = are_edges ? 2 : 1; // where the points of the second side begin
     int found = 0;
     for ( int t = 0; t < count; ++t )
     {
         const wisp_piece_row *asker = tests[t].asker, *row = tests[t].row;
+        const int lane = tests[t].lane;
         const uint32_t bits = tests[t].bits;
         if ( bits != 0 )
         {
-            lane8i_storeu( to->first + found, lane8i_set1( asker->item[tests[t].lane] ) );
-            lane8i_storeu( to->point4[0] + found, lane8i_set1( asker->point4[0][tests[t].lane] ) );
-            lane8i_storeu( to->point4[1] + found, lane8i_set1( asker->point4[1][tests[t].lane] ) );
-            lane8i_compress_store( to->point4[2] + found, lane8i_load( row->point4[0] ), bits );
-            lane8i_compress_store( to->point4[3] + found, lane8i_load( row->point4[1] ), bits );
+            lane8i_storeu( to->first + found, lane8i_set1( asker->item[lane] ) );
+            lane8i_storeu( to->point4[0] + found, lane8i_set1( asker->point4[0][lane] ) );
+            if ( are_edges )
+            {
+                lane8i_storeu( to->point4[1] + found, lane8i_set1( asker->point4[1][lane] ) );
+            }
+            else
+            {
+                lane8i_compress_store( to->point4[3] + found, lane8i_load( row->third4 ), bits );
+            }
+            lane8i_compress_store( to->point4[second] + found, lane8i_load( row->point4[0] ), bits );
+            lane8i_compress_store( to->point4[second + 1] + found, lane8i_load( row->point4[1] ), bits );
             found += lane8i_compress_store( to->second + found, lane8i_load( row->item ), bits );
         }
     }
     return found;
 }
 
-LANE_INLINE int keep_triangles( const wisp_piece_near_job* job, const near_test* tests, int count )
+LANE_INLINE lane8m shares_a_point( const wisp_piece_row* asker, int lane, const wisp_piece_row* row, bool are_edges )
 {
-    const wisp_piece_pairs* to = &job->found;
-    int found = 0;
-    for ( int t = 0; t < count; ++t )
-    {
-        const wisp_piece_row *asker = tests[t].asker, *row = tests[t].row;
-        const uint32_t bits = tests[t].bits;
-        if ( bits != 0 )
-        {
-            lane8i_storeu( to->first + found, lane8i_set1( asker->item[tests[t].lane] ) );
-            lane8i_storeu( to->point4[0] + found, lane8i_set1( asker->point4[0][tests[t].lane] ) );
-            lane8i_compress_store( to->point4[1] + found, lane8i_load( row->point4[0] ), bits );
-            lane8i_compress_store( to->point4[2] + found, lane8i_load( row->point4[1] ), bits );
-            lane8i_compress_store( to->point4[3] + found, lane8i_load( row->third4 ), bits );
-            found += lane8i_compress_store( to->second + found, lane8i_load( row->item ), bits );
-        }
-    }
-    return found;
+    const lane8i first = lane8i_set1( asker->point4[0][lane] ), second = lane8i_set1( asker->point4[1][lane] );
+    return lane8m_or( has_point( first, row ),
+                      are_edges ? has_point( second, row ) : lane8i_eq( first, lane8i_load( row->third4 ) ) );
 }
 
-LANE_INLINE int lowest_bit( uint32_t bits )
+LANE_INLINE int find( const wisp_piece_near_job* job, bool are_edges )
 {
-    return __builtin_ctz( bits );
+    const lane8 within = lane8_set1( job->within ), seen = lane8_set1( job->seen );
+    const asked_rows asked = asked_of( job, are_edges ? 2 : 3, seen );
+    lane8 least = lane8_loadu( job->least );
+    near_test tests[TESTS_MOST];
+    int count = 0;
+    for ( int a = 0; a < job->asker_rows && asked.count > 0; ++a )
+    {
+        const wisp_piece_row* asker = job->askers + a;
+        uint32_t left = ~lane8m_bits( out_of( asker, are_edges ? 2 : 1, job->box, seen ) ) & 255u;
+        for ( ; left != 0; left &= left - 1 )
+        {
+            const int lane = __builtin_ctz( left );
+            const lane8v middle = one_of( asker->middle, lane ), arm = one_of( asker->arm, lane );
+            const lane8i above = lane8i_set1( are_edges && job->is_own ? asker->item[lane] : -1 );
+            for ( int r = 0; r < asked.count; ++r )
+            {
+                const wisp_piece_row* row = asked.row[r];
+                const lane8v way = lane8v_sub( middle, row_of( row->middle ) );
+                const lane8 bound =
+                    are_edges ? bound_of_edges( way, arm, row_of( row->arm ) ) : bound_of_triangle( way, row );
+                const lane8m lower = lane8m_not( lane8i_lt( above, lane8i_load( row->item ) ) );
+                const lane8m others =
+                    lane8m_or( lane8m_or( shares_a_point( asker, lane, row, are_edges ), asked.out[r] ), lower );
+                tests[count++] = ( near_test ){ asker, row, lane, bits_near( bound, within, others, &least ) };
+            }
+        }
+    }
+    lane8_storeu( job->least, least );
+    return keep( job, tests, count, are_edges );
 }
 
 int KERNEL( edges_near )( const wisp_piece_near_job* job )
 {
-    const lane8 within = lane8_set1( job->within ), seen = lane8_set1( job->seen );
-    const asked_rows asked = asked_of( job, 2, seen );
-    lane8 least = lane8_loadu( job->least );
-    near_test tests[TESTS_MOST];
-    int count = 0;
-    for ( int a = 0; a < job->asker_rows && asked.count > 0; ++a )
-    {
-        const wisp_piece_row* asker = job->askers + a;
-        for ( uint32_t left = ~lane8m_bits( out_of( asker, 2, job->box, seen ) ) & 255u; left != 0; left &= left - 1 )
-        {
-            const int lane = lowest_bit( left );
-            const lane8v middle = one_of( asker->middle, lane ), arm = one_of( asker->arm, lane );
-            const lane8i ends[2] = { lane8i_set1( asker->point4[0][lane] ), lane8i_set1( asker->point4[1][lane] ) };
-            const lane8i above = lane8i_set1( job->is_own ? asker->item[lane] : -1 );
-            for ( int r = 0; r < asked.count; ++r )
-            {
-                const wisp_piece_row* row = asked.row[r];
-                const lane8 bound =
-                    bound_of_edges( lane8v_sub( row_of( row->middle ), middle ), arm, row_of( row->arm ) );
-                const lane8m shared = lane8m_or( has_point( ends[0], row ), has_point( ends[1], row ) );
-                const lane8m lower = lane8m_not( lane8i_lt( above, lane8i_load( row->item ) ) );
-                const lane8m others = lane8m_or( lane8m_or( shared, asked.out[r] ), lower );
-                tests[count++] = ( near_test ){ asker, row, lane, bits_near( bound, within, others, &least ) };
-            }
-        }
-    }
-    lane8_storeu( job->least, least );
-    return keep_edges( job, tests, count );
+    return find( job, true );
 }
 
 int KERNEL( points_near )( const wisp_piece_near_job* job )
 {
-    const lane8 within = lane8_set1( job->within ), seen = lane8_set1( job->seen );
-    const asked_rows asked = asked_of( job, 3, seen );
-    lane8 least = lane8_loadu( job->least );
-    near_test tests[TESTS_MOST];
-    int count = 0;
-    for ( int a = 0; a < job->asker_rows && asked.count > 0; ++a )
-    {
-        const wisp_piece_row* asker = job->askers + a;
-        for ( uint32_t left = ~lane8m_bits( out_of( asker, 1, job->box, seen ) ) & 255u; left != 0; left &= left - 1 )
-        {
-            const int lane = lowest_bit( left );
-            const lane8v at = one_of( asker->middle, lane );
-            const lane8i point4 = lane8i_set1( asker->point4[0][lane] );
-            for ( int r = 0; r < asked.count; ++r )
-            {
-                const wisp_piece_row* row = asked.row[r];
-                const lane8 bound = bound_of_triangle( lane8v_sub( at, row_of( row->middle ) ), row );
-                const lane8m shared =
-                    lane8m_or( has_point( point4, row ), lane8i_eq( point4, lane8i_load( row->third4 ) ) );
-                const lane8m others = lane8m_or( shared, asked.out[r] );
-                tests[count++] = ( near_test ){ asker, row, lane, bits_near( bound, within, others, &least ) };
-            }
-        }
-    }
-    lane8_storeu( job->least, least );
-    return keep_triangles( job, tests, count );
+    return find( job, false );
 }
 
 // How much nearer two points may come.

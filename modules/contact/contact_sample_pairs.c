@@ -169,11 +169,10 @@ static void find_near( void* context, int begin, int end, int worker )
         {
             continue;
         }
-        contact_row row;
-        contact_measure_samples( s, s->safe, &c->pair, &row );
+        const float distance = contact_sample_distance( s, s->safe, a, b );
         // sums are rounded: a little earlier than that
-        c->due = least_spent( s, a ) + least_spent( s, b ) + ( row.distance - 1.001f * c->pair.gap );
-        if ( row.distance > 0.0f && row.distance < c->pair.gap + closing_of( s, &c->pair ) )
+        c->due = least_spent( s, a ) + least_spent( s, b ) + ( distance - 1.001f * c->pair.gap );
+        if ( distance > 0.0f && distance < c->pair.gap + closing_of( s, &c->pair ) )
         {
             s->near[CONTACT_POINTS].items[atomic_fetch_add( &loop->total, 1 )] = c->pair;
         }
