@@ -44,6 +44,7 @@ void KERNEL( piece_place )( const float* quads, wisp_piece_row* rows, int points
 int KERNEL( edges_near )( const wisp_piece_near_job* job );
 int KERNEL( points_near )( const wisp_piece_near_job* job );
 void KERNEL( closing )( const wisp_closing_job* job, int begin, int end );
+int KERNEL( slack_due )( const wisp_slack_job* job, int begin, int end );
 float KERNEL( apart )( const wisp_apart_job* job );
 void KERNEL( quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
                            float high[4] );

@@ -32,6 +32,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .edges_near = KERNEL( edges_near ),
     .points_near = KERNEL( points_near ),
     .closing = KERNEL( closing ),
+    .slack_due = KERNEL( slack_due ),
     .apart = KERNEL( apart ),
     .quad_range = KERNEL( quad_range ),
     .half_space = KERNEL( half_space ),

@@ -298,6 +298,37 @@ void KERNEL( closing )( const wisp_closing_job* job, int begin, int end )
     }
 }
 
+// How much nearer sides may come, at most; a little more, for what is added up is rounded.
+LANE_INLINE lane8 closing_of_sides( const float* ways, const int32_t first4[8], const int32_t second4[8] )
+{
+    lane8 a[4], b[4];
+    lane8_load_xyzw( ways, first4, a, a + 1, a + 2, a + 3 );
+    lane8_load_xyzw( ways, second4, b, b + 1, b + 2, b + 3 );
+    return lane8_mul( lane8_set1( 1.0001f ), closing_of( a, b ) );
+}
+
+int KERNEL( slack_due )( const wisp_slack_job* job, int begin, int end )
+{
+    int count = 0;
+    for ( int pair = begin; pair < end; pair += LANES )
+    {
+        int32_t first4[LANES], second4[LANES];
+        lane8i_storeu( first4, lane8i_shift_left( lane8i_loadu( job->first + pair ), 2 ) );
+        lane8i_storeu( second4, lane8i_shift_left( lane8i_loadu( job->second + pair ), 2 ) );
+        lane8 slack = lane8_loadu( job->slack + pair );
+        if ( job->gone != NULL )
+        {
+            slack = lane8_sub( slack, closing_of_sides( job->gone, first4, second4 ) );
+            lane8_storeu( job->slack + pair, slack );
+        }
+        const lane8m left = lane8_gt( slack, closing_of_sides( job->ways, first4, second4 ) );
+        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - pair ), left ) );
+        const lane8i numbers = lane8i_add( lane8i_set1( pair ), lane8i_iota() );
+        count += lane8i_compress_store( job->due + begin + count, numbers, bits );
+    }
+    return count;
+}
+
 // The least of each of eight.
 LANE_INLINE lane8 least_of_each( const lane8 v[8] )
 {

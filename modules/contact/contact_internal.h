@@ -18,6 +18,7 @@ enum
     CONTACT_BATCH = 128,          // pairs whose distances are asked at once
     CONTACT_PAIRS_MOST = 24 * 24, // of pieces of one kind in two patches, or of the points of either with triangles
     CONTACT_ROOM = 1024,          // pairs that are looked at together
+    CONTACT_PAIRS_PART = 1024,    // pairs of patches whose slack is counted together
     CONTACT_BLOCK = 64,           // rows of a block: it is projected by one worker, from its first to its last
     CONTACT_COLOURS = 64,         // of blocks; blocks of one colour share no point
 };
@@ -89,16 +90,11 @@ typedef struct contact_near
 typedef struct contact_patch_pairs
 {
     int32_t* begin; // [patch + 1]
+    int32_t* patch; // [pair], to eights there are more
     int32_t* other; // [pair]
     float* slack;   // [pair] m: no two of their pieces are nearer to their gap
     int count;
 } contact_patch_pairs;
-
-/// A pair of patches that is looked at.
-typedef struct contact_due
-{
-    int32_t patch, pair;
-} contact_due;
 
 /// Two boundary particles within reach.
 typedef struct contact_candidate
@@ -174,7 +170,8 @@ typedef enum contact_place
     CONTACT_PATCH_NORMALS,
     CONTACT_REACHED_BOXES,
     CONTACT_PAIRS_BEGIN, // of two lists, which take turns
-    CONTACT_PAIRS_OTHER = CONTACT_PAIRS_BEGIN + 2,
+    CONTACT_PAIRS_PATCH = CONTACT_PAIRS_BEGIN + 2,
+    CONTACT_PAIRS_OTHER = CONTACT_PAIRS_PATCH + 2,
     CONTACT_PAIRS_SLACK = CONTACT_PAIRS_OTHER + 2,
     CONTACT_DUE = CONTACT_PAIRS_SLACK + 2,
     CONTACT_DUE_COUNT,
@@ -230,8 +227,8 @@ typedef struct contact_soup
 
     contact_patch_pairs pairs[2]; // the second was in use before
     int pairs_turn;               // whose arrays the first has
-    contact_due* due;             // [pair] those that are looked at in this substep
-    int32_t* due_count;           // [patch]
+    int32_t* due;                 // [pair] those that are looked at in this substep
+    int32_t* due_count;           // [part of the pairs]
     contact_near near[CONTACT_KIND_COUNT];
 
     // Boundary particles, where they are what is kept apart: vertices, then points on edges and in triangles at rest.

@@ -7,7 +7,6 @@
 
 enum
 {
-    PATCH_GRAIN = 128,
     PLACE_GRAIN = 64,
     DUE_GRAIN = 16, // pairs of patches
 };
@@ -37,33 +36,29 @@ static void find_due( void* context, int begin, int end, int worker )
     (void)worker;
     const near_loop* loop = context;
     contact_soup* s = loop->soup;
-    contact_patch_pairs* pairs = s->pairs;
-    for ( int p = begin; p < end; ++p )
-    {
-        const contact_way way = s->ways[p], gone = s->gone[p];
-        int count = 0;
-        for ( int i = pairs->begin[p]; i < pairs->begin[p + 1]; ++i )
-        {
-            const int32_t other = pairs->other[i];
-            const bool is_asked = loop->late_only == false || ( s->patch_late[p] | s->patch_late[other] ) != 0;
-            pairs->slack[i] -= loop->late_only ? 0.0f : contact_closing_of( &gone, s->gone + other );
-            const bool is_due = is_asked && !( pairs->slack[i] > contact_closing_of( &way, s->ways + other ) );
-            s->due[pairs->begin[p] + count] = ( contact_due ){ p, i };
-            count += is_due ? 1 : 0;
-        }
-        s->due_count[p] = count;
-    }
+    const wisp_slack_job job = {
+        .gone = loop->late_only ? NULL : s->gone->middle,
+        .ways = s->ways->middle,
+        .first = s->pairs[0].patch,
+        .second = s->pairs[0].other,
+        .slack = s->pairs[0].slack,
+        .due = s->due,
+    };
+    s->due_count[begin / CONTACT_PAIRS_PART] = wisp_frame_kernels( loop->work->frame )->slack_due( &job, begin, end );
 }
 
-static int gather_due( contact_soup* s )
+// Those of patches that are asked, behind each other.
+static int gather_due( contact_soup* s, bool late_only )
 {
+    const contact_patch_pairs* pairs = s->pairs;
     int count = 0;
-    for ( int p = 0; p < s->patch_count; ++p )
+    for ( int first = 0; first < pairs->count; first += CONTACT_PAIRS_PART )
     {
-        const contact_due* from = s->due + s->pairs[0].begin[p];
-        for ( int i = 0; i < s->due_count[p]; ++i )
+        for ( int i = first; i < first + s->due_count[first / CONTACT_PAIRS_PART]; ++i )
         {
-            s->due[count++] = from[i];
+            const int32_t pair = s->due[i];
+            s->due[count] = pair;
+            count += late_only == false || ( s->patch_late[pairs->patch[pair]] | s->patch_late[pairs->other[pair]] );
         }
     }
     return count;
@@ -125,7 +120,7 @@ static void place_due( near_loop* loop )
     }
     for ( int i = 0; i < loop->due_count; ++i )
     {
-        const int32_t both[2] = { s->due[i].patch, s->pairs[0].other[s->due[i].pair] };
+        const int32_t both[2] = { s->pairs[0].patch[s->due[i]], s->pairs[0].other[s->due[i]] };
         for ( int k = 0; k < 2; ++k )
         {
             s->is_placed[both[k]] = s->is_placed[both[k]] == PLACED ? PLACED : ASKED;
@@ -208,13 +203,13 @@ static float distance_of( const wisp_kernels* kernels, const contact_soup* s, in
     return kernels->apart( &job );
 }
 
-static void look_at( looking* l, const contact_due* due, int number )
+static void look_at( looking* l, int pair, int number )
 {
     const contact_soup* s = l->loop->soup;
     const wisp_kernels* kernels = wisp_frame_kernels( l->loop->work->frame );
     looked* of = l->of + number;
     contact_batch *edges = l->batches + CONTACT_EDGES, *points = l->batches + CONTACT_POINTS;
-    const int a = due->patch, b = s->pairs[0].other[due->pair];
+    const int a = s->pairs[0].patch[pair], b = s->pairs[0].other[pair];
     const float apart = a == b ? 0.0f : distance_of( kernels, s, a, b );
     if ( apart > 1.001f * of->gap + of->closing + APART_GAPS * of->gap )
     {
@@ -237,11 +232,11 @@ static void look_at( looking* l, const contact_due* due, int number )
     }
 }
 
-static void begin_look( const near_loop* loop, const contact_due* due, looked* of )
+static void begin_look( const near_loop* loop, int pair, looked* of )
 {
     const contact_soup* s = loop->soup;
     const contact_guest* guests = loop->work->state->guests;
-    const int a = due->patch, b = s->pairs[0].other[due->pair];
+    const int a = s->pairs[0].patch[pair], b = s->pairs[0].other[pair];
     of->gap =
         0.5f * ( guests[s->patches[a].guest].settings.thickness + guests[s->patches[b].guest].settings.thickness );
     of->closing = contact_closing_of( s->ways + a, s->ways + b );
@@ -283,14 +278,14 @@ static void look( void* context, int begin, int end, int worker )
             measure( l, CONTACT_POINTS );
             measure( l, CONTACT_EDGES );
         }
-        begin_look( loop, s->due + i, l->of + ( i - begin ) );
-        look_at( l, s->due + i, i - begin );
+        begin_look( loop, s->due[i], l->of + ( i - begin ) );
+        look_at( l, s->due[i], i - begin );
     }
     measure( l, CONTACT_POINTS );
     measure( l, CONTACT_EDGES );
     for ( int i = begin; i < end && loop->late_only == false; ++i )
     {
-        s->pairs[0].slack[s->due[i].pair] = slack_of( l->of + ( i - begin ) );
+        s->pairs[0].slack[s->due[i]] = slack_of( l->of + ( i - begin ) );
     }
 }
 
@@ -317,8 +312,8 @@ wisp_status contact_find_near( const contact_work* work, bool late_only, wisp_er
 {
     contact_soup* s = work->soup;
     near_loop loop = { .work = work, .soup = s, .late_only = late_only };
-    wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, find_due, &loop );
-    loop.due_count = gather_due( s );
+    wisp_parallel_for( work->parallel, s->pairs[0].count, CONTACT_PAIRS_PART, find_due, &loop );
+    loop.due_count = gather_due( s, late_only );
     place_due( &loop );
     bool enough = true;
     while ( enough && look_at_all( &loop ) == false )

@@ -90,30 +90,39 @@ static int keep_meeting( const void* context, int asker, int32_t* items, int cou
     return kept;
 }
 
-static bool reserve_pairs( const contact_work* work, contact_patch_pairs* pairs, size_t most, int which )
+static bool reserve_pairs( const contact_work* work, contact_patch_pairs* pairs, size_t count, int which )
 {
-    const size_t patches = (size_t)work->soup->patch_count + 1;
+    const size_t patches = (size_t)work->soup->patch_count + 1, most = count + WISP_SLICE;
     return contact_reserve( work, CONTACT_PAIRS_BEGIN + (contact_place)which, patches * sizeof( int32_t ),
                             (void**)&pairs->begin ) &&
+           contact_reserve( work, CONTACT_PAIRS_PATCH + (contact_place)which, most * sizeof( int32_t ),
+                            (void**)&pairs->patch ) &&
            contact_reserve( work, CONTACT_PAIRS_OTHER + (contact_place)which, most * sizeof( int32_t ),
                             (void**)&pairs->other ) &&
            contact_reserve( work, CONTACT_PAIRS_SLACK + (contact_place)which, most * sizeof( float ),
                             (void**)&pairs->slack ) &&
-           contact_reserve( work, CONTACT_DUE, most * sizeof( contact_due ), (void**)&work->soup->due ) &&
-           contact_reserve( work, CONTACT_DUE_COUNT, patches * sizeof( int32_t ), (void**)&work->soup->due_count );
+           contact_reserve( work, CONTACT_DUE, most * sizeof( int32_t ), (void**)&work->soup->due ) &&
+           contact_reserve( work, CONTACT_DUE_COUNT, ( most / CONTACT_PAIRS_PART + 1 ) * sizeof( int32_t ),
+                            (void**)&work->soup->due_count );
+}
+
+static void put_pair( contact_patch_pairs* pairs, int at, int32_t patch, int32_t other, float slack )
+{
+    pairs->patch[at] = patch;
+    pairs->other[at] = other;
+    pairs->slack[at] = slack;
 }
 
 // What is known of a pair that was listed before holds.
-static void add_pair( contact_patch_pairs* pairs, int32_t other, const contact_patch_pairs* known, int* next,
-                      int end )
+static void add_pair( contact_patch_pairs* pairs, int32_t patch, int32_t other, const contact_patch_pairs* known,
+                      int* next, int end )
 {
     while ( *next < end && known->other[*next] < other )
     {
         *next += 1;
     }
     const bool is_known = *next < end && known->other[*next] == other;
-    pairs->other[pairs->count] = other;
-    pairs->slack[pairs->count++] = is_known ? known->slack[*next] : -INFINITY;
+    put_pair( pairs, pairs->count++, patch, other, is_known ? known->slack[*next] : -INFINITY );
 }
 
 static bool list_pairs( const contact_work* work, bool is_known )
@@ -138,14 +147,18 @@ static bool list_pairs( const contact_work* work, bool is_known )
         pairs->begin[p] = pairs->count;
         if ( patches_meet( work, p, p ) )
         {
-            add_pair( pairs, p, &known, &next, end );
+            add_pair( pairs, p, p, &known, &next, end );
         }
         for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
         {
-            add_pair( pairs, found->item[i], &known, &next, end );
+            add_pair( pairs, p, found->item[i], &known, &next, end );
         }
     }
     pairs->begin[s->patch_count] = pairs->count;
+    for ( int i = 0; i < WISP_SLICE; ++i )
+    {
+        put_pair( pairs, pairs->count + i, 0, 0, INFINITY );
+    }
     return true;
 }
 

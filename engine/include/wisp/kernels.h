@@ -617,6 +617,8 @@ typedef struct wisp_kernels
     int ( *points_near )( const wisp_piece_near_job* job );
     // pairs [begin, end), multiples of 8
     void ( *closing )( const wisp_closing_job* job, int begin, int end );
+    /// Pairs [begin, end), where only begin is a multiple of 8. What is no number is due. @return how many are
+    int ( *slack_due )( const wisp_slack_job* job, int begin, int end );
     /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
     ///         that are no number are nowhere
     float ( *apart )( const wisp_apart_job* job );

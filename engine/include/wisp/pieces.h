@@ -63,4 +63,15 @@ typedef struct wisp_closing_job
     float* closing;           ///< [pair] out, m
 } wisp_closing_job;
 
+/// Pairs of which it is known how far their sides are from something, less what they came nearer since. Sides are sets of points;
+/// a way of one is the middle of where its points go, and, fourth, how far from it any of them goes at most. Arrays of pairs
+/// are padded to eights.
+typedef struct wisp_slack_job
+{
+    const float *gone, *ways;      ///< [side][4] m: what is to be counted, null if it is already; what may come
+    const int32_t *first, *second; ///< [pair] sides
+    float* slack;                  ///< [pair] in and out, m
+    int32_t* due;                  ///< [pair] out: those that may use up their slack, in front
+} wisp_slack_job;
+
 WISP_END_C
