@@ -40,57 +40,136 @@ static void solve_inertia( const double i[6], const double l[3], double w[3] )
     w[2] = ( c * l[0] + e * l[1] + f * l[2] ) / determinant;
 }
 
-static void sum_linear( int count, const float* position, const float* velocity, rigid_motion* m )
+// ---- sums ----
+
+// Sums are taken of a block of slots each, then over the blocks, in a fixed order whoever takes them, and in double: angular
+// momentum must survive thousands of steps.
+typedef struct block_sums
 {
-    for ( int slot = 0; slot < count; ++slot )
+    double mass, centre[3], velocity[3];
+    double inertia[6], momentum[3];
+} block_sums;
+
+enum
+{
+    MOST_BLOCKS = 64,
+    LEAST_BLOCK = 1024, // slots
+};
+
+typedef struct damping_loop
+{
+    const float* position;
+    float* velocity;
+    int slot_count, block; // slots of a block
+    block_sums sums[MOST_BLOCKS];
+    rigid_motion rigid;
+    double keep; // of the difference
+} damping_loop;
+
+static double mass_of( const float* position )
+{
+    return position[3] > 0.0f ? 1.0 / (double)position[3] : 0.0;
+}
+
+static int end_of( const damping_loop* loop, int block )
+{
+    const int end = ( block + 1 ) * loop->block;
+    return end < loop->slot_count ? end : loop->slot_count;
+}
+
+static void sum_linear( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    damping_loop* loop = context;
+    for ( int block = begin; block < end; ++block )
     {
-        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
-        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-        m->mass += mass;
-        for ( int k = 0; k < 3; ++k )
+        block_sums sum = { 0 };
+        for ( int slot = block * loop->block; slot < end_of( loop, block ); ++slot )
         {
-            m->centre[k] += mass * (double)p[k];
-            m->velocity[k] += mass * (double)v[k];
+            const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
+            const double mass = mass_of( p );
+            sum.mass += mass;
+            for ( int k = 0; k < 3; ++k )
+            {
+                sum.centre[k] += mass * (double)p[k];
+                sum.velocity[k] += mass * (double)v[k];
+            }
         }
+        loop->sums[block] = sum;
+    }
+}
+
+// About the centre.
+static void sum_angular( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    damping_loop* loop = context;
+    const rigid_motion m = loop->rigid;
+    for ( int block = begin; block < end; ++block )
+    {
+        double inertia[6] = { 0 }, momentum[3] = { 0 };
+        for ( int slot = block * loop->block; slot < end_of( loop, block ); ++slot )
+        {
+            const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
+            const double mass = mass_of( p );
+            double r[3], u[3], l[3];
+            for ( int k = 0; k < 3; ++k )
+            {
+                r[k] = (double)p[k] - m.centre[k];
+                u[k] = (double)v[k] - m.velocity[k];
+            }
+            cross_product( r, u, l );
+            for ( int k = 0; k < 3; ++k )
+            {
+                momentum[k] += mass * l[k];
+            }
+            inertia[0] += mass * ( r[1] * r[1] + r[2] * r[2] );
+            inertia[1] += mass * ( r[0] * r[0] + r[2] * r[2] );
+            inertia[2] += mass * ( r[0] * r[0] + r[1] * r[1] );
+            inertia[3] -= mass * r[0] * r[1];
+            inertia[4] -= mass * r[0] * r[2];
+            inertia[5] -= mass * r[1] * r[2];
+        }
+        memcpy( loop->sums[block].inertia, inertia, sizeof( inertia ) );
+        memcpy( loop->sums[block].momentum, momentum, sizeof( momentum ) );
+    }
+}
+
+static void add( double* to, const double* terms, int count )
+{
+    for ( int k = 0; k < count; ++k )
+    {
+        to[k] += terms[k];
+    }
+}
+
+static void measure( damping_loop* loop, const wisp_parallel* parallel )
+{
+    const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
+    rigid_motion* m = &loop->rigid;
+    wisp_parallel_for( parallel, blocks, 1, sum_linear, loop );
+    for ( int b = 0; b < blocks; ++b )
+    {
+        m->mass += loop->sums[b].mass;
+        add( m->centre, loop->sums[b].centre, 3 );
+        add( m->velocity, loop->sums[b].velocity, 3 );
     }
     for ( int k = 0; k < 3 && m->mass > 0.0; ++k )
     {
         m->centre[k] /= m->mass;
         m->velocity[k] /= m->mass;
     }
+    wisp_parallel_for( parallel, blocks, 1, sum_angular, loop );
+    double inertia[6] = { 0 }, momentum[3] = { 0 };
+    for ( int b = 0; b < blocks; ++b )
+    {
+        add( inertia, loop->sums[b].inertia, 6 );
+        add( momentum, loop->sums[b].momentum, 3 );
+    }
+    solve_inertia( inertia, momentum, m->angular );
 }
 
-// In a fixed order and in double: angular momentum must survive thousands of steps.
-static rigid_motion measure( int count, const float* position, const float* velocity )
-{
-    rigid_motion m = { 0 };
-    sum_linear( count, position, velocity, &m );
-    double inertia[6] = { 0 }, momentum[3] = { 0 };
-    for ( int slot = 0; slot < count; ++slot )
-    {
-        const float *p = position + (size_t)slot * 4, *v = velocity + (size_t)slot * 4;
-        double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
-        double r[3], u[3], l[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            r[k] = (double)p[k] - m.centre[k];
-            u[k] = (double)v[k] - m.velocity[k];
-        }
-        cross_product( r, u, l );
-        for ( int k = 0; k < 3; ++k )
-        {
-            momentum[k] += mass * l[k];
-        }
-        inertia[0] += mass * ( r[1] * r[1] + r[2] * r[2] );
-        inertia[1] += mass * ( r[0] * r[0] + r[2] * r[2] );
-        inertia[2] += mass * ( r[0] * r[0] + r[1] * r[1] );
-        inertia[3] -= mass * r[0] * r[1];
-        inertia[4] -= mass * r[0] * r[2];
-        inertia[5] -= mass * r[1] * r[2];
-    }
-    solve_inertia( inertia, momentum, m.angular );
-    return m;
-}
+// ---- damping ----
 
 static bool has_triangle( const wisp_fabric* f, int slot )
 {
@@ -111,14 +190,6 @@ static bool is_pinned( const wisp_fabric* f, const float* position )
     }
     return false;
 }
-
-typedef struct damping_loop
-{
-    const float* position;
-    float* velocity;
-    rigid_motion rigid;
-    double keep; // of the difference
-} damping_loop;
 
 static void damp_slots( void* context, int begin, int end, int worker )
 {
@@ -146,19 +217,23 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     enum
     {
-        GRAIN = 2048,
+        GRAIN = 1024,
     };
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
+    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
+    const int most = ( fabric->vertex_count + MOST_BLOCKS - 1 ) / MOST_BLOCKS;
     damping_loop loop = {
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+        .slot_count = fabric->vertex_count,
+        .block = most > LEAST_BLOCK ? most : LEAST_BLOCK,
         .keep = 1.0 / ( 1.0 + (double)rate * (double)wisp_frame_seconds( frame ) ),
     };
     if ( is_pinned( fabric, loop.position ) == false )
     {
-        loop.rigid = measure( fabric->vertex_count, loop.position, loop.velocity );
+        measure( &loop, parallel );
     }
-    wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->vertex_count, GRAIN, damp_slots, &loop );
+    wisp_parallel_for( parallel, fabric->vertex_count, GRAIN, damp_slots, &loop );
 }
