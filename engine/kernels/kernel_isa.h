@@ -43,6 +43,8 @@ void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end
 void KERNEL( piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
 int KERNEL( edges_near )( const wisp_piece_near_job* job );
 int KERNEL( points_near )( const wisp_piece_near_job* job );
+void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end );
+bool KERNEL( leave_ways )( const wisp_way_job* job, int begin, int end );
 void KERNEL( closing )( const wisp_closing_job* job, int begin, int end );
 int KERNEL( slack_due )( const wisp_slack_job* job, int begin, int end );
 float KERNEL( apart )( const wisp_apart_job* job );

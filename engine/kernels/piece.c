@@ -268,6 +268,51 @@ int KERNEL( points_near )( const wisp_piece_near_job* job )
     return find( job, false );
 }
 
+// ---- ways ----
+
+LANE_INLINE lane8v way_of( const wisp_way_job* job, int point )
+{
+    lane8v now, before;
+    lane8 weight;
+    lane8_load_xyzw_contiguous( job->now + (size_t)point * 4, &now.x, &now.y, &now.z, &weight );
+    lane8_load_xyzw_contiguous( job->before + (size_t)point * 4, &before.x, &before.y, &before.z, &weight );
+    return lane8v_sub( now, before );
+}
+
+// What is no length is none.
+LANE_INLINE lane8 length_of( lane8v way )
+{
+    const lane8 length = lane8_sqrt( lane8v_dot( way, way ) );
+    return lane8_select( lane8_lt( length, lane8_set1( 1e6f ) ), length, lane8_zero() );
+}
+
+void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end )
+{
+    const lane8v common = { lane8_set1( job->common[0] ), lane8_set1( job->common[1] ),
+                            lane8_set1( job->common[2] ) };
+    const lane8 share = lane8_set1( job->share ), spare = lane8_set1( job->spare );
+    for ( int p = begin; p < end; p += LANES )
+    {
+        const lane8v way = way_of( job, p );
+        const lane8 most = lane8_add( lane8_mul( share, length_of( lane8v_sub( way, common ) ) ), spare );
+        lane8_store_xyzw_contiguous( job->way + (size_t)p * 4, way.x, way.y, way.z, most );
+    }
+}
+
+bool KERNEL( leave_ways )( const wisp_way_job* job, int begin, int end )
+{
+    uint32_t bits = 0;
+    for ( int p = begin; p < end; p += LANES )
+    {
+        lane8v expected;
+        lane8 most;
+        lane8_load_xyzw_contiguous( job->way + (size_t)p * 4, &expected.x, &expected.y, &expected.z, &most );
+        const lane8m beyond = lane8_gt( length_of( lane8v_sub( way_of( job, p ), expected ) ), most );
+        bits |= lane8m_bits( lane8m_and( beyond, lane8m_first( end - p ) ) );
+    }
+    return bits != 0;
+}
+
 // How much nearer two points may come.
 LANE_INLINE lane8 closing_of( const lane8 p[4], const lane8 q[4] )
 {

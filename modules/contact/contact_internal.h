@@ -290,6 +290,8 @@ typedef struct contact_work
 bool contact_reserve( const contact_work* work, contact_place place, size_t bytes, void** out );
 wisp_status contact_build_soup( const contact_work* work );
 void contact_release_soup( contact_soup* soup, const wisp_allocator* allocator );
+
+// contact_gather.c
 /// Points from the columns: where they are, and where they were safe.
 void contact_gather( const contact_work* work, bool is_start );
 /// Points back into the columns; what is safe with the last iteration.

@@ -7,7 +7,7 @@
 
 enum
 {
-    GRAIN = 2048,
+    GRAIN = 1024,
     PATCH_GRAIN = 256,
     SUBSTEPS_AHEAD = 5, // that patches are taken to drift
 };
@@ -25,6 +25,7 @@ typedef struct way_loop
     const contact_work* work;
     contact_soup* soup;
     double ( *sums )[3]; // [block]
+    _Atomic bool has_fixed;
     float drifts;        // 1 while patches are taken to drift, else 0
     bool is_expected;    // else it is measured
     _Atomic int reached; // contact_reached
@@ -39,8 +40,9 @@ int contact_drift_substeps( const contact_work* work )
 static void sum_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const way_loop* loop = context;
+    way_loop* loop = context;
     double* sum = loop->sums[begin / GRAIN];
+    bool has_fixed = false;
     sum[0] = sum[1] = sum[2] = 0.0;
     for ( size_t i = (size_t)begin * 4; i < (size_t)end * 4; i += 4 )
     {
@@ -49,19 +51,12 @@ static void sum_ways( void* context, int begin, int end, int worker )
             const float way = loop->soup->now[i + k] - loop->soup->safe[i + k];
             sum[k] += fabsf( way ) < FARTHEST ? (double)way : 0.0;
         }
+        has_fixed = has_fixed || loop->soup->now[i + 3] == 0.0f;
     }
-}
-
-static bool has_fixed( const contact_soup* s )
-{
-    for ( int i = 0; i < s->point_count; ++i )
+    if ( has_fixed )
     {
-        if ( s->now[(size_t)i * 4 + 3] == 0.0f )
-        {
-            return true;
-        }
+        atomic_store( &loop->has_fixed, true );
     }
-    return false;
 }
 
 static void find_common( way_loop* loop )
@@ -70,15 +65,14 @@ static void find_common( way_loop* loop )
     contact_soup* s = work->soup;
     const int blocks = ( s->point_count + GRAIN - 1 ) / GRAIN;
     memset( s->common, 0, sizeof( s->common ) );
-    loop->sums = has_fixed( s )
-                     ? NULL
-                     : wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
+    loop->sums = wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
     if ( loop->sums == NULL )
     {
         return; // without memory nothing is in common, which is as true and costs time alone
     }
+    atomic_init( &loop->has_fixed, false );
     wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_ways, loop );
-    for ( int k = 0; k < 3; ++k )
+    for ( int k = 0; k < 3 && atomic_load( &loop->has_fixed ) == false; ++k )
     {
         double sum = 0.0;
         for ( int b = 0; b < blocks; ++b )
@@ -103,21 +97,7 @@ static float length_of( float x, float y, float z )
     return length < FARTHEST ? length : 0.0f;
 }
 
-// Where a point goes, and how well that is known: which pairs become rows follows from this, not from what was searched.
-static void expect_way( contact_soup* s, int point )
-{
-    float* ahead = s->ahead + (size_t)point * 4;
-    const float *now = s->now + (size_t)point * 4, *safe = s->safe + (size_t)point * 4, *c = s->common;
-    for ( int k = 0; k < 3; ++k )
-    {
-        ahead[k] = now[k] - safe[k];
-    }
-    const float length = length_of( ahead[0] - c[0], ahead[1] - c[1], ahead[2] - c[2] );
-    ahead[3] = SPARE * length + SPARE_THICKNESS * s->least_thickness;
-    s->is_late[point] = 0;
-}
-
-static bool measure_way( contact_soup* s, int point )
+static void measure_way( contact_soup* s, int point )
 {
     float* ahead = s->ahead + (size_t)point * 4;
     const float *now = s->now + (size_t)point * 4, *safe = s->safe + (size_t)point * 4;
@@ -129,24 +109,33 @@ static bool measure_way( contact_soup* s, int point )
         ahead[3] = SPARE_LATE * s->least_thickness;
         s->is_late[point] = 1;
     }
-    return is_late;
 }
 
+// Where points go, and how well that is known: which pairs become rows follows from this, not from what was searched.
 static void find_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    bool is_late = false;
-    for ( int p = begin; p < end; ++p )
+    contact_soup* s = loop->soup;
+    const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
+    const wisp_way_job job = {
+        .before = s->safe,
+        .now = s->now,
+        .common = { s->common[0], s->common[1], s->common[2] },
+        .share = SPARE,
+        .spare = SPARE_THICKNESS * s->least_thickness,
+        .way = s->ahead,
+    };
+    if ( loop->is_expected )
     {
-        if ( loop->is_expected )
-        {
-            expect_way( loop->soup, p );
-        }
-        else
-        {
-            is_late = measure_way( loop->soup, p ) || is_late;
-        }
+        kernels->take_ways( &job, begin, end );
+        memset( s->is_late + begin, 0, (size_t)( end - begin ) );
+        return;
+    }
+    const bool is_late = kernels->leave_ways( &job, begin, end );
+    for ( int p = begin; p < end && is_late; ++p )
+    {
+        measure_way( s, p );
     }
     if ( is_late )
     {

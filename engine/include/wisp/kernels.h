@@ -615,6 +615,11 @@ typedef struct wisp_kernels
     int ( *edges_near )( const wisp_piece_near_job* job );
     /// The same of points that ask triangles.
     int ( *points_near )( const wisp_piece_near_job* job );
+    // points, begin a multiple of 8
+    /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
+    void ( *take_ways )( const wisp_way_job* job, int begin, int end );
+    /// Does a point go farther from where its way leads than the fourth of it? What is no number does not.
+    bool ( *leave_ways )( const wisp_way_job* job, int begin, int end );
     // pairs [begin, end), multiples of 8
     void ( *closing )( const wisp_closing_job* job, int begin, int end );
     /// Pairs [begin, end), where only begin is a multiple of 8. What is no number is due. @return how many are

@@ -63,6 +63,15 @@ typedef struct wisp_closing_job
     float* closing;           ///< [pair] out, m
 } wisp_closing_job;
 
+/// Where points go, quads. Arrays have room for the last eight.
+typedef struct wisp_way_job
+{
+    const float *before, *now; ///< [point][4] m
+    float common[3];           ///< m, that all of them go together
+    float share, spare;        ///< of what a point goes beside that, and m
+    float* way;                ///< [point][4] m; the fourth is share and spare of it
+} wisp_way_job;
+
 /// Pairs of which it is known how far their sides are from something, less what they came nearer since. Sides are sets of points;
 /// a way of one is the middle of where its points go, and, fourth, how far from it any of them goes at most. Arrays of pairs
 /// are padded to eights.
