@@ -1,0 +1,140 @@
+// Where points go, and how much nearer others they may come for it.
+#include "kernel_isa.h"
+
+enum
+{
+    LANES = 8,
+};
+
+LANE_INLINE lane8v way_of( const wisp_way_job* job, int point )
+{
+    lane8v now, before;
+    lane8 weight;
+    lane8_load_xyzw_contiguous( job->now + (size_t)point * 4, &now.x, &now.y, &now.z, &weight );
+    lane8_load_xyzw_contiguous( job->before + (size_t)point * 4, &before.x, &before.y, &before.z, &weight );
+    return lane8v_sub( now, before );
+}
+
+// What is no length is none.
+LANE_INLINE lane8 length_of( lane8v way )
+{
+    const lane8 length = lane8_sqrt( lane8v_dot( way, way ) );
+    return lane8_select( lane8_lt( length, lane8_set1( 1e6f ) ), length, lane8_zero() );
+}
+
+void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end )
+{
+    const lane8v common = { lane8_set1( job->common[0] ), lane8_set1( job->common[1] ),
+                            lane8_set1( job->common[2] ) };
+    const lane8 share = lane8_set1( job->share ), spare = lane8_set1( job->spare );
+    for ( int p = begin; p < end; p += LANES )
+    {
+        const lane8v way = way_of( job, p );
+        const lane8 most = lane8_add( lane8_mul( share, length_of( lane8v_sub( way, common ) ) ), spare );
+        lane8_store_xyzw_contiguous( job->way + (size_t)p * 4, way.x, way.y, way.z, most );
+    }
+}
+
+bool KERNEL( leave_ways )( const wisp_way_job* job, int begin, int end )
+{
+    uint32_t bits = 0;
+    for ( int p = begin; p < end; p += LANES )
+    {
+        lane8v expected;
+        lane8 most;
+        lane8_load_xyzw_contiguous( job->way + (size_t)p * 4, &expected.x, &expected.y, &expected.z, &most );
+        const lane8m beyond = lane8_gt( length_of( lane8v_sub( way_of( job, p ), expected ) ), most );
+        bits |= lane8m_bits( lane8m_and( beyond, lane8m_first( end - p ) ) );
+    }
+    return bits != 0;
+}
+
+// How much nearer two points may come.
+LANE_INLINE lane8 closing_of( const lane8 p[4], const lane8 q[4] )
+{
+    const lane8v between = { lane8_sub( p[0], q[0] ), lane8_sub( p[1], q[1] ), lane8_sub( p[2], q[2] ) };
+    return lane8_add( lane8_sqrt( lane8v_dot( between, between ) ), lane8_add( p[3], q[3] ) );
+}
+
+void KERNEL( closing )( const wisp_closing_job* job, int begin, int end )
+{
+    const int split = job->are_edges ? 2 : 1;
+    for ( int pair = begin; pair < end; pair += LANES )
+    {
+        lane8 ahead[4][4], most = lane8_zero();
+        for ( int i = 0; i < 4; ++i )
+        {
+            lane8* p = ahead[i];
+            lane8_load_xyzw( job->ahead, job->point4[i] + pair, p, p + 1, p + 2, p + 3 );
+        }
+        for ( int i = 0; i < split; ++i )
+        {
+            for ( int k = split; k < 4; ++k )
+            {
+                const lane8 closing = closing_of( ahead[i], ahead[k] );
+                most = lane8_select( lane8_gt( most, closing ), most, closing );
+            }
+        }
+        lane8_storeu( job->closing + pair, most );
+    }
+}
+
+// How much nearer sides may come, at most; a little more, for what is added up is rounded.
+LANE_INLINE lane8 closing_of_sides( const float* ways, const int32_t first4[8], const int32_t second4[8] )
+{
+    lane8 a[4], b[4];
+    lane8_load_xyzw( ways, first4, a, a + 1, a + 2, a + 3 );
+    lane8_load_xyzw( ways, second4, b, b + 1, b + 2, b + 3 );
+    return lane8_mul( lane8_set1( 1.0001f ), closing_of( a, b ) );
+}
+
+int KERNEL( slack_due )( const wisp_slack_job* job, int begin, int end )
+{
+    int count = 0;
+    for ( int pair = begin; pair < end; pair += LANES )
+    {
+        int32_t first4[LANES], second4[LANES];
+        lane8i_storeu( first4, lane8i_shift_left( lane8i_loadu( job->first + pair ), 2 ) );
+        lane8i_storeu( second4, lane8i_shift_left( lane8i_loadu( job->second + pair ), 2 ) );
+        lane8 slack = lane8_loadu( job->slack + pair );
+        if ( job->gone != NULL )
+        {
+            slack = lane8_sub( slack, closing_of_sides( job->gone, first4, second4 ) );
+            lane8_storeu( job->slack + pair, slack );
+        }
+        const lane8m left = lane8_gt( slack, closing_of_sides( job->ways, first4, second4 ) );
+        const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - pair ), left ) );
+        const lane8i numbers = lane8i_add( lane8i_set1( pair ), lane8i_iota() );
+        count += lane8i_compress_store( job->due + begin + count, numbers, bits );
+    }
+    return count;
+}
+
+void KERNEL( quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
+                           float high[4] )
+{
+    lane8 least = lane8_set1( INFINITY ), most = lane8_set1( -INFINITY );
+    for ( int i = 0; i < count; i += LANES )
+    {
+        lane8 q[4], from[4];
+        lane8_load_quads( quads, point4 + i, q );
+        if ( less != NULL )
+        {
+            lane8_load_quads( less, point4 + i, from );
+        }
+        for ( int k = 0; k < 4; ++k )
+        {
+            const lane8 v = less != NULL ? lane8_sub( q[k], from[k] ) : q[k];
+            least = lane8_min( v, least ); // of what is no number the second
+            most = lane8_max( v, most );
+        }
+    }
+    float both[2][LANES];
+    lane8_storeu( both[0], least );
+    lane8_storeu( both[1], most );
+    for ( int k = 0; k < 4; ++k )
+    {
+        low[k] = both[0][k] < both[0][k + 4] ? both[0][k] : both[0][k + 4];
+        high[k] = both[1][k] > both[1][k + 4] ? both[1][k] : both[1][k + 4];
+    }
+}
