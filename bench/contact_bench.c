@@ -22,6 +22,7 @@ contact_plan contact_default_plan( const bench_options* options )
                              : 24,
         .fold_steps = brief ? 40 : 300,
         .fold_seconds = 0.25 * seconds,
+        .motion_seconds = 0.1 * seconds,
         .balloon_level = full    ? 3
                          : brief ? 1
                                  : 2,
@@ -40,7 +41,8 @@ contact_plan contact_default_plan( const bench_options* options )
 
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )
 {
-    static contact_fn* const tables[] = { contact_queries, contact_price, contact_balloons, contact_pictures };
+    static contact_fn* const tables[] = { contact_queries, contact_price, contact_motion, contact_balloons,
+                                          contact_pictures };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {

@@ -13,9 +13,10 @@ typedef struct contact_plan
     int sheet_sides[CONTACT_SIZES_MAX], sphere_levels[CONTACT_SIZES_MAX], size_count; ///< of what is searched, rising
     double brute_most;    ///< boxes compared by brute force at the most; beyond it, only a sample asks
     double query_seconds; ///< about how long times of queries are taken
-    double fold_seconds, balloon_seconds; ///< that one way may take; it ends earlier where it would take longer
-    int fold_side, fold_steps;            ///< of the cloth
-    int balloon_level, balloon_steps;     ///< of pair and stack
+    double fold_seconds, motion_seconds,
+        balloon_seconds;              ///< that one way may take; it ends earlier where it would take longer
+    int fold_side, fold_steps;        ///< of the cloth
+    int balloon_level, balloon_steps; ///< of pair and stack
     int picture_side, picture_level, picture_steps; ///< of what pictures show
     int picture_pixels;
     contact_teams teams;
@@ -34,5 +35,6 @@ typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_err
 
 contact_fn contact_queries;  ///< grid, tree and brute force on the same boxes
 contact_fn contact_price;    ///< a folding cloth by features, guard, spacing and margin: what is missed, against cost
+contact_fn contact_motion;   ///< the same cloth over a ball that rests, and that swings slowly or fast
 contact_fn contact_balloons; ///< a pair pressed together, a stack in a box
 contact_fn contact_pictures; ///< both, and the cloth, if there is a folder for it

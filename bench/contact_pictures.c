@@ -249,7 +249,7 @@ static wisp_status add_plate( shot* s, int number, int step, wisp_error* error )
 {
     static const int32_t triangles[] = { 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 1, 4, 1, 5, 4,
                                          2, 6, 3, 3, 6, 7, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5 };
-    const float at = contact_plate_at( number, step ).x, thick = number == 0 ? -0.01f : 0.01f;
+    const float at = contact_plate_at( number, (float)step ).x, thick = number == 0 ? -0.01f : 0.01f;
     const float half = 1.1f * PRESS_RADIUS;
     wisp_vec3 points[8];
     for ( int i = 0; i < 8; ++i )
@@ -381,7 +381,7 @@ static wisp_status take_cloth( album* all, contact_world* world, int steps, wisp
     shot* s = all->shots + all->count++;
     snprintf( s->label, sizeof( s->label ), "%.2f s", (double)( CONTACT_STEP * (float)world->steps ) );
     status = status == WISP_OK ? add_cloth( s, world, error ) : status;
-    return status == WISP_OK ? add_ball( s, contact_ball_at( 0, world->steps ), error ) : status;
+    return status == WISP_OK ? add_ball( s, contact_ball_at( 0, world->pace * (float)world->steps ), error ) : status;
 }
 
 static contact_setting setting_of( const contact_plan* plan )

@@ -160,7 +160,7 @@ wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* e
         .options = plan->options,
         .name = "contact.fold",
         .begin = 0.3,
-        .span = 0.4,
+        .span = 0.25,
     };
     status = contact_race_run( &race, runs, error );
     if ( status == WISP_OK )

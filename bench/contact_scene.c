@@ -83,7 +83,7 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
     // who keeps nothing apart and is not looked at does without the module
     const bool has_contact = setting->way.is_off == false || setting->wants_figures;
     const wisp_module* const modules[] = { effect, &wisp_collision_module, &wisp_contact_module };
-    *out = ( contact_world ){ .scene = scene };
+    *out = ( contact_world ){ .scene = scene, .pace = 1.0f - setting->way.ball_held };
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = has_contact ? 3 : 2;
@@ -183,10 +183,10 @@ static void keep_mover( contact_world* out, wisp_entity body, wisp_quat turn )
 
 // ---- the cloth ----
 
-wisp_vec3 contact_ball_at( int mover, int step )
+wisp_vec3 contact_ball_at( int mover, float steps )
 {
     (void)mover;
-    const float t = CONTACT_STEP * (float)step;
+    const float t = CONTACT_STEP * steps;
     return ( wisp_vec3 ){ FOLD_SWING * ( 0.3f + sinf( FOLD_SWING_X * t ) ), FOLD_BALL_HEIGHT,
                           FOLD_SWING * ( 0.1f + sinf( FOLD_SWING_Z * t ) ) };
 }
@@ -197,7 +197,7 @@ static wisp_status add_ball_and_ground( contact_world* out )
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = FOLD_BALL_RADIUS;
-    ball.pose.translation = contact_ball_at( 0, 0 );
+    ball.pose.translation = contact_ball_at( 0, 0.0f );
     out->place = contact_ball_at;
     const wisp_status status = wisp_add_collider( out->world, &ball, &body );
     if ( status == WISP_OK )
@@ -280,9 +280,9 @@ static wisp_status add_balloons( const contact_setting* setting, const balloon_p
     return status;
 }
 
-wisp_vec3 contact_plate_at( int mover, int step )
+wisp_vec3 contact_plate_at( int mover, float steps )
 {
-    const float share = fminf( (float)step / (float)PAIR_CLOSING, 1.0f );
+    const float share = fminf( steps / (float)PAIR_CLOSING, 1.0f );
     const float from_middle = PRESS_RADIUS * ( PAIR_OPEN + share * ( PAIR_CLOSED - PAIR_OPEN ) );
     return ( wisp_vec3 ){ mover == 0 ? -from_middle : from_middle, 0.0f, 0.0f };
 }
@@ -297,7 +297,7 @@ static wisp_status add_plates( contact_world* out )
     for ( int i = 0; i < 2 && status == WISP_OK; ++i )
     {
         wisp_entity plate;
-        status = add_plane( out, ( wisp_rigid ){ turns[i], contact_plate_at( i, 0 ) }, &plate );
+        status = add_plane( out, ( wisp_rigid ){ turns[i], contact_plate_at( i, 0.0f ) }, &plate );
         if ( status == WISP_OK )
         {
             keep_mover( out, plate, turns[i] );
@@ -387,7 +387,7 @@ wisp_status contact_step( void* context, wisp_error* error )
     wisp_status status = WISP_OK;
     for ( int i = 0; i < w->mover_count && status == WISP_OK; ++i )
     {
-        const wisp_rigid pose = { w->turns[i], w->place( i, w->steps + 1 ) };
+        const wisp_rigid pose = { w->turns[i], w->place( i, w->pace * (float)( w->steps + 1 ) ) };
         status = wisp_move_collider( w->world, w->movers[i], pose );
     }
     status = status ? status : wisp_world_step( w->world, CONTACT_STEP );

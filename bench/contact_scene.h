@@ -47,6 +47,8 @@ typedef struct contact_way
     float margin;  ///< in thicknesses
     bool no_guard;
     wisp_pair_search search;
+    float
+        ball_held; ///< share of its pace that the ball is held back by: 0 as it swings, 1 it rests, -1 twice as fast
 } contact_way;
 
 /// A mesh that takes part once or several times.
@@ -70,8 +72,8 @@ typedef struct contact_setting
     bool wants_figures; ///< of contact and of motion; without them a step is as a user has it
 } contact_setting;
 
-/// Where a body is at the end of a step.
-typedef wisp_vec3 contact_place_fn( int mover, int step );
+/// Where a body is after so many steps, or parts of one.
+typedef wisp_vec3 contact_place_fn( int mover, float steps );
 
 typedef struct contact_world
 {
@@ -82,6 +84,7 @@ typedef struct contact_world
     wisp_quat turns[2];    ///< how they stand
     int mover_count;
     contact_place_fn* place;    ///< of the movers
+    float pace;                 ///< of the movers: so many of their steps go by in one
     const contact_scene* scene; ///< the caller's, who keeps it until the world is gone
     int steps;
     int halted_at; ///< the step at which a surface left its bounds; 0: none did

@@ -25,6 +25,7 @@ static contact_plan small_plan( void )
         .fold_side = 16,
         .fold_steps = 50,
         .fold_seconds = 1e3,
+        .motion_seconds = 1e3,
         .balloon_level = 1,
         .balloon_steps = 30,
         .balloon_seconds = 1e3,
@@ -50,6 +51,7 @@ static void no_check_of_the_case_fails( void** state )
     assert_false( all->failed );
     assert_column( find_table( all, "Contact, queries" ), "same", "yes" );
     assert_column( find_table( all, "Contact, the price" ), "same", "yes" );
+    assert_column( find_table( all, "Contact, what motion costs" ), "same", "yes" );
     assert_column( find_table( all, "Contact, two balloons" ), "same", "yes" );
     assert_column( find_table( all, "Contact, ten balloons" ), "same", "yes" );
 }
@@ -108,6 +110,26 @@ static void a_larger_margin_has_more_pairs( void** state )
     assert_true( one < two && two < four );
 }
 
+static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table( void** state )
+{
+    const results_table* table = find_table( *state, "Contact, what motion costs" );
+    const results_table* price = find_table( *state, "Contact, the price" );
+    const int rest = row_of( table, "ball at rest" ), pace = row_of( table, "its pace" ),
+              twice = row_of( table, "twice its pace" );
+    assert_string_equal( named_cell( table, pace, "hash" ),
+                         named_cell( price, row_of( price, "exact, margin 1" ), "hash" ) );
+    assert_string_not_equal( named_cell( table, rest, "hash" ), named_cell( table, pace, "hash" ) );
+    assert_string_not_equal( named_cell( table, twice, "hash" ), named_cell( table, pace, "hash" ) );
+    assert_true( number( table, rest, "m/s at most" ) == 0.0 );
+    assert_true( number( table, pace, "m/s at most" ) == 0.54 ); // 0.15 m, 3 and 2 rad/s
+    assert_true( number( table, twice, "m/s at most" ) == 1.08 );
+    for ( int r = pace; r < table->row_count; ++r )
+    {
+        assert_string_equal( named_cell( table, r, "crossings at most" ), "0" );
+        assert_true( number( table, r, "contacts" ) > 0.0 );
+    }
+}
+
 static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
 {
     const results_table* table = find_table( *state, "Contact, two balloons" );
@@ -119,13 +141,15 @@ static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
 static void rows_for_machines_are_there_for_every_worker_count( void** state )
 {
     const results* all = *state;
-    int rows = 0;
+    int rows = 0, motion_rows = 0;
     for ( int i = 0; i < all->row_count; ++i )
     {
         rows += strcmp( all->rows[i].name, "contact.fold" ) == 0 ? 1 : 0;
+        motion_rows += strcmp( all->rows[i].name, "contact.motion" ) == 0 ? 1 : 0;
         assert_true( all->rows[i].steps > 0 && isfinite( all->rows[i].ms_median ) );
     }
     assert_int_equal( rows, 2 * ( find_table( all, "Contact, the price" )->row_count - 1 ) );
+    assert_int_equal( motion_rows, 2 * ( find_table( all, "Contact, what motion costs" )->row_count - 1 ) );
 }
 
 // ---- limits ----
@@ -296,6 +320,7 @@ int main( void )
         cmocka_unit_test( what_is_not_kept_apart_crosses_and_what_is_does_not ),
         cmocka_unit_test( the_tree_folds_the_cloth_as_the_grid_does ),
         cmocka_unit_test( a_larger_margin_has_more_pairs ),
+        cmocka_unit_test( a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table ),
         cmocka_unit_test( balloons_overlap_only_where_nothing_keeps_them_apart ),
         cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
         cmocka_unit_test( a_way_that_takes_too_long_ends_early ),

@@ -1,0 +1,116 @@
+// What motion costs: the same cloth folds over a ball that rests, and over one that swings slowly or fast. Pairs are found by
+// how near they are and how fast they come nearer, so what moves against itself costs more.
+#include "contact_bench.h"
+
+#include <math.h>
+#include <string.h>
+
+static const contact_way ways[] = {
+    { .name = "no contact", .is_off = true, .margin = 1.0f },
+    { .name = "ball at rest", .margin = 1.0f, .ball_held = 1.0f },
+    { .name = "a quarter of its pace", .margin = 1.0f, .ball_held = 0.75f },
+    { .name = "half of its pace", .margin = 1.0f, .ball_held = 0.5f },
+    { .name = "its pace", .margin = 1.0f },
+    { .name = "twice its pace", .margin = 1.0f, .ball_held = -1.0f },
+};
+
+// m/s, of the ball where it is fastest.
+static double speed_of( const contact_way* way )
+{
+    return (double)( FOLD_SWING * hypotf( FOLD_SWING_X, FOLD_SWING_Z ) * ( 1.0f - way->ball_held ) );
+}
+
+static void add_line( const contact_race* race, const contact_run* run, int table, results* out )
+{
+    const contact_tally* t = &run->tally;
+    const double speed = speed_of( &run->way );
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", run->way.name );
+    cells_put_number( &row, speed, 2 );
+    cells_put_number( &row, speed * (double)( CONTACT_STEP / CONTACT_SUBSTEPS / race->scene->thickness ), 2 );
+    contact_race_put_times( race, run, &row );
+    cells_put( &row, "%d", run->steps );
+    cells_put_number( &row, t->contacts, 0 );
+    cells_put_number( &row, t->searches, 2 );
+    cells_put( &row, "%d", t->crossings_most );
+    cells_put( &row, "%d", t->crossed_steps );
+    cells_put_number( &row, (double)t->least_gap, 3 );
+    cells_put( &row, "%lld", (long long)t->guarded );
+    cells_put_hash( &row, run->hash );
+    cells_put( &row, "%s", run->same_hash ? "yes" : "NO" );
+    cells_end_row( &row, table, out );
+}
+
+static int begin_table( const contact_race* race, results* out )
+{
+    char title[160];
+    snprintf( title, sizeof( title ),
+              "Contact, what motion costs: cloth of %d vertices folding over a ball, %d steps of %d substeps",
+              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+    cells header = { .count = 0 };
+    cells_put( &header, "ball" );
+    cells_put( &header, "m/s at most" );
+    cells_put( &header, "gaps a substep" );
+    for ( int i = 0; i < race->teams->count; ++i )
+    {
+        cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
+    }
+    static const char* const names[] = { "steps",         "contacts",  "searches", "crossings at most",
+                                         "crossed steps", "least gap", "guarded",  "hash",
+                                         "same" };
+    for ( int i = 0; i < WISP_COUNT( names ); ++i )
+    {
+        cells_put( &header, "%s", names[i] );
+    }
+    return cells_begin_table( &header, title, out );
+}
+
+static void write_table( const contact_race* race, const contact_run* runs, results* out )
+{
+    const int table = begin_table( race, out );
+    for ( int i = 0; i < race->way_count; ++i )
+    {
+        add_line( race, runs + i, table, out );
+        contact_race_add_rows( race, runs + i, out );
+        contact_race_check( race, runs + i, out );
+        if ( runs[i].way.is_off == false && runs[i].tally.crossings_most > 0 )
+        {
+            results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.",
+                                 runs[i].way.name, runs[i].tally.crossings_most );
+        }
+    }
+    results_add_note(
+        out, "Contact, motion: the cloth falls in the first second whatever the ball does, which the mean has "
+             "and the median has not. gaps a substep: what the ball moves at most, of the thickness." );
+}
+
+wisp_status contact_motion( const contact_plan* plan, results* out, wisp_error* error )
+{
+    contact_scene scene;
+    contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
+    wisp_status status = contact_make_cloth( plan->fold_side, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const contact_race race = {
+        .scene = &scene,
+        .enter = contact_enter_fold,
+        .ways = ways,
+        .way_count = WISP_COUNT( ways ),
+        .steps = plan->fold_steps,
+        .seconds = plan->motion_seconds,
+        .teams = &plan->teams,
+        .options = plan->options,
+        .name = "contact.motion",
+        .begin = 0.55,
+        .span = 0.15,
+    };
+    status = contact_race_run( &race, runs, error );
+    if ( status == WISP_OK )
+    {
+        write_table( &race, runs, out );
+    }
+    contact_scene_free( &scene );
+    return status;
+}
