@@ -203,8 +203,11 @@ static void find_patch_ways( void* context, int begin, int end, int worker )
     bool is_beyond = false;
     for ( int p = begin; p < end; ++p )
     {
-        s->ways[p] = expected_way_of( loop->work, s->patches + p );
         s->patch_late[p] = loop->is_expected == false && has_late( s, s->patches + p );
+        if ( loop->is_expected || s->patch_late[p] )
+        {
+            s->ways[p] = expected_way_of( loop->work, s->patches + p );
+        }
         is_beyond = is_beyond || s->courses[p].spent + contact_length_of_way( s, s->ways + p ) > s->courses[p].reach;
     }
     if ( is_beyond )
