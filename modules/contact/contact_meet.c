@@ -197,7 +197,7 @@ void contact_meet( const contact_work* work, contact_kind kind, contact_batch* b
         count += batch->gap[i] > 0.0f && may_meet( batch, i ) ? 1 : 0;
     }
     const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
-    if ( first + count <= near->most )
+    if ( count > 0 && first + count <= near->most )
     {
         memcpy( near->items + first, batch->found, (size_t)count * sizeof( *batch->found ) );
     }
