@@ -495,6 +495,28 @@ static void a_halted_guest_stands_and_is_met_again_when_it_is_resumed( void** st
     close_world( &h );
 }
 
+// A number that goes wrong in the middle of a step stays with its guest, also where another lies on it.
+static void what_goes_wrong_in_a_guest_reaches_no_other( void** state )
+{
+    (void)state;
+    hosted h;
+    wisp_entity sheets[2];
+    open_resting( &h, sheets );
+    test_mesh mesh = level_sheet( 4, 0.25f, ( wisp_vec3 ){ 0.1f, 2.2f * THICK, 0.07f } );
+    const wisp_entity upper = add_draping( h.world, &mesh, NULL, 0, EARTH );
+    const wisp_contact_def def = contact_of( THICK );
+    set_contact( h.world, upper, &def );
+    run_steps( h.world, 20, DT );
+    assert_near( mean_of( h.world, upper, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
+    velocity_of( h.world, sheets[1], 3 )[1] = NAN;
+    run_steps( h.world, 1, DT );
+    assert_true( wisp_is_halted( h.world, sheets[1] ) );
+    run_steps( h.world, 20, DT );
+    assert_false( wisp_is_halted( h.world, upper ) );
+    assert_near( mean_of( h.world, upper, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
+    close_world( &h );
+}
+
 // Thicker than its edges are long, a sheet is pushed apart nowhere: it keeps what it has at rest. Bent round, it does not.
 static void a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
 {
@@ -551,6 +573,7 @@ int main( void )
         cmocka_unit_test( a_guest_that_comes_later_is_met ),
         cmocka_unit_test( instances_meet_like_all_others ),
         cmocka_unit_test( a_halted_guest_stands_and_is_met_again_when_it_is_resumed ),
+        cmocka_unit_test( what_goes_wrong_in_a_guest_reaches_no_other ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
