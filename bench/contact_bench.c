@@ -1,5 +1,7 @@
 #include "contact_bench.h"
 
+#include <stdlib.h>
+
 // Below so many seconds everything is smaller and shorter.
 #define BRIEF_SECONDS 40.0
 // From so many on the cloth that folds is that of the pictures.
@@ -37,6 +39,31 @@ contact_plan contact_default_plan( const bench_options* options )
         .teams = { { 1, options->workers }, options->workers > 1 ? 2 : 1 },
         .options = options,
     };
+}
+
+wisp_status contact_race_fold( const contact_plan* plan, contact_race race, contact_write_fn* write, results* out,
+                               wisp_error* error )
+{
+    contact_scene scene;
+    contact_run* runs = calloc( (size_t)race.way_count, sizeof( *runs ) );
+    wisp_status status = runs != NULL ? contact_make_cloth( plan->fold_side, &scene, error )
+                                      : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d ways", race.way_count );
+    if ( status == WISP_OK )
+    {
+        race.scene = &scene;
+        race.enter = contact_enter_fold;
+        race.steps = plan->fold_steps;
+        race.teams = &plan->teams;
+        race.options = plan->options;
+        status = contact_race_run( &race, runs, error );
+        if ( status == WISP_OK )
+        {
+            write( &race, runs, out );
+        }
+        contact_scene_free( &scene );
+    }
+    free( runs );
+    return status;
 }
 
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )

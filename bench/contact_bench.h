@@ -31,6 +31,12 @@ contact_plan contact_default_plan( const bench_options* options );
 /// All tables of a plan.
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error );
 
+typedef void contact_write_fn( const contact_race* race, const contact_run* runs, results* out );
+
+/// Let the cloth of a plan fold by all ways of a race, and write what came of it. @param race without scene and steps
+wisp_status contact_race_fold( const contact_plan* plan, contact_race race, contact_write_fn* write, results* out,
+                               wisp_error* error );
+
 typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_error* error );
 
 contact_fn contact_queries;  ///< grid, tree and brute force on the same boxes

@@ -142,31 +142,13 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
 
 wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* error )
 {
-    contact_scene scene;
-    contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
-    wisp_status status = contact_make_cloth( plan->fold_side, &scene, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
     const contact_race race = {
-        .scene = &scene,
-        .enter = contact_enter_fold,
         .ways = ways,
         .way_count = WISP_COUNT( ways ),
-        .steps = plan->fold_steps,
         .seconds = plan->fold_seconds,
-        .teams = &plan->teams,
-        .options = plan->options,
         .name = "contact.fold",
         .begin = 0.3,
         .span = 0.25,
     };
-    status = contact_race_run( &race, runs, error );
-    if ( status == WISP_OK )
-    {
-        write_table( &race, runs, out );
-    }
-    contact_scene_free( &scene );
-    return status;
+    return contact_race_fold( plan, race, write_table, out, error );
 }
