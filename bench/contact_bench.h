@@ -13,10 +13,10 @@ typedef struct contact_plan
     int sheet_sides[CONTACT_SIZES_MAX], sphere_levels[CONTACT_SIZES_MAX], size_count; ///< of what is searched, rising
     double brute_most;    ///< boxes compared by brute force at the most; beyond it, only a sample asks
     double query_seconds; ///< about how long times of queries are taken
-    double fold_seconds, motion_seconds,
-        balloon_seconds;              ///< that one way may take; it ends earlier where it would take longer
-    int fold_side, fold_steps;        ///< of the cloth
-    int balloon_level, balloon_steps; ///< of pair and stack
+    /// That one way may take; it ends earlier where it would take longer.
+    double fold_seconds, motion_seconds, balloon_seconds;
+    int fold_side, fold_steps;                      ///< of the cloth
+    int balloon_level, balloon_steps;               ///< of pair and stack
     int picture_side, picture_level, picture_steps; ///< of what pictures show
     int picture_pixels;
     contact_teams teams;

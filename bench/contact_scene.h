@@ -47,8 +47,8 @@ typedef struct contact_way
     float margin;  ///< in thicknesses
     bool no_guard;
     wisp_pair_search search;
-    float
-        ball_held; ///< share of its pace that the ball is held back by: 0 as it swings, 1 it rests, -1 twice as fast
+    /// Of the ball that it is measured over: what share of its pace is taken from it; 1: it rests, -1: twice as fast
+    float ball_held;
 } contact_way;
 
 /// A mesh that takes part once or several times.

@@ -61,7 +61,7 @@ typedef struct damping_loop
     const float* position;
     float* velocity;
     int slot_count, block; // slots of a block
-    block_sums sums[MOST_BLOCKS];
+    block_sums* sums;      // [block]
     rigid_motion rigid;
     double keep; // of the difference
 } damping_loop;
@@ -224,7 +224,9 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
     float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const int most = ( fabric->vertex_count + MOST_BLOCKS - 1 ) / MOST_BLOCKS;
+    block_sums sums[MOST_BLOCKS];
     damping_loop loop = {
+        .sums = sums,
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
         .slot_count = fabric->vertex_count,

@@ -11,20 +11,19 @@ enum
 
 // ---- strands ----
 
-// Where vertex i of strands stands: its lane in rows of so many numbers.
+// Where vertex i of strands stands: its lane in rows of so many numbers, which are 1 or 3.
 static size_t lane_of( const wisp_strand_topology* t, int lane, int i, int numbers )
 {
     const size_t row = (size_t)t->group_row[lane / WISP_LANES] + (size_t)i;
     return row * (size_t)numbers * WISP_LANES + (size_t)( lane % WISP_LANES );
 }
 
-// What the columns of strands hold, vertex by vertex. A column that is null is passed over.
+// Places of strands, vertex by vertex.
 typedef struct strand_way
 {
     float* column;
     float* quads;
     bool is_out; // from the quads to the column
-    int numbers; // a vertex has, 3 or 4
 } strand_way;
 
 // @return whether anything changed
@@ -35,9 +34,9 @@ static bool move_strands( const wisp_strand_topology* t, const contact_guest* gu
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            float* x = way.column + lane_of( t, lane, i, way.numbers );
+            float* x = way.column + lane_of( t, lane, i, 3 );
             float* q = way.quads + (size_t)( guest->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4;
-            for ( int k = 0; k < way.numbers; ++k )
+            for ( int k = 0; k < 3; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
                 changed = changed || *to != *from;
@@ -55,9 +54,8 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            const size_t row = (size_t)( t->group_row[lane / WISP_LANES] + i );
             quads[(size_t)( guest->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4 + 3] =
-                weight[row * WISP_LANES + (size_t)( lane % WISP_LANES )];
+                weight[lane_of( t, lane, i, 1 )];
         }
     }
 }
@@ -88,9 +86,9 @@ typedef struct gather_loop
 {
     const contact_work* work;
     const contact_guest* guest;
-    const float* position; // quads; null if they are gathered already
-    const float *safe,
-        *start; // quads: where it was safe by its column, where it begins; null but at the start of a substep
+    const float* position;    // quads; null if they are gathered already
+    const float* safe;        // quads, where it was safe by its column; null but at the start of a substep
+    const float* start;       // quads, where it begins; likewise
     _Atomic bool is_restored; // its column has other bits than the warm copy: it was written from outside
     _Atomic bool has_jumped;
 } gather_loop;
@@ -167,7 +165,7 @@ static const float* find_start( const contact_work* work, const contact_guest* g
     {
         float* quads = work->soup->shift; // not in use yet
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ start, quads, false, 3 } );
+                      ( strand_way ){ start, quads, false } );
         return quads + (size_t)guest->first_point * 4;
     }
     return start;
@@ -179,14 +177,13 @@ static void gather_strands( gather_loop* loop, bool is_start )
     const contact_guest* guest = loop->guest;
     const wisp_strand_topology* t = wisp_frame_strands( work->frame, guest->entity );
     float* rows = wisp_frame_column( work->frame, guest->entity, WISP_STRAND_POSITION, 0 );
-    move_strands( t, guest, ( strand_way ){ rows, work->soup->now, false, 3 } );
+    move_strands( t, guest, ( strand_way ){ rows, work->soup->now, false } );
     gather_strand_weights( t, guest, wisp_frame_column( work->frame, guest->entity, WISP_STRAND_WEIGHT, 0 ),
                            work->soup->now );
     if ( is_start )
     {
         float* safe = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
-        atomic_store( &loop->is_restored,
-                      move_strands( t, guest, ( strand_way ){ safe, work->soup->safe, false, 3 } ) );
+        atomic_store( &loop->is_restored, move_strands( t, guest, ( strand_way ){ safe, work->soup->safe, false } ) );
     }
 }
 
@@ -278,7 +275,7 @@ static void scatter_strands( const contact_work* work, const contact_guest* gues
     {
         float* rows = wisp_frame_column( work->frame, guest->entity, WISP_STRAND_POSITION, 0 );
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, work->soup->now, true, 3 } );
+                      ( strand_way ){ rows, work->soup->now, true } );
     }
     if ( is_end )
     {
@@ -317,7 +314,7 @@ void contact_keep_guest( const contact_work* work, const contact_guest* guest )
     {
         float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, work->soup->safe, true, 3 } );
+                      ( strand_way ){ rows, work->soup->safe, true } );
         return;
     }
     memcpy( wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, 0 ),
