@@ -48,6 +48,10 @@
 ///
 ///   lane8i_transpose( rows )                            rows is lane8i[8]: row l and lane k change places
 ///
+/// and for sixteen lanes only
+///
+///   lane16_join( low, high ) lane16i_join( low, high )  of two eights
+///
 /// Quads are aligned to 16 bytes. They are read by whole 128-bit loads and transposed in registers, which was
 /// measured to be faster than gathers.
 ///

@@ -60,6 +60,16 @@ typedef __m512 lane16;
 typedef __m512i lane16i;
 typedef __mmask16 lane16m;
 
+LANE_INLINE lane16 lane16_join( lane8 low, lane8 high )
+{
+    return _mm512_insertf32x8( _mm512_castps256_ps512( low ), high, 1 );
+}
+
+LANE_INLINE lane16i lane16i_join( lane8i low, lane8i high )
+{
+    return _mm512_inserti32x8( _mm512_castsi256_si512( low ), high, 1 );
+}
+
 LANE_INLINE lane16 lane16_set1( float value )
 {
     return _mm512_set1_ps( value );

@@ -121,6 +121,16 @@ LANE_INLINE I WIDE( i_iota )( void )
     return ( I ){ low, HALF( i_add )( low, HALF( i_set1 )( LANE_HALF_COUNT ) ) };
 }
 
+LANE_INLINE F WIDE( _join )( LANE_HALF low, LANE_HALF high )
+{
+    return ( F ){ low, high };
+}
+
+LANE_INLINE I WIDE( i_join )( HALF( i ) low, HALF( i ) high )
+{
+    return ( I ){ low, high };
+}
+
 LANE_INLINE float WIDE( _sum_ordered )( F a )
 {
     return HALF( _sum_ordered )( HALF( _add )( a.low, a.high ) );

@@ -17,7 +17,7 @@ enum
 {
     CONTACT_BATCH = 128,          // pairs whose distances are asked at once
     CONTACT_PAIRS_MOST = 24 * 24, // of pieces of one kind in two patches, or of the points of either with triangles
-    CONTACT_ROOM = 1024,          // pairs that are looked at together
+    CONTACT_ROOM = 6144,          // pairs that are looked at together
     CONTACT_PAIRS_PART = 1024,    // pairs of patches whose slack is counted together
     CONTACT_BLOCK = 64,           // rows of a block: it is projected by one worker, from its first to its last
     CONTACT_COLOURS = 64,         // of blocks; blocks of one colour share no point
@@ -371,7 +371,7 @@ typedef struct contact_batch
 {
     int count;
     int32_t first[CONTACT_ROOM], second[CONTACT_ROOM], point4[4][CONTACT_ROOM];
-    uint8_t of[CONTACT_ROOM];                                               // which pair of patches they are of
+    int32_t of[CONTACT_ROOM];                                               // which pair of patches they are of
     int32_t met[CONTACT_ROOM];                                              // those that go on
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
     contact_pair found[CONTACT_ROOM];
@@ -380,6 +380,7 @@ typedef struct contact_batch
 /// Room behind those that are there.
 static inline void contact_take_room( contact_batch* batch, wisp_piece_pairs* out )
 {
+    out->of = batch->of + batch->count;
     out->first = batch->first + batch->count;
     out->second = batch->second + batch->count;
     for ( int k = 0; k < 4; ++k )
@@ -388,11 +389,12 @@ static inline void contact_take_room( contact_batch* batch, wisp_piece_pairs* ou
     }
 }
 
-/// Is there room for all pairs of two patches?
+/// Is there room for all pairs of as many patches as are asked at once?
 static inline bool contact_has_room( const contact_batch* batch )
 {
-    return batch->count + CONTACT_PAIRS_MOST + WISP_SLICE <= CONTACT_ROOM;
+    return batch->count + WISP_PIECE_JOBS * CONTACT_PAIRS_MOST + WISP_SLICE <= CONTACT_ROOM;
 }
+
 /// How far apart all pairs are where they are safe.
 void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch );
 /// Of those that are met, with their gaps: which become rows. They go to `near`, as far as it has room.

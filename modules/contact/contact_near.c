@@ -134,6 +134,7 @@ static void place_due( near_loop* loop )
 // A pair of patches that is being looked at.
 typedef struct looked
 {
+    int patch[2];
     float gap, closing, within;             // m
     float slack;                            // m, over what was measured
     _Alignas( 32 ) float least[WISP_SLICE]; // m, that what was not is apart
@@ -165,23 +166,38 @@ static void measure( looking* l, contact_kind kind )
     batch->count = 0;
 }
 
-// Put patches into a job, as one that asks with pieces of a kind and one that is asked.
-static void take_sides( const contact_soup* s, int asker, int asker_kind, int asked, int asked_kind,
-                        wisp_piece_near_job* job )
+// One patch asks the other with pieces of a kind, if it is not the same.
+static void ask( looking* l, const int* numbers, int count, int asker, const int kinds[2], contact_kind kind )
 {
-    const contact_patch *a = s->patches + asker, *b = s->patches + asked;
-    job->askers = s->pieces + a->kind_row[asker_kind];
-    job->asker_rows = a->rows[asker_kind];
-    job->rows = s->pieces + b->kind_row[asked_kind];
-    job->row_count = b->rows[asked_kind];
-    job->asker_box = s->patch_boxes + asker;
-    job->box = s->patch_boxes + asked;
-}
-
-static void put_found( contact_batch* batch, int found, int of )
-{
-    memset( batch->of + batch->count, of, (size_t)found );
-    batch->count += found;
+    const contact_soup* s = l->loop->soup;
+    const wisp_kernels* kernels = wisp_frame_kernels( l->loop->work->frame );
+    contact_batch* batch = l->batches + kind;
+    wisp_piece_near_job jobs[WISP_PIECE_JOBS];
+    int job_count = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        looked* of = l->of + numbers[i];
+        const bool is_own = of->patch[0] == of->patch[1];
+        const int one = of->patch[asker], other = of->patch[1 - asker];
+        const contact_patch *a = s->patches + one, *b = s->patches + other;
+        jobs[job_count] = ( wisp_piece_near_job ){
+            .askers = s->pieces + a->kind_row[kinds[0]],
+            .rows = s->pieces + b->kind_row[kinds[1]],
+            .asker_rows = a->rows[kinds[0]],
+            .row_count = b->rows[kinds[1]],
+            .asker_box = s->patch_boxes + one,
+            .box = s->patch_boxes + other,
+            .within = of->within,
+            .seen = of->within + SEEN_GAPS * of->gap,
+            .least = of->least,
+            .is_own = is_own,
+            .number = numbers[i],
+        };
+        job_count += asker == 0 || is_own == false ? 1 : 0;
+    }
+    wisp_piece_pairs to;
+    contact_take_room( batch, &to );
+    batch->count += ( kind == CONTACT_EDGES ? kernels->edges_near : kernels->points_near )( jobs, job_count, &to );
 }
 
 // How far patches are apart as a whole, along the way between them or across one of them.
@@ -203,33 +219,26 @@ static float distance_of( const wisp_kernels* kernels, const contact_soup* s, in
     return kernels->apart( &job );
 }
 
-static void look_at( looking* l, int pair, int number )
+// Pairs of patches [first, first + count) of those that the worker has.
+static void look_at( looking* l, int first, int count )
 {
+    static const int EDGES[2] = { 1, 1 }, POINTS[2] = { 0, 2 };
     const contact_soup* s = l->loop->soup;
     const wisp_kernels* kernels = wisp_frame_kernels( l->loop->work->frame );
-    looked* of = l->of + number;
-    contact_batch *edges = l->batches + CONTACT_EDGES, *points = l->batches + CONTACT_POINTS;
-    const int a = s->pairs[0].patch[pair], b = s->pairs[0].other[pair];
-    const float apart = a == b ? 0.0f : distance_of( kernels, s, a, b );
-    if ( apart > 1.001f * of->gap + of->closing + APART_GAPS * of->gap )
+    int numbers[WISP_PIECE_JOBS], near_count = 0;
+    for ( int i = first; i < first + count; ++i )
     {
-        of->slack = apart - 1.001f * of->gap;
-        return;
+        looked* of = l->of + i;
+        const int a = of->patch[0], b = of->patch[1];
+        const float apart = a == b ? 0.0f : distance_of( kernels, s, a, b );
+        const bool is_apart = apart > 1.001f * of->gap + of->closing + APART_GAPS * of->gap;
+        of->slack = is_apart ? apart - 1.001f * of->gap : of->slack;
+        numbers[near_count] = i;
+        near_count += is_apart ? 0 : 1;
     }
-    wisp_piece_near_job job;
-    job.within = of->within;
-    job.seen = of->within + SEEN_GAPS * of->gap;
-    job.least = of->least;
-    job.is_own = a == b;
-    take_sides( s, a, 1, b, 1, &job );
-    contact_take_room( edges, &job.found );
-    put_found( edges, kernels->edges_near( &job ), number );
-    for ( int turn = 0; turn < ( a == b ? 1 : 2 ); ++turn )
-    {
-        take_sides( s, turn == 0 ? a : b, 0, turn == 0 ? b : a, 2, &job );
-        contact_take_room( points, &job.found );
-        put_found( points, kernels->points_near( &job ), number );
-    }
+    ask( l, numbers, near_count, 0, EDGES, CONTACT_EDGES );
+    ask( l, numbers, near_count, 0, POINTS, CONTACT_POINTS );
+    ask( l, numbers, near_count, 1, POINTS, CONTACT_POINTS );
 }
 
 static void begin_look( const near_loop* loop, int pair, looked* of )
@@ -237,6 +246,8 @@ static void begin_look( const near_loop* loop, int pair, looked* of )
     const contact_soup* s = loop->soup;
     const contact_guest* guests = loop->work->state->guests;
     const int a = s->pairs[0].patch[pair], b = s->pairs[0].other[pair];
+    of->patch[0] = a;
+    of->patch[1] = b;
     of->gap =
         0.5f * ( guests[s->patches[a].guest].settings.thickness + guests[s->patches[b].guest].settings.thickness );
     of->closing = contact_closing_of( s->ways + a, s->ways + b );
@@ -272,14 +283,18 @@ static void look( void* context, int begin, int end, int worker )
     l->batches[CONTACT_POINTS].count = l->batches[CONTACT_EDGES].count = 0;
     for ( int i = begin; i < end; ++i )
     {
+        begin_look( loop, s->due[i], l->of + ( i - begin ) );
+    }
+    for ( int first = 0; first < end - begin; first += WISP_PIECE_JOBS )
+    {
         if ( contact_has_room( l->batches + CONTACT_POINTS ) == false ||
              contact_has_room( l->batches + CONTACT_EDGES ) == false )
         {
             measure( l, CONTACT_POINTS );
             measure( l, CONTACT_EDGES );
         }
-        begin_look( loop, s->due[i], l->of + ( i - begin ) );
-        look_at( l, s->due[i], i - begin );
+        const int left = end - begin - first;
+        look_at( l, first, left < WISP_PIECE_JOBS ? left : WISP_PIECE_JOBS );
     }
     measure( l, CONTACT_POINTS );
     measure( l, CONTACT_EDGES );

@@ -32,7 +32,7 @@ typedef struct scene
     bool is_own;
     wisp_box box[2];
     int found;
-    int32_t first[ROOM], second[ROOM], point4[4][ROOM];
+    int32_t of[ROOM], first[ROOM], second[ROOM], point4[4][ROOM];
     float least[8];
 } scene;
 
@@ -264,10 +264,10 @@ static inline wisp_box box_around( scene* s, int side )
     return box;
 }
 
-static inline void look( const wisp_kernels* kernels, scene* s )
+static inline wisp_piece_near_job job_of( scene* s )
 {
     const int asked = asked_side( s );
-    const wisp_piece_near_job job = {
+    return ( wisp_piece_near_job ){
         .askers = s->row[0],
         .rows = s->row[asked],
         .asker_rows = s->rows[0],
@@ -278,9 +278,17 @@ static inline void look( const wisp_kernels* kernels, scene* s )
         .seen = s->seen,
         .least = s->least,
         .is_own = s->is_own,
-        .found = { s->first, s->second, { s->point4[0], s->point4[1], s->point4[2], s->point4[3] } },
+        .number = s->seed,
     };
-    s->found = ( s->shape == EDGES ? kernels->edges_near : kernels->points_near )( &job );
+}
+
+static inline void look( const wisp_kernels* kernels, scene* s )
+{
+    const wisp_piece_near_job job = job_of( s );
+    const wisp_piece_pairs to = {
+        s->of, s->first, s->second, { s->point4[0], s->point4[1], s->point4[2], s->point4[3] }
+    };
+    s->found = ( s->shape == EDGES ? kernels->edges_near : kernels->points_near )( &job, 1, &to );
 }
 
 static inline void run( const wisp_kernels* kernels, scene* s )
@@ -407,6 +415,7 @@ static inline void assert_same_pieces( const scene* found, const scene* expected
         assert_same_rows( found->row[0] + r, expected->row[0] + r );
     }
     assert_int_equal( found->found, expected->found );
+    assert_memory_equal( found->of, expected->of, size );
     assert_memory_equal( found->first, expected->first, size );
     assert_memory_equal( found->second, expected->second, size );
     for ( int k = 0; k < 4; ++k )

@@ -47,6 +47,69 @@ static void every_table_finds_the_same_pairs_in_the_same_order( void** state )
     }
 }
 
+// ---- several at a time ----
+
+// What the scenes that begin with a number find one after the other is what they find when asked at once.
+static void check_together( const wisp_kernels* kernels, int first, int count )
+{
+    static int32_t of[WISP_PIECE_JOBS * ROOM], names[2][WISP_PIECE_JOBS * ROOM], point4[4][WISP_PIECE_JOBS * ROOM];
+    scene* scenes[WISP_PIECE_JOBS];
+    wisp_piece_near_job jobs[WISP_PIECE_JOBS];
+    float least[WISP_PIECE_JOBS][8];
+    for ( int i = 0; i < count; ++i )
+    {
+        scenes[i] = run_new( kernels, first + i );
+        jobs[i] = job_of( scenes[i] );
+        jobs[i].least = least[i];
+        for ( int l = 0; l < 8; ++l )
+        {
+            least[i][l] = INFINITY;
+        }
+    }
+    const wisp_piece_pairs to = { of, names[0], names[1], { point4[0], point4[1], point4[2], point4[3] } };
+    const int found = ( scenes[0]->shape == EDGES ? kernels->edges_near : kernels->points_near )( jobs, count, &to );
+    int before = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        const scene* s = scenes[i];
+        const size_t size = (size_t)s->found * sizeof( int32_t );
+        for ( int f = 0; f < s->found; ++f )
+        {
+            assert_int_equal( of[before + f], s->seed );
+        }
+        assert_memory_equal( names[0] + before, s->first, size );
+        assert_memory_equal( names[1] + before, s->second, size );
+        for ( int k = 0; k < 4; ++k )
+        {
+            assert_memory_equal( point4[k] + before, s->point4[k], size );
+        }
+        assert_memory_equal( least[i], s->least, sizeof( least[i] ) );
+        before += s->found;
+    }
+    assert_int_equal( found, before );
+    for ( int i = 0; i < count; ++i )
+    {
+        free( scenes[i] );
+    }
+}
+
+static void jobs_at_once_find_what_each_finds_alone( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int i = 0; i + WISP_PIECE_JOBS <= SCENES; i += SEEDS )
+    {
+        for ( int t = 0; t < count; ++t )
+        {
+            check_together( tables[t], i, 1 + i / SEEDS % WISP_PIECE_JOBS );
+            check_together( tables[t], i + SEEDS - WISP_PIECE_JOBS, WISP_PIECE_JOBS );
+        }
+    }
+    assert_int_equal( widest_table()->edges_near( NULL, 0, &( wisp_piece_pairs ){ .of = NULL } ), 0 );
+    assert_int_equal( widest_table()->points_near( NULL, 0, &( wisp_piece_pairs ){ .of = NULL } ), 0 );
+}
+
 // ---- where pieces are ----
 
 static double3 lane_of( const float rows[3][8], int piece )
@@ -494,6 +557,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_table_finds_the_same_pairs_in_the_same_order ),
+        cmocka_unit_test( jobs_at_once_find_what_each_finds_alone ),
         cmocka_unit_test( pieces_are_placed_where_their_points_are ),
         cmocka_unit_test( what_is_near_is_found_and_the_rest_is_no_nearer_than_told ),
         cmocka_unit_test( the_least_is_never_raised ),

@@ -387,6 +387,22 @@ static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
     }
 }
 
+static void sixteen_lanes_are_two_eights( void** state )
+{
+    (void)state;
+    float numbers[16], got[16];
+    int32_t integers[16], got_integers[16];
+    for ( int l = 0; l < 16; ++l )
+    {
+        numbers[l] = 1.5f + (float)l;
+        integers[l] = 100 - l;
+    }
+    lane16_storeu( got, lane16_join( lane8_loadu( numbers ), lane8_loadu( numbers + 8 ) ) );
+    lane16i_storeu( got_integers, lane16i_join( lane8i_loadu( integers ), lane8i_loadu( integers + 8 ) ) );
+    assert_memory_equal( got, numbers, sizeof( got ) );
+    assert_memory_equal( got_integers, integers, sizeof( got_integers ) );
+}
+
 // ---- trigonometry
 
 static void check_sincos( float x )
@@ -681,6 +697,7 @@ int main( void )
         cmocka_unit_test( contiguous_quads_are_loaded_in_lane_order ),
         cmocka_unit_test( rows_of_quads_are_loaded_and_stored_by_index ),
         cmocka_unit_test( rows_of_quads_become_lanes_and_back ),
+        cmocka_unit_test( sixteen_lanes_are_two_eights ),
         cmocka_unit_test( compressing_keeps_the_order_of_the_chosen_lanes ),
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),
         cmocka_unit_test( sine_and_cosine_stay_bounded_beyond_their_range ),

@@ -611,10 +611,10 @@ typedef struct wisp_kernels
     void ( *piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
     /// Edges that share no point with others and are apart from them by no more than what is asked, as far as a plane across
     /// the line through their middles tells. No pair that is within is missing but for rounding; a pair with a number
-    /// that is not finite is one. @return how many
-    int ( *edges_near )( const wisp_piece_near_job* job );
+    /// that is not finite is one. @param count of jobs, WISP_PIECE_JOBS at most @param to out @return how many
+    int ( *edges_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
     /// The same of points that ask triangles.
-    int ( *points_near )( const wisp_piece_near_job* job );
+    int ( *points_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
     // points, begin a multiple of 8
     /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
     void ( *take_ways )( const wisp_way_job* job, int begin, int end );

@@ -25,10 +25,18 @@ typedef struct wisp_piece_row
     float rounded[8];         ///< m, of a triangle, how far from its plane a corner is
 } wisp_piece_row;
 
-/// Pairs of pieces: what they are called, and their points times 4 as wisp_closest_job has them. Room for 8 more than are put.
+/// So many jobs are done at once at most, each with so many rows of either side.
+enum
+{
+    WISP_PIECE_JOBS = 8,
+    WISP_PIECE_ROWS = 3,
+};
+
+/// Pairs of pieces: what they are of, what they are called, and their points times 4 as wisp_closest_job has them. Room for
+/// 8 more than are put.
 typedef struct wisp_piece_pairs
 {
-    int32_t *first, *second;
+    int32_t *of, *first, *second;
     int32_t* point4[4];
 } wisp_piece_pairs;
 
@@ -37,12 +45,12 @@ typedef struct wisp_piece_near_job
 {
     const wisp_piece_row *askers, *rows;
     int asker_rows, row_count;
-    const wisp_box *asker_box, *box; ///< around all pieces of the askers, and of the rows; at most 3 rows of either
+    const wisp_box *asker_box, *box; ///< around all pieces of the askers, and of the rows
     float within;                    ///< m
     float seen;                      ///< m, >= within: what is farther from the others' box is not looked at
     float* least; ///< [8] in and out: lowered to how far those are apart at least that are looked at and not found, m
     bool is_own;  ///< of edges: askers are the rows, a pair is named by the one that is called less
-    wisp_piece_pairs found; ///< out
+    int32_t number; ///< what its pairs are said to be of
 } wisp_piece_near_job;
 
 /// Two sets of points, and directions along which they may be apart. The lists of points are padded to eights.
