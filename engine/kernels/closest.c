@@ -211,7 +211,7 @@ LANE_INLINE void store_answer( const wisp_closest_job* job, int group, const nea
     const lane8v once = clear_of( n->between, n->on, n->straight );
     const lane8 all = squared_of( once );
     const lane8 squared = lane8_select( lane8_lt( all, lane8_set1( FLT_MIN ) ), lane8_zero(), all );
-    lane8_storeu( job->distance[group], lane8_add( lane8_sqrt( squared ), n->poison ) );
+    lane8_storeu( job->distance + 8 * (ptrdiff_t)group, lane8_add( lane8_sqrt( squared ), n->poison ) );
     if ( wants_normal )
     {
         const lane8v twice = clear_of( once, n->on, n->straight );
@@ -223,7 +223,7 @@ LANE_INLINE void store_answer( const wisp_closest_job* job, int group, const nea
 LANE_INLINE lane8v load_point( const wisp_closest_job* job, int group, int k )
 {
     lane8v p;
-    lane8_load_xyz( job->quads, job->point4[group][k], &p.x, &p.y, &p.z );
+    lane8_load_xyz( job->quads, job->point4[k] + 8 * (ptrdiff_t)group, &p.x, &p.y, &p.z );
     return p;
 }
 

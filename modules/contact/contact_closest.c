@@ -10,20 +10,19 @@ const float* contact_measure_pieces( const contact_work* work, const float* quad
     {
         for ( int k = 0; k < 4; ++k )
         {
-            pieces->point4[i / WISP_SLICE][k][i % WISP_SLICE] =
-                pieces->point4[( count - 1 ) / WISP_SLICE][k][( count - 1 ) % WISP_SLICE];
+            pieces->point4[k][i] = pieces->point4[k][count - 1];
         }
     }
     const wisp_closest_job job = {
         .quads = quads,
-        .point4 = (const int32_t( * )[4][WISP_SLICE])pieces->point4,
+        .point4 = { pieces->point4[0], pieces->point4[1], pieces->point4[2], pieces->point4[3] },
         .distance = pieces->distance,
         .weight = weight,
         .normal = normal,
     };
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     ( pieces->are_edges ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
-    return pieces->distance[0];
+    return pieces->distance;
 }
 
 const float* contact_measure_distances( const contact_work* work, const float* quads, contact_pieces* pieces,

@@ -340,8 +340,8 @@ bool contact_make_patches( const contact_work* work );
 /// Pairs of pieces whose distances are asked: all of points and triangles, or all of edges.
 typedef struct contact_pieces
 {
-    _Alignas( 64 ) int32_t point4[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
-    _Alignas( 64 ) float distance[CONTACT_BATCH / WISP_SLICE][WISP_SLICE];
+    int32_t point4[4][CONTACT_BATCH];
+    float distance[CONTACT_BATCH];
     bool are_edges;
 } contact_pieces;
 
@@ -350,7 +350,7 @@ static inline void contact_put_pieces( contact_pieces* pieces, int at, const int
 {
     for ( int k = 0; k < 4; ++k )
     {
-        pieces->point4[at / WISP_SLICE][k][at % WISP_SLICE] = points[k] * 4;
+        pieces->point4[k][at] = points[k] * 4;
     }
 }
 /// @param quads [point][4] where they are measured

@@ -26,27 +26,33 @@ static void put_less_first( contact_batch* batch )
     }
 }
 
+// To whole eights the last pair repeats.
+static int fill_up( contact_batch* batch, int count )
+{
+    for ( ; count % WISP_SLICE != 0; ++count )
+    {
+        for ( int k = 0; k < 4; ++k )
+        {
+            batch->point4[k][count] = batch->point4[k][count - 1];
+        }
+    }
+    return count;
+}
+
 void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch )
 {
+    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     if ( kind == CONTACT_EDGES )
     {
         put_less_first( batch );
     }
-    contact_pieces pieces;
-    pieces.are_edges = kind == CONTACT_EDGES;
-    for ( int first = 0; first < batch->count; first += CONTACT_BATCH )
-    {
-        const int rest = batch->count - first, count = rest < CONTACT_BATCH ? rest : CONTACT_BATCH;
-        for ( int i = 0; i < count; ++i )
-        {
-            for ( int k = 0; k < 4; ++k )
-            {
-                pieces.point4[i / WISP_SLICE][k][i % WISP_SLICE] = batch->point4[k][first + i];
-            }
-        }
-        memcpy( batch->distance + first, contact_measure_distances( work, work->soup->safe, &pieces, count ),
-                (size_t)count * sizeof( float ) );
-    }
+    const wisp_closest_job job = {
+        .quads = work->soup->safe,
+        .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
+        .distance = batch->distance,
+    };
+    const int groups = fill_up( batch, batch->count ) / WISP_SLICE;
+    ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
 }
 
 // ---- who meets ----
@@ -78,19 +84,6 @@ static bool is_tangled( const contact_soup* s, contact_kind kind, const contact_
         sides[k >= split] = sides[k >= split] || s->is_tangled[batch->point4[k][i] / 4] != 0;
     }
     return sides[0] && sides[1];
-}
-
-// To whole eights the last pair repeats.
-static int fill_up( contact_batch* batch, int count )
-{
-    for ( ; count % WISP_SLICE != 0; ++count )
-    {
-        for ( int k = 0; k < 4; ++k )
-        {
-            batch->point4[k][count] = batch->point4[k][count - 1];
-        }
-    }
-    return count;
 }
 
 // How much nearer the sides of each pair may come in this substep.

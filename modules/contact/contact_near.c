@@ -153,14 +153,21 @@ static void measure( looking* l, contact_kind kind )
     contact_batch* batch = l->batches + kind;
     contact_measure_batch( l->loop->work, kind, batch );
     int met = 0;
-    for ( int i = 0; i < batch->count; ++i )
+    for ( int i = 0; i < batch->count; )
     {
-        looked* of = l->of + batch->of[i];
-        const float distance = batch->distance[i], slack = distance - 1.001f * of->gap;
-        of->slack = slack < of->slack ? slack : of->slack;
-        batch->gap[i] = of->gap;
-        batch->met[met] = i;
-        met += distance < of->gap + of->closing ? 1 : 0;
+        const int number = batch->of[i];
+        looked* of = l->of + number;
+        const float gap = of->gap, limit = gap + of->closing;
+        float nearest = INFINITY;
+        for ( ; i < batch->count && batch->of[i] == number; ++i )
+        {
+            const float distance = batch->distance[i];
+            nearest = contact_smaller( distance, nearest );
+            batch->gap[i] = gap;
+            batch->met[met] = i;
+            met += distance < limit ? 1 : 0;
+        }
+        of->slack = contact_smaller( nearest - 1.001f * gap, of->slack );
     }
     contact_meet( l->loop->work, kind, batch, met, l->loop->total + kind );
     batch->count = 0;

@@ -28,15 +28,15 @@ typedef struct pairs
 {
     pair_shape shape;
     _Alignas( 64 ) float point[4 * PAIRS][4];
-    int32_t point4[CLOSEST_GROUPS][4][8];
-    float distance[CLOSEST_GROUPS][8];
+    int32_t point4[4][8 * CLOSEST_GROUPS];
+    float distance[8 * CLOSEST_GROUPS];
     float weight[CLOSEST_GROUPS][4][8];
     float normal[CLOSEST_GROUPS][3][8];
 } pairs;
 
 static float* corner( pairs* s, int pair, int k )
 {
-    return s->point[s->point4[pair / 8][k][pair % 8] / 4];
+    return s->point[s->point4[k][pair] / 4];
 }
 
 static double3 at( pairs* s, int pair, int k )
@@ -79,7 +79,7 @@ static pairs* new_pairs( pair_shape shape )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            s->point4[i / 8][k][i % 8] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
+            s->point4[k][i] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
             corner( s, i, k )[3] = k % 2 == 0 ? NAN : 1.0f; // not looked at
             put( s, i, k, random_vector( i, k, 1.0 ) );
         }
@@ -91,7 +91,7 @@ static void run( const wisp_kernels* kernels, pairs* s, bool wants_weights, int 
 {
     const wisp_closest_job job = {
         .quads = s->point[0],
-        .point4 = (const int32_t( * )[4][8])s->point4,
+        .point4 = { s->point4[0], s->point4[1], s->point4[2], s->point4[3] },
         .distance = s->distance,
         .weight = wants_weights ? s->weight : NULL,
         .normal = wants_weights ? s->normal : NULL,
@@ -245,7 +245,7 @@ static void settle_nans( float* numbers, size_t size )
 
 static void settle( pairs* s )
 {
-    settle_nans( s->distance[0], sizeof( s->distance ) );
+    settle_nans( s->distance, sizeof( s->distance ) );
     settle_nans( s->weight[0][0], sizeof( s->weight ) );
     settle_nans( s->normal[0][0], sizeof( s->normal ) );
 }
@@ -320,7 +320,7 @@ typedef struct found_pair
 static found_pair read_pair( pairs* s, int i )
 {
     const int first = s->shape == TRIANGLE ? 1 : 2, g = i / 8, l = i % 8;
-    found_pair f = { .first = first, .distance = (double)s->distance[g][l] };
+    found_pair f = { .first = first, .distance = (double)s->distance[8 * g + l] };
     for ( int k = 0; k < 4; ++k )
     {
         f.x[k] = at( s, i, k );
@@ -516,8 +516,8 @@ static void what_is_not_finite_has_no_finite_distance( void** state )
         for ( int i = 0; i < PAIRS; ++i )
         {
             // neighbours in a group are none the worse
-            const float found = s->distance[i / 8][i % 8];
-            assert_true( i % 2 == 0 ? found == clean->distance[i / 8][i % 8] : !isfinite( found ) );
+            const float found = s->distance[i];
+            assert_true( i % 2 == 0 ? found == clean->distance[i] : !isfinite( found ) );
         }
         free( s );
         free( clean );

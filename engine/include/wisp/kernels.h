@@ -260,9 +260,9 @@ typedef struct wisp_hold_job
 typedef struct wisp_closest_job
 {
     const float* quads; ///< [point][4] m; the fourth number is not looked at; 16-byte aligned
-    /// [group] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
-    const int32_t ( *point4 )[4][8];
-    float ( *distance )[8]; ///< [group] out, m; 0 below 1e-19 m
+    const int32_t*
+        point4[4]; ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
+    float* distance; ///< [pair] out, m; 0 below 1e-19 m
     /// [group] out, barycentric, those of the second side negative; null: not wanted. The weights of a side sum to 1
     /// without rounding, so that they mean the same anywhere.
     float ( *weight )[4][8];
