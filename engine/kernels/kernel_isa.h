@@ -56,6 +56,8 @@ void KERNEL( tether )( const wisp_tether_job* job, int begin, int end );
 int KERNEL( first_beyond )( const wisp_bound_job* job, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end );
 void KERNEL( predict )( const wisp_particle_job* job, int begin, int end );
+void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums );
+void KERNEL( rigid_approach )( const wisp_rigid_job* job, int begin, int end );
 void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end );
 void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end );
 void KERNEL( strand_advance )( const wisp_strand_motion_job* job, int begin, int end );

@@ -5,11 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-typedef struct rigid_motion
-{
-    double mass, centre[3], velocity[3], angular[3];
-} rigid_motion;
-
 static void cross_product( const double a[3], const double b[3], double out[3] )
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -19,14 +14,15 @@ static void cross_product( const double a[3], const double b[3], double out[3] )
 
 // Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two
 // moments across the line are equal, each half the trace, and L is across it too; with all mass at one point there is
-// no turning.
+// no turning. What is 350 times as long as it is wide counts as a line: its moment about itself is no more than the rounding of
+// the sums.
 static void solve_inertia( const double i[6], const double l[3], double w[3] )
 {
     const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
     double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
     double determinant = xx * a + xy * b + xz * c, scale = xx + yy + zz;
     memset( w, 0, 3 * sizeof( double ) );
-    if ( fabs( determinant ) <= 1e-12 * scale * scale * scale )
+    if ( fabs( determinant ) <= 1e-6 * scale * scale * scale )
     {
         for ( int k = 0; k < 3 && scale > 0.0; ++k )
         {
@@ -40,15 +36,7 @@ static void solve_inertia( const double i[6], const double l[3], double w[3] )
     w[2] = ( c * l[0] + e * l[1] + f * l[2] ) / determinant;
 }
 
-// ---- sums ----
-
-// Sums are taken of a block of slots each, then over the blocks, in a fixed order whoever takes them, and in double: angular
-// momentum must survive thousands of steps.
-typedef struct block_sums
-{
-    double mass, centre[3], velocity[3];
-    double inertia[6], momentum[3];
-} block_sums;
+// ---- the rigid motion ----
 
 enum
 {
@@ -58,18 +46,11 @@ enum
 
 typedef struct damping_loop
 {
-    const float* position;
-    float* velocity;
+    const wisp_kernels* kernels;
+    wisp_rigid_job job;
     int slot_count, block; // slots of a block
-    block_sums* sums;      // [block]
-    rigid_motion rigid;
-    double keep; // of the difference
+    wisp_rigid_sums* sums; // [block]
 } damping_loop;
-
-static double mass_of( const float* position )
-{
-    return position[3] > 0.0f ? 1.0 / (double)position[3] : 0.0;
-}
 
 static int end_of( const damping_loop* loop, int block )
 {
@@ -77,96 +58,93 @@ static int end_of( const damping_loop* loop, int block )
     return end < loop->slot_count ? end : loop->slot_count;
 }
 
-static void sum_linear( void* context, int begin, int end, int worker )
+static void sum_blocks( void* context, int begin, int end, int worker )
 {
     (void)worker;
     damping_loop* loop = context;
-    for ( int block = begin; block < end; ++block )
+    for ( int b = begin; b < end; ++b )
     {
-        block_sums sum = { 0 };
-        for ( int slot = block * loop->block; slot < end_of( loop, block ); ++slot )
-        {
-            const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
-            const double mass = mass_of( p );
-            sum.mass += mass;
-            for ( int k = 0; k < 3; ++k )
-            {
-                sum.centre[k] += mass * (double)p[k];
-                sum.velocity[k] += mass * (double)v[k];
-            }
-        }
-        loop->sums[block] = sum;
+        loop->kernels->rigid_sums( &loop->job, b * loop->block, end_of( loop, b ), loop->sums + b );
     }
 }
 
-// About the centre.
-static void sum_angular( void* context, int begin, int end, int worker )
+// Over the blocks in their order, whoever took them.
+static wisp_rigid_sums add_up( const damping_loop* loop, int blocks )
 {
-    (void)worker;
-    damping_loop* loop = context;
-    const rigid_motion m = loop->rigid;
-    for ( int block = begin; block < end; ++block )
+    wisp_rigid_sums all = { 0 };
+    for ( int b = 0; b < blocks; ++b )
     {
-        double inertia[6] = { 0 }, momentum[3] = { 0 };
-        for ( int slot = block * loop->block; slot < end_of( loop, block ); ++slot )
+        const wisp_rigid_sums* s = loop->sums + b;
+        all.mass += s->mass;
+        for ( int k = 0; k < 3; ++k )
         {
-            const float *p = loop->position + (size_t)slot * 4, *v = loop->velocity + (size_t)slot * 4;
-            const double mass = mass_of( p );
-            double r[3], u[3], l[3];
-            for ( int k = 0; k < 3; ++k )
-            {
-                r[k] = (double)p[k] - m.centre[k];
-                u[k] = (double)v[k] - m.velocity[k];
-            }
-            cross_product( r, u, l );
-            for ( int k = 0; k < 3; ++k )
-            {
-                momentum[k] += mass * l[k];
-            }
-            inertia[0] += mass * ( r[1] * r[1] + r[2] * r[2] );
-            inertia[1] += mass * ( r[0] * r[0] + r[2] * r[2] );
-            inertia[2] += mass * ( r[0] * r[0] + r[1] * r[1] );
-            inertia[3] -= mass * r[0] * r[1];
-            inertia[4] -= mass * r[0] * r[2];
-            inertia[5] -= mass * r[1] * r[2];
+            all.moment[k] += s->moment[k];
+            all.momentum[k] += s->momentum[k];
+            all.angular[k] += s->angular[k];
         }
-        memcpy( loop->sums[block].inertia, inertia, sizeof( inertia ) );
-        memcpy( loop->sums[block].momentum, momentum, sizeof( momentum ) );
+        all.xx += s->xx;
+        all.yy += s->yy;
+        all.zz += s->zz;
+        all.xy += s->xy;
+        all.xz += s->xz;
+        all.yz += s->yz;
     }
+    return all;
 }
 
-static void add( double* to, const double* terms, int count )
+// Of what was summed about the origin: what it is about the centre of mass, and the motion that has as much.
+static void find_motion( const wisp_rigid_sums* s, wisp_rigid_job* job )
 {
-    for ( int k = 0; k < count; ++k )
+    double centre[3], velocity[3], angular[3], turning[3], back[3];
+    for ( int k = 0; k < 3; ++k )
     {
-        to[k] += terms[k];
+        centre[k] = s->moment[k] / s->mass;
+        velocity[k] = s->momentum[k] / s->mass;
     }
+    cross_product( s->moment, velocity, angular );
+    for ( int k = 0; k < 3; ++k )
+    {
+        angular[k] = s->angular[k] - angular[k];
+    }
+    const double xx = s->xx - s->moment[0] * centre[0], yy = s->yy - s->moment[1] * centre[1],
+                 zz = s->zz - s->moment[2] * centre[2], xy = s->xy - s->moment[0] * centre[1],
+                 xz = s->xz - s->moment[0] * centre[2], yz = s->yz - s->moment[1] * centre[2];
+    const double inertia[6] = { yy + zz, xx + zz, xx + yy, -xy, -xz, -yz };
+    solve_inertia( inertia, angular, turning );
+    cross_product( turning, centre, back );
+    job->drift.x += (float)( velocity[0] - back[0] );
+    job->drift.y += (float)( velocity[1] - back[1] );
+    job->drift.z += (float)( velocity[2] - back[2] );
+    job->turning = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
 }
 
+static wisp_vec3 vector_at( const float* quads, int slot )
+{
+    const float* q = quads + (size_t)slot * 4;
+    return ( wisp_vec3 ){ q[0], q[1], q[2] };
+}
+
+// About a vertex that is free, so that floats do not lose what is far from the world's origin, or fast.
 static void measure( damping_loop* loop, const wisp_parallel* parallel )
 {
+    const float* position = loop->job.position;
+    int first = 0;
+    while ( first < loop->slot_count && !( position[(size_t)first * 4 + 3] > 0.0f ) )
+    {
+        first += 1;
+    }
+    if ( first == loop->slot_count )
+    {
+        return; // nobody moves
+    }
+    wisp_rigid_sums sums[MOST_BLOCKS];
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
-    rigid_motion* m = &loop->rigid;
-    wisp_parallel_for( parallel, blocks, 1, sum_linear, loop );
-    for ( int b = 0; b < blocks; ++b )
-    {
-        m->mass += loop->sums[b].mass;
-        add( m->centre, loop->sums[b].centre, 3 );
-        add( m->velocity, loop->sums[b].velocity, 3 );
-    }
-    for ( int k = 0; k < 3 && m->mass > 0.0; ++k )
-    {
-        m->centre[k] /= m->mass;
-        m->velocity[k] /= m->mass;
-    }
-    wisp_parallel_for( parallel, blocks, 1, sum_angular, loop );
-    double inertia[6] = { 0 }, momentum[3] = { 0 };
-    for ( int b = 0; b < blocks; ++b )
-    {
-        add( inertia, loop->sums[b].inertia, 6 );
-        add( momentum, loop->sums[b].momentum, 3 );
-    }
-    solve_inertia( inertia, momentum, m->angular );
+    loop->job.origin = vector_at( position, first );
+    loop->job.drift = vector_at( loop->job.velocity, first );
+    loop->sums = sums;
+    wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
+    const wisp_rigid_sums all = add_up( loop, blocks );
+    find_motion( &all, &loop->job );
 }
 
 // ---- damping ----
@@ -191,26 +169,11 @@ static bool is_pinned( const wisp_fabric* f, const float* position )
     return false;
 }
 
-static void damp_slots( void* context, int begin, int end, int worker )
+static void approach( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const damping_loop* loop = context;
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        const float* p = loop->position + (size_t)slot * 4;
-        float* v = loop->velocity + (size_t)slot * 4;
-        double r[3], turning[3];
-        for ( int k = 0; k < 3; ++k )
-        {
-            r[k] = (double)p[k] - loop->rigid.centre[k];
-        }
-        cross_product( loop->rigid.angular, r, turning );
-        for ( int k = 0; k < 3 && p[3] > 0.0f; ++k )
-        {
-            double rigid = loop->rigid.velocity[k] + turning[k];
-            v[k] = (float)( rigid + loop->keep * ( (double)v[k] - rigid ) );
-        }
-    }
+    loop->kernels->rigid_approach( &loop->job, begin, end );
 }
 
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
@@ -218,24 +181,28 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
     enum
     {
         GRAIN = 1024,
+        LANES = 8,
     };
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
+    const float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
+    const float lost = rate * wisp_frame_seconds( frame );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    const int most = ( fabric->vertex_count + MOST_BLOCKS - 1 ) / MOST_BLOCKS;
-    block_sums sums[MOST_BLOCKS];
+    const int most = ( fabric->slot_count / MOST_BLOCKS + LANES ) / LANES * LANES;
     damping_loop loop = {
-        .sums = sums,
+        .kernels = wisp_frame_kernels( frame ),
+        .slot_count = fabric->slot_count,
+        .block = most > LEAST_BLOCK ? most : LEAST_BLOCK,
+    };
+    // what pins hold comes to rest
+    loop.job = ( wisp_rigid_job ){
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .slot_count = fabric->vertex_count,
-        .block = most > LEAST_BLOCK ? most : LEAST_BLOCK,
-        .keep = 1.0 / ( 1.0 + (double)rate * (double)wisp_frame_seconds( frame ) ),
+        .share = lost / ( 1.0f + lost ),
     };
-    if ( is_pinned( fabric, loop.position ) == false )
+    if ( is_pinned( fabric, loop.job.position ) == false )
     {
         measure( &loop, parallel );
     }
-    wisp_parallel_for( parallel, fabric->vertex_count, GRAIN, damp_slots, &loop );
+    wisp_parallel_for( parallel, fabric->slot_count, GRAIN, approach, &loop );
 }

@@ -261,7 +261,7 @@ typedef struct wisp_closest_job
 {
     const float* quads; ///< [point][4] m; the fourth number is not looked at; 16-byte aligned
     const int32_t*
-        point4[4]; ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
+        point4[4];   ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
     float* distance; ///< [pair] out, m; 0 below 1e-19 m
     /// [group] out, barycentric, those of the second side negative; null: not wanted. The weights of a side sum to 1
     /// without rounding, so that they mean the same anywhere.
@@ -322,6 +322,29 @@ typedef struct wisp_particle_job
     wisp_vec3 acceleration; ///< m/s^2, of every particle that is not pinned
     float dt;               ///< s
 } wisp_particle_job;
+
+/// Particles about a point that moves, and the rigid motion that they are brought nearer to. Pinned ones count for nothing and
+/// keep their velocity.
+typedef struct wisp_rigid_job
+{
+    const float* position; ///< [slot][4] m
+    float* velocity;       ///< [slot][4] m/s, the fourth is 0
+    wisp_vec3 origin;      ///< m
+    wisp_vec3 drift;       ///< m/s, of the origin
+    wisp_vec3 turning;     ///< rad/s; sums do not look at it
+    float share;           ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
+} wisp_rigid_job;
+
+/// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.
+typedef struct wisp_rigid_sums
+{
+    double mass;        ///< kg
+    double moment[3];   ///< kg m, m r
+    double momentum[3]; ///< kg m/s, m u
+    double angular[3];  ///< kg m^2/s, m r x u
+    double xx, yy, zz;  ///< kg m^2, m r r
+    double xy, xz, yz;
+} wisp_rigid_sums;
 
 /// Are particles where and as fast as particles can be?
 typedef struct wisp_bound_job
@@ -638,6 +661,8 @@ typedef struct wisp_kernels
     void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
     void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
+    void ( *rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums ); ///< sums: out
+    void ( *rigid_approach )( const wisp_rigid_job* job, int begin, int end ); ///< v += share (drift + w x r - v)
     /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
     int ( *first_beyond )( const wisp_bound_job* job, int begin, int end );
     // groups of sixteen strands

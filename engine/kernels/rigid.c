@@ -1,0 +1,102 @@
+// The rigid motion that particles have as a whole, and how they are brought nearer to it.
+//
+// Places are taken about a point near them and velocities less one that is like theirs, so that floats are enough for a few
+// hundred particles; what is summed of those goes on in doubles.
+#include "kernel_isa.h"
+
+enum
+{
+    LANES = 8,
+    PART = 256, // slots whose sums are floats
+    SUMS = 16,
+};
+
+typedef struct particles8
+{
+    lane8v at; // about the job's origin
+    lane8v velocity;
+    lane8 inverse_mass;
+} particles8;
+
+static particles8 particles_of( const wisp_rigid_job* job, int slot )
+{
+    particles8 p;
+    lane8 none;
+    lane8_load_xyzw_contiguous( job->position + (size_t)slot * 4, &p.at.x, &p.at.y, &p.at.z, &p.inverse_mass );
+    lane8_load_xyzw_contiguous( job->velocity + (size_t)slot * 4, &p.velocity.x, &p.velocity.y, &p.velocity.z,
+                                &none );
+    p.at = lane8v_sub( p.at, lane8v_set1( job->origin ) );
+    return p;
+}
+
+static void add_to( lane8* sum, lane8 term )
+{
+    *sum = lane8_add( *sum, term );
+}
+
+static void add_vector( lane8 sum[3], lane8v term )
+{
+    add_to( sum, term.x );
+    add_to( sum + 1, term.y );
+    add_to( sum + 2, term.z );
+}
+
+// In the order of wisp_rigid_sums.
+static void add_particles( const particles8* p, lane8v drift, lane8 sums[SUMS] )
+{
+    const lane8 zero = lane8_zero();
+    const lane8 mass =
+        lane8_select( lane8_gt( p->inverse_mass, zero ), lane8_div( lane8_set1( 1.0f ), p->inverse_mass ), zero );
+    const lane8v r = p->at, heavy = lane8v_scale( r, mass ), u = lane8v_sub( p->velocity, drift );
+    add_to( sums, mass );
+    add_vector( sums + 1, heavy );
+    add_vector( sums + 4, lane8v_scale( u, mass ) );
+    add_vector( sums + 7, lane8v_cross( heavy, u ) );
+    add_vector( sums + 10,
+                ( lane8v ){ lane8_mul( heavy.x, r.x ), lane8_mul( heavy.y, r.y ), lane8_mul( heavy.z, r.z ) } );
+    add_vector( sums + 13,
+                ( lane8v ){ lane8_mul( heavy.x, r.y ), lane8_mul( heavy.x, r.z ), lane8_mul( heavy.y, r.z ) } );
+}
+
+_Static_assert( sizeof( wisp_rigid_sums ) == SUMS * sizeof( double ), "as many numbers" );
+
+void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums )
+{
+    double total[SUMS] = { 0.0 };
+    for ( int part = begin; part < end; part += PART )
+    {
+        lane8 lanes[SUMS];
+        for ( int k = 0; k < SUMS; ++k )
+        {
+            lanes[k] = lane8_zero();
+        }
+        for ( int slot = part; slot < end && slot < part + PART; slot += LANES )
+        {
+            const particles8 p = particles_of( job, slot );
+            add_particles( &p, lane8v_set1( job->drift ), lanes );
+        }
+        for ( int k = 0; k < SUMS; ++k )
+        {
+            float each[LANES];
+            lane8_storeu( each, lanes[k] );
+            for ( int l = 0; l < LANES; ++l )
+            {
+                total[k] += (double)each[l];
+            }
+        }
+    }
+    memcpy( sums, total, sizeof( total ) );
+}
+
+void KERNEL( rigid_approach )( const wisp_rigid_job* job, int begin, int end )
+{
+    const lane8v turning = lane8v_set1( job->turning ), drift = lane8v_set1( job->drift );
+    for ( int slot = begin; slot < end; slot += LANES )
+    {
+        const particles8 p = particles_of( job, slot );
+        const lane8v rigid = lane8v_add( drift, lane8v_cross( turning, p.at ) );
+        const lane8v nearer = lane8v_mul_add( p.velocity, lane8_set1( job->share ), lane8v_sub( rigid, p.velocity ) );
+        const lane8v v = lane8v_select( lane8_gt( p.inverse_mass, lane8_zero() ), nearer, p.velocity );
+        lane8_store_xyzw_contiguous( job->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
+    }
+}
