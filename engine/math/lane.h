@@ -47,6 +47,7 @@
 ///                                                       lane order; bits < 256; out has room for eight, the rest may be overwritten
 ///
 ///   lane8i_transpose( rows )                            rows is lane8i[8]: row l and lane k change places
+///   lane8_compress_store( out, v, bits )                the same of floats
 ///
 /// and for sixteen lanes only
 ///
@@ -119,6 +120,14 @@ LANE_INLINE void lane8i_transpose( lane8i rows[8] )
     }
 }
 #endif
+
+LANE_INLINE int lane8_compress_store( float* out, lane8 v, uint32_t bits )
+{
+    int32_t packed[8];
+    const int count = lane8i_compress_store( packed, lane8_cast_int( v ), bits );
+    memcpy( out, packed, sizeof( packed ) );
+    return count;
+}
 
 LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
 {

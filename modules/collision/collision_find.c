@@ -156,7 +156,7 @@ void collision_meet( const collision_find_job* job, const collision_view* view, 
         }
         return;
     }
-    collision_see_block( view, block );
+    collision_see_block( job->kernels, view, block );
     ask( job, view, block );
 }
 
@@ -173,6 +173,7 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const collision_find_job job = {
+        .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),

@@ -89,7 +89,7 @@ typedef struct collision_view
 typedef struct collision_block
 {
     int count;                     // of those that move, and are finite
-    int slot[COLLISION_BLOCK];     // of each of them
+    int32_t slot[COLLISION_BLOCK]; // of each of them
     float now[3][COLLISION_BLOCK]; // m, in the world
     float old[3][COLLISION_BLOCK]; // m, likewise, when the substep began
     wisp_vec3 low, high;           // m, of all paths, before a body moved anything
@@ -97,13 +97,14 @@ typedef struct collision_block
     // of one body, in its frame
     float from[3][COLLISION_BLOCK], to[3][COLLISION_BLOCK];
     float path[COLLISION_BLOCK], reach[COLLISION_BLOCK]; // m
-    int asked[COLLISION_BLOCK];                          // in the block: who may be within reach
+    int32_t asked[COLLISION_BLOCK];                      // in the block: who may be within reach
     int asked_count;
 } collision_block;
 
 /// What contacts are found for.
 typedef struct collision_find_job
 {
+    const wisp_kernels* kernels;
     float *position, *previous; // quads
     int32_t* count;             // contacts met
     float* found;               // quads
@@ -134,7 +135,7 @@ float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap
 void collision_begin_block( const collision_find_job* job, int begin, int end, collision_block* block );
 /// Seen from the body: where each particle comes from and gets to, and who is asked for the closest point. Who is not
 /// is surely beyond its reach, and is clear so far.
-void collision_see_block( const collision_view* view, collision_block* block );
+void collision_see_block( const wisp_kernels* kernels, const collision_view* view, collision_block* block );
 
 // ---- collision_find.c: one block and its bodies, which are met in their order ----
 

@@ -83,7 +83,7 @@ typedef struct project_loop
     const int32_t* count;
     const float* found;
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    int strays[CHUNK]; // slots that left the place that is known
+    int32_t strays[CHUNK]; // slots that left the place that is known
     int stray_count;
 } project_loop;
 
@@ -162,19 +162,6 @@ static void project_crowded( project_loop* loop, int begin, int end )
     }
 }
 
-static void find_strays( project_loop* loop, int begin, int end )
-{
-    loop->stray_count = 0;
-    for ( int slot = begin; slot < end; ++slot )
-    {
-        const float *p = loop->position + (size_t)slot * 4, *found = loop->found + (size_t)slot * 4;
-        if ( collision_length( collision_sub( collision_load( p ), collision_load( found ) ) ) > found[3] )
-        {
-            loop->strays[loop->stray_count++] = slot;
-        }
-    }
-}
-
 void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
@@ -185,16 +172,17 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
         .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
     };
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const bool last = span->iteration + 1 == wisp_frame_iterations( frame );
     const wisp_span s = wisp_frame_particles( frame, span );
     for ( int begin = s.begin; begin < s.end; begin += CHUNK )
     {
         const int end = s.end - begin < CHUNK ? s.end : begin + CHUNK;
-        project_singles( wisp_frame_kernels( frame ), &loop, begin, end );
+        project_singles( kernels, &loop, begin, end );
         project_crowded( &loop, begin, end );
         if ( last )
         {
-            find_strays( &loop, begin, end );
+            loop.stray_count = kernels->swarm_stray( loop.position, loop.found, begin, end, loop.strays );
             catch_strays( frame, span, state, &loop );
         }
     }

@@ -15,6 +15,7 @@
 #include "wisp/shapes.h"
 #include "wisp/space.h"
 #include "wisp/springs.h"
+#include "wisp/swarm.h"
 #include "wisp/tune.h"
 #include "wisp/wisp.h"
 

@@ -6,6 +6,7 @@
 #include "wisp/random.h"
 #include "wisp/shapes.h"
 #include "wisp/springs.h"
+#include "wisp/swarm.h"
 
 WISP_BEGIN_C
 
@@ -322,29 +323,6 @@ typedef struct wisp_particle_job
     wisp_vec3 acceleration; ///< m/s^2, of every particle that is not pinned
     float dt;               ///< s
 } wisp_particle_job;
-
-/// Particles about a point that moves, and the rigid motion that they are brought nearer to. Pinned ones count for nothing and
-/// keep their velocity.
-typedef struct wisp_rigid_job
-{
-    const float* position; ///< [slot][4] m
-    float* velocity;       ///< [slot][4] m/s, the fourth is 0
-    wisp_vec3 origin;      ///< m
-    wisp_vec3 drift;       ///< m/s, of the origin
-    wisp_vec3 turning;     ///< rad/s; sums do not look at it
-    float share;           ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
-} wisp_rigid_job;
-
-/// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.
-typedef struct wisp_rigid_sums
-{
-    double mass;        ///< kg
-    double moment[3];   ///< kg m, m r
-    double momentum[3]; ///< kg m/s, m u
-    double angular[3];  ///< kg m^2/s, m r x u
-    double xx, yy, zz;  ///< kg m^2, m r r
-    double xy, xz, yz;
-} wisp_rigid_sums;
 
 /// Are particles where and as fast as particles can be?
 typedef struct wisp_bound_job
@@ -663,6 +641,12 @@ typedef struct wisp_kernels
     void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
     void ( *rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums ); ///< sums: out
     void ( *rigid_approach )( const wisp_rigid_job* job, int begin, int end ); ///< v += share (drift + w x r - v)
+    /// Take those that move and are finite: inverse mass above 0, places then and now within 1e9 m. @return how many
+    int ( *swarm_take )( const wisp_swarm_job* job, int begin, int end );
+    /// Where a body sees them. @param count that were taken @return how many may be within reach
+    int ( *swarm_see )( const wisp_swarm_sight* sight, int count );
+    /// @param strays [end - begin] out: slots that are farther from a place than its fourth @return how many
+    int ( *swarm_stray )( const float* position, const float* place, int begin, int end, int32_t* strays );
     /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
     int ( *first_beyond )( const wisp_bound_job* job, int begin, int end );
     // groups of sixteen strands

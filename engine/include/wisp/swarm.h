@@ -1,0 +1,72 @@
+/// Particles of a block, all at once: their rigid motion, and where bodies see them. What the kernels in wisp/kernels.h of these
+/// names go by.
+#pragma once
+
+#include "wisp/shapes.h"
+
+WISP_BEGIN_C
+
+/// Particles about a point that moves, and the rigid motion that they are brought nearer to. Pinned ones count for nothing and
+/// keep their velocity.
+typedef struct wisp_rigid_job
+{
+    const float* position; ///< [slot][4] m
+    float* velocity;       ///< [slot][4] m/s, the fourth is 0
+    wisp_vec3 origin;      ///< m
+    wisp_vec3 drift;       ///< m/s, of the origin
+    wisp_vec3 turning;     ///< rad/s; sums do not look at it
+    float share;           ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
+} wisp_rigid_job;
+
+/// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.
+typedef struct wisp_rigid_sums
+{
+    double mass;        ///< kg
+    double moment[3];   ///< kg m, m r
+    double momentum[3]; ///< kg m/s, m u
+    double angular[3];  ///< kg m^2/s, m r x u
+    double xx, yy, zz;  ///< kg m^2, m r r
+    double xy, xz, yz;
+} wisp_rigid_sums;
+
+/// Particles of a block that move, as arrays. Arrays have room for all of the block.
+typedef struct wisp_swarm
+{
+    int32_t* slot; ///< of each of them
+    float* now[3]; ///< m, in the world
+    float* old[3]; ///< m, likewise, when the substep began
+} wisp_swarm;
+
+/// Who of a block moves.
+typedef struct wisp_swarm_job
+{
+    const float *position, *previous; ///< [slot][4] m, now with inverse masses, and when the substep began
+    float* place;                     ///< [slot][4] out: where it is, m, and infinity
+    wisp_swarm swarm;                 ///< out
+    float *low, *high;                ///< [3] out, m: of all that move, then and now; infinite without any
+} wisp_swarm_job;
+
+/// What is left out of a look at a body, as it sees the particles: whatever is farther than its reach.
+typedef enum wisp_swarm_bound
+{
+    WISP_SWARM_HALF_SPACE, ///< below y = 0
+    WISP_SWARM_BOX,        ///< the box
+    WISP_SWARM_ROUND,      ///< the box, and a ball or a capsule along y in its middle
+} wisp_swarm_bound;
+
+/// Particles as a body sees them that goes from a pose to another.
+typedef struct wisp_swarm_sight
+{
+    wisp_swarm swarm;
+    wisp_rigid before, after;
+    wisp_swarm_bound bound;
+    wisp_vec3 centre, half;    ///< m, of the box, in the body's frame
+    float radius, half_length; ///< m, of what is round, about the frame's origin
+    float margin;              ///< m; a particle's reach is that and its path
+    float *from[3], *to[3];    ///< m, out, in the body's frame
+    float *path, *reach;       ///< m, out
+    float* clear;              ///< m, in and out: lowered to the reach of who is left out
+    int32_t* asked;            ///< out: who is not
+} wisp_swarm_sight;
+
+WISP_END_C
