@@ -43,6 +43,7 @@ void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end
 void KERNEL( piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
 int KERNEL( edges_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
 int KERNEL( points_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
+bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum[3] );
 void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end );
 bool KERNEL( leave_ways )( const wisp_way_job* job, int begin, int end );
 void KERNEL( closing )( const wisp_closing_job* job, int begin, int end );

@@ -31,6 +31,7 @@ const wisp_kernels LANE_JOIN( kernels_, WISP_KERNEL_ISA ) = {
     .piece_place = KERNEL( piece_place ),
     .edges_near = KERNEL( edges_near ),
     .points_near = KERNEL( points_near ),
+    .sum_ways = KERNEL( sum_ways ),
     .take_ways = KERNEL( take_ways ),
     .leave_ways = KERNEL( leave_ways ),
     .closing = KERNEL( closing ),

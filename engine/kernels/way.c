@@ -22,6 +22,38 @@ LANE_INLINE lane8 length_of( lane8v way )
     return lane8_select( lane8_lt( length, lane8_set1( 1e6f ) ), length, lane8_zero() );
 }
 
+bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum[3] )
+{
+    const lane8 zero = lane8_zero(), most = lane8_set1( 1e6f );
+    lane8 lanes[3] = { zero, zero, zero };
+    uint32_t fixed = 0;
+    for ( int p = begin; p < end; p += LANES )
+    {
+        const lane8m there_is = lane8m_first( end - p );
+        const lane8v way = way_of( job, p );
+        const lane8 each[3] = { way.x, way.y, way.z };
+        for ( int k = 0; k < 3; ++k )
+        {
+            const lane8m counts = lane8m_and( there_is, lane8_lt( lane8_abs( each[k] ), most ) );
+            lanes[k] = lane8_add( lanes[k], lane8_select( counts, each[k], zero ) );
+        }
+        lane8 x, y, z, weight;
+        lane8_load_xyzw_contiguous( job->now + (size_t)p * 4, &x, &y, &z, &weight );
+        fixed |= lane8m_bits( lane8m_and( there_is, lane8_eq( weight, zero ) ) );
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        float each[LANES];
+        lane8_storeu( each, lanes[k] );
+        sum[k] = 0.0;
+        for ( int l = 0; l < LANES; ++l )
+        {
+            sum[k] += (double)each[l];
+        }
+    }
+    return fixed != 0;
+}
+
 void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end )
 {
     const lane8v common = { lane8_set1( job->common[0] ), lane8_set1( job->common[1] ),

@@ -160,6 +160,8 @@ typedef enum contact_place
     CONTACT_PATCHES,
     CONTACT_PATCH_POINTS,
     CONTACT_PATCH_OF,
+    CONTACT_PATCHES_BEGIN,
+    CONTACT_PATCHES_OF,
     CONTACT_PIECE_ROWS,
     CONTACT_WAYS,
     CONTACT_WAYS_GONE,
@@ -213,6 +215,8 @@ typedef struct contact_soup
     contact_patch* patches;
     int32_t* patch_points;    // points times 4
     int32_t* patch_of;        // [point] one that it is a point of
+    int32_t* patches_begin;   // [point + 1]
+    int32_t* patches_of;      // of each point, all that have it
     wisp_piece_row* pieces;   // [row]
     contact_way *ways, *gone; // [patch] in this substep, in the one before
     contact_course* courses;  // [patch]

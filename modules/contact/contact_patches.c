@@ -265,6 +265,45 @@ static void add_piece( contact_soup* s, contact_patch* patch, int kind, int32_t 
     }
 }
 
+// Which patches each point is in. @param most points of all patches, those that repeat included
+static bool list_patches_of_points( const cutting* c, size_t most )
+{
+    contact_soup* s = c->soup;
+    const size_t points = (size_t)s->point_count, number = sizeof( int32_t );
+    if ( contact_reserve( c->work, CONTACT_PATCHES_BEGIN, ( points + 2 ) * number, (void**)&s->patches_begin ) ==
+             false ||
+         contact_reserve( c->work, CONTACT_PATCHES_OF, most * number, (void**)&s->patches_of ) == false )
+    {
+        return false;
+    }
+    // counted two places on, so that filling in leaves each where it begins
+    int32_t* begin = s->patches_begin;
+    memset( begin, 0, ( points + 2 ) * number );
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int p = 0; p < s->patch_count; ++p )
+        {
+            const int32_t* point4 = s->patch_points + s->patches[p].first_point;
+            for ( int i = 0; i < s->patches[p].point_count && ( i == 0 || point4[i] != point4[i - 1] ); ++i )
+            {
+                if ( pass == 0 )
+                {
+                    begin[point4[i] / 4 + 2] += 1;
+                }
+                else
+                {
+                    s->patches_of[begin[point4[i] / 4 + 1]++] = p;
+                }
+            }
+        }
+        for ( size_t i = 0; i < points && pass == 0; ++i )
+        {
+            begin[i + 2] += begin[i + 1];
+        }
+    }
+    return true;
+}
+
 static bool fill_patches( const cutting* c, const int counts[3] )
 {
     contact_soup* s = c->soup;
@@ -300,7 +339,7 @@ static bool fill_patches( const cutting* c, const int counts[3] )
     {
         repeat_last( s, s->patches + p );
     }
-    return true;
+    return list_patches_of_points( c, points );
 }
 
 bool contact_make_patches( const contact_work* work )

@@ -41,19 +41,8 @@ static void sum_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    double* sum = loop->sums[begin / GRAIN];
-    bool has_fixed = false;
-    sum[0] = sum[1] = sum[2] = 0.0;
-    for ( size_t i = (size_t)begin * 4; i < (size_t)end * 4; i += 4 )
-    {
-        for ( size_t k = 0; k < 3; ++k )
-        {
-            const float way = loop->soup->now[i + k] - loop->soup->safe[i + k];
-            sum[k] += fabsf( way ) < FARTHEST ? (double)way : 0.0;
-        }
-        has_fixed = has_fixed || loop->soup->now[i + 3] == 0.0f;
-    }
-    if ( has_fixed )
+    const wisp_way_job job = { .before = loop->soup->safe, .now = loop->soup->now };
+    if ( wisp_frame_kernels( loop->work->frame )->sum_ways( &job, begin, end, loop->sums[begin / GRAIN] ) )
     {
         atomic_store( &loop->has_fixed, true );
     }
@@ -178,41 +167,57 @@ static contact_way gone_way_of( const contact_work* work, const contact_patch* p
     return middle_of( low, high, 0.0f );
 }
 
-static bool has_late( const contact_soup* s, const contact_patch* patch )
-{
-    const int32_t* points = s->patch_points + patch->first_point;
-    bool late = false;
-    for ( int i = 0; i < patch->point_count; ++i )
-    {
-        late = late || s->is_late[points[i] / 4] != 0;
-    }
-    return late;
-}
-
 float contact_length_of_way( const contact_soup* s, const contact_way* way )
 {
     const float *m = way->middle, *c = s->common;
     return length_of( m[0] - c[0], m[1] - c[1], m[2] - c[2] ) + way->spread;
 }
 
-static void find_patch_ways( void* context, int begin, int end, int worker )
+static bool is_beyond_reach( const contact_soup* s, int patch )
+{
+    const contact_course* course = s->courses + patch;
+    return course->spent + contact_length_of_way( s, s->ways + patch ) > course->reach;
+}
+
+static void expect_patch_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
     contact_soup* s = loop->soup;
     bool is_beyond = false;
+    memset( s->patch_late + begin, 0, (size_t)( end - begin ) );
     for ( int p = begin; p < end; ++p )
     {
-        s->patch_late[p] = loop->is_expected == false && has_late( s, s->patches + p );
-        if ( loop->is_expected || s->patch_late[p] )
-        {
-            s->ways[p] = expected_way_of( loop->work, s->patches + p );
-        }
-        is_beyond = is_beyond || s->courses[p].spent + contact_length_of_way( s, s->ways + p ) > s->courses[p].reach;
+        s->ways[p] = expected_way_of( loop->work, s->patches + p );
+        is_beyond = is_beyond_reach( s, p ) || is_beyond;
     }
     if ( is_beyond )
     {
         raise_to( &loop->reached, CONTACT_BEYOND );
+    }
+}
+
+// Few points are late, and those of others go as they were expected to.
+static void find_late_patches( way_loop* loop )
+{
+    contact_soup* s = loop->soup;
+    for ( int point = 0; point < s->point_count; ++point )
+    {
+        for ( int i = s->patches_begin[point]; s->is_late[point] != 0 && i < s->patches_begin[point + 1]; ++i )
+        {
+            s->patch_late[s->patches_of[i]] = 1;
+        }
+    }
+    for ( int p = 0; p < s->patch_count; ++p )
+    {
+        if ( s->patch_late[p] != 0 )
+        {
+            s->ways[p] = expected_way_of( loop->work, s->patches + p );
+            if ( is_beyond_reach( s, p ) )
+            {
+                raise_to( &loop->reached, CONTACT_BEYOND );
+            }
+        }
     }
 }
 
@@ -223,9 +228,13 @@ static contact_reached take_ways( const contact_work* work, bool is_expected )
     atomic_init( &loop.reached, CONTACT_WITHIN );
     find_common( &loop );
     wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_ways, &loop );
-    if ( is_expected || atomic_load( &loop.reached ) != CONTACT_WITHIN )
+    if ( is_expected )
     {
-        wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, find_patch_ways, &loop );
+        wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, expect_patch_ways, &loop );
+    }
+    else if ( atomic_load( &loop.reached ) != CONTACT_WITHIN )
+    {
+        find_late_patches( &loop );
     }
     return (contact_reached)atomic_load( &loop.reached );
 }

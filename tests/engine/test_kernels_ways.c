@@ -109,6 +109,43 @@ static void a_way_leads_from_before_to_now_give_or_take_a_share_of_it( void** st
     }
 }
 
+// Of [8, 8 + count) the sum, and whether one is fixed; with a number that is wrong where it is asked for, and beyond the end.
+static void check_sum( const wisp_kernels* kernels, int seed, int count, bool has_fixed )
+{
+    static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f, -1.1e6f };
+    walk w = make_walk( seed );
+    w.now[8 + seed % count][3] = has_fixed ? 0.0f : w.now[8 + seed % count][3];
+    w.now[8 + count][0] = 1e5f;
+    w.now[8 + count][3] = 0.0f;
+    w.now[10][seed % 3] = seed % 2 == 0 ? WRONG[seed / 2 % WISP_COUNT( WRONG )] : w.now[10][seed % 3];
+    double found[3], expected[3] = { 0.0, 0.0, 0.0 };
+    for ( int i = 8; i < 8 + count; ++i )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            const float way = w.now[i][k] - w.before[i][k];
+            expected[k] += fabsf( way ) < 1e6f ? (double)way : 0.0;
+        }
+    }
+    const wisp_way_job job = job_of( &w );
+    assert_true( kernels->sum_ways( &job, 8, 8 + count, found ) == has_fixed );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_near( found[k], expected[k], ROUNDING, "sum of ways, seed", seed );
+    }
+}
+
+static void ways_are_summed_and_who_is_fixed_is_seen( void** state )
+{
+    (void)state;
+    const wisp_kernels* tables[MOST_TABLES];
+    const int count = usable_tables( tables );
+    for ( int i = 0; i < SEEDS * count; ++i )
+    {
+        check_sum( tables[i / SEEDS], i % SEEDS, 3 + i % SEEDS % 29, i % 3 == 0 );
+    }
+}
+
 static void what_is_too_long_or_no_number_adds_nothing( void** state )
 {
     (void)state;
@@ -282,6 +319,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_way_leads_from_before_to_now_give_or_take_a_share_of_it ),
+        cmocka_unit_test( ways_are_summed_and_who_is_fixed_is_seen ),
         cmocka_unit_test( what_is_too_long_or_no_number_adds_nothing ),
         cmocka_unit_test( who_goes_farther_from_its_way_than_it_may_leaves_it ),
         cmocka_unit_test( pairs_are_due_that_may_use_up_their_slack ),

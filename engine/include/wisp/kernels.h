@@ -617,6 +617,9 @@ typedef struct wisp_kernels
     /// The same of points that ask triangles.
     int ( *points_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
     // points, begin a multiple of 8
+    /// m, out; up to a thousand are added as floats. What is longer than 1e6 m along an axis, or no number, adds nothing along
+    /// it. @return whether a point has no inverse mass
+    bool ( *sum_ways )( const wisp_way_job* job, int begin, int end, double sum[3] );
     /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
     void ( *take_ways )( const wisp_way_job* job, int begin, int end );
     /// Does a point go farther from where its way leads than the fourth of it? What is no number does not.
