@@ -168,6 +168,7 @@ typedef enum contact_place
     CONTACT_COURSES,
     CONTACT_PATCH_LATE,
     CONTACT_PATCH_PLACED,
+    CONTACT_PATCH_ASKED,
     CONTACT_PATCH_BOXES,
     CONTACT_PATCH_NORMALS,
     CONTACT_REACHED_BOXES,
@@ -222,6 +223,7 @@ typedef struct contact_soup
     contact_course* courses;  // [patch]
     uint8_t* patch_late;      // [patch] one of its points is
     uint8_t* is_placed;       // [patch] its pieces are where its points are safe
+    int32_t* asked;           // [patch + 1] those that are to be placed
     wisp_box* patch_boxes;    // [patch] where it is safe, if it is placed
     float* patch_normals;     // [patch][3] of any length, if it is placed
     wisp_box* reached_boxes;  // [patch] where it may be while it keeps to its course

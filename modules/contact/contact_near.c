@@ -66,12 +66,6 @@ static int gather_due( contact_soup* s, bool late_only )
 
 // ---- where their pieces are ----
 
-enum
-{
-    PLACED = 1,
-    ASKED = 2,
-};
-
 // Of all its triangles; 0 without any.
 static void take_normal( contact_soup* s, int p )
 {
@@ -94,12 +88,9 @@ static void place_patches( void* context, int begin, int end, int worker )
     const near_loop* loop = context;
     contact_soup* s = loop->soup;
     const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
-    for ( int p = begin; p < end; ++p )
+    for ( int i = begin; i < end; ++i )
     {
-        if ( s->is_placed[p] != ASKED )
-        {
-            continue;
-        }
+        const int p = s->asked[i];
         s->patch_boxes[p] = contact_box_around( loop->work, s->patches + p );
         for ( int kind = 0; kind < 3; ++kind )
         {
@@ -107,10 +98,10 @@ static void place_patches( void* context, int begin, int end, int worker )
             kernels->piece_place( s->safe, s->pieces, kind + 1, row, row + s->patches[p].rows[kind] );
         }
         take_normal( s, p );
-        s->is_placed[p] = PLACED;
     }
 }
 
+// Patches of pairs that are due, each once in a substep.
 static void place_due( near_loop* loop )
 {
     contact_soup* s = loop->soup;
@@ -118,15 +109,18 @@ static void place_due( near_loop* loop )
     {
         memset( s->is_placed, 0, (size_t)s->patch_count );
     }
+    int count = 0;
     for ( int i = 0; i < loop->due_count; ++i )
     {
         const int32_t both[2] = { s->pairs[0].patch[s->due[i]], s->pairs[0].other[s->due[i]] };
         for ( int k = 0; k < 2; ++k )
         {
-            s->is_placed[both[k]] = s->is_placed[both[k]] == PLACED ? PLACED : ASKED;
+            s->asked[count] = both[k];
+            count += s->is_placed[both[k]] == 0 ? 1 : 0;
+            s->is_placed[both[k]] = 1;
         }
     }
-    wisp_parallel_for( loop->work->parallel, s->patch_count, PLACE_GRAIN, place_patches, loop );
+    wisp_parallel_for( loop->work->parallel, count, PLACE_GRAIN, place_patches, loop );
 }
 
 // ---- their pieces ----

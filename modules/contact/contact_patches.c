@@ -185,6 +185,7 @@ static bool reserve_patches( const cutting* c )
            contact_reserve( c->work, CONTACT_COURSES, count * sizeof( *s->courses ), (void**)&s->courses ) &&
            contact_reserve( c->work, CONTACT_PATCH_LATE, count, (void**)&s->patch_late ) &&
            contact_reserve( c->work, CONTACT_PATCH_PLACED, count, (void**)&s->is_placed ) &&
+           contact_reserve( c->work, CONTACT_PATCH_ASKED, ( count + 1 ) * sizeof( int32_t ), (void**)&s->asked ) &&
            contact_reserve( c->work, CONTACT_PATCH_NORMALS, count * 3 * sizeof( float ),
                             (void**)&s->patch_normals ) &&
            contact_reserve( c->work, CONTACT_REACHED_BOXES, count * sizeof( *s->reached_boxes ),
