@@ -42,12 +42,11 @@ static void add_vector( lane8 sum[3], lane8v term )
 }
 
 // In the order of wisp_rigid_sums.
-static void add_particles( const particles8* p, lane8v drift, lane8 sums[SUMS] )
+static void add_particles( const wisp_rigid_job* job, const particles8* p, lane8 sums[SUMS] )
 {
-    const lane8 zero = lane8_zero();
-    const lane8 mass =
-        lane8_select( lane8_gt( p->inverse_mass, zero ), lane8_div( lane8_set1( 1.0f ), p->inverse_mass ), zero );
-    const lane8v r = p->at, heavy = lane8v_scale( r, mass ), u = lane8v_sub( p->velocity, drift );
+    const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( job->inverse_mass ), p->inverse_mass );
+    const lane8 mass = lane8_select( lane8_gt( p->inverse_mass, zero ), times, zero );
+    const lane8v r = p->at, heavy = lane8v_scale( r, mass ), u = lane8v_sub( p->velocity, lane8v_set1( job->drift ) );
     add_to( sums, mass );
     add_vector( sums + 1, heavy );
     add_vector( sums + 4, lane8v_scale( u, mass ) );
@@ -73,7 +72,7 @@ void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_r
         for ( int slot = part; slot < end && slot < part + PART; slot += LANES )
         {
             const particles8 p = particles_of( job, slot );
-            add_particles( &p, lane8v_set1( job->drift ), lanes );
+            add_particles( job, &p, lanes );
         }
         for ( int k = 0; k < SUMS; ++k )
         {

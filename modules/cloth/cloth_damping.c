@@ -124,7 +124,7 @@ static wisp_vec3 vector_at( const float* quads, int slot )
     return ( wisp_vec3 ){ q[0], q[1], q[2] };
 }
 
-// About a vertex that is free, so that floats do not lose what is far from the world's origin, or fast.
+// About a vertex that is free and in its mass, so that floats do not lose what is far from the world's origin, fast or heavy.
 static void measure( damping_loop* loop, const wisp_parallel* parallel )
 {
     const float* position = loop->job.position;
@@ -141,6 +141,7 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
     loop->job.origin = vector_at( position, first );
     loop->job.drift = vector_at( loop->job.velocity, first );
+    loop->job.inverse_mass = position[(size_t)first * 4 + 3];
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
     const wisp_rigid_sums all = add_up( loop, blocks );

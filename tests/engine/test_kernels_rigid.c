@@ -7,7 +7,7 @@
 enum
 {
     COUNT = 600, // more than two parts of the sums
-    KINDS = 4,
+    KINDS = 5,
 };
 
 typedef struct crowd
@@ -16,7 +16,7 @@ typedef struct crowd
     wisp_rigid_job job;
 } crowd;
 
-// Near the world's origin or far from it, slow or fast, spread out or along a line.
+// Near the world's origin or far from it, slow or fast, spread out or along a line, or so heavy that squares are no floats.
 static crowd make_crowd( int kind )
 {
     crowd c = { .job = { .origin = { 0.0f, 0.0f, 0.0f } } };
@@ -29,10 +29,12 @@ static crowd make_crowd( int kind )
             c.position[i][k] = far + ( kind == 3 ? along : test_random_float( i, k, -1.0f, 1.0f ) );
             c.velocity[i][k] = fast + test_random_float( i, 3 + k, -1.0f, 1.0f );
         }
-        c.position[i][3] = i % 7 == 3 ? 0.0f : test_random_float( i, 6, 0.5f, 100.0f );
+        c.position[i][3] =
+            i % 7 == 3 ? 0.0f : test_random_float( i, 6, 0.5f, 100.0f ) * ( kind == 4 ? 1e-35f : 1.0f );
     }
     c.job.origin = ( wisp_vec3 ){ c.position[1][0], c.position[1][1], c.position[1][2] };
     c.job.drift = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
+    c.job.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
     c.job.turning = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
     c.job.share = 0.375f;
     return c;
@@ -70,7 +72,7 @@ static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] 
 {
     const float *p = c->position[i], *v = c->velocity[i];
     const wisp_vec3 o = c->job.origin, d = c->job.drift;
-    const double mass = p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
+    const double mass = p[3] > 0.0f ? (double)c->job.inverse_mass / (double)p[3] : 0.0;
     const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y, (double)p[2] - (double)o.z },
                  u[3] = { (double)v[0] - (double)d.x, (double)v[1] - (double)d.y, (double)v[2] - (double)d.z };
     double terms[16] = { 1.0, r[0], r[1], r[2], u[0], u[1], u[2] };

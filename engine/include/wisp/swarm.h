@@ -14,6 +14,7 @@ typedef struct wisp_rigid_job
     float* velocity;       ///< [slot][4] m/s, the fourth is 0
     wisp_vec3 origin;      ///< m
     wisp_vec3 drift;       ///< m/s, of the origin
+    float inverse_mass;    ///< 1/kg, above 0, of the particle whose mass is the unit of the sums, m1
     wisp_vec3 turning;     ///< rad/s; sums do not look at it
     float share;           ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
 } wisp_rigid_job;
@@ -21,11 +22,11 @@ typedef struct wisp_rigid_job
 /// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.
 typedef struct wisp_rigid_sums
 {
-    double mass;        ///< kg
-    double moment[3];   ///< kg m, m r
-    double momentum[3]; ///< kg m/s, m u
-    double angular[3];  ///< kg m^2/s, m r x u
-    double xx, yy, zz;  ///< kg m^2, m r r
+    double mass;        ///< m1
+    double moment[3];   ///< m1 m, m r
+    double momentum[3]; ///< m1 m/s, m u
+    double angular[3];  ///< m1 m^2/s, m r x u
+    double xx, yy, zz;  ///< m1 m^2, m r r
     double xy, xz, yz;
 } wisp_rigid_sums;
 
