@@ -6,6 +6,7 @@
 enum
 {
     BOX_GRAIN = 256,
+    LIST_GRAIN = 64,
     MOST_PER_PATCH = 512, // pairs a patch, before reach is cut
 };
 
@@ -113,16 +114,55 @@ static void put_pair( contact_patch_pairs* pairs, int at, int32_t patch, int32_t
     pairs->slack[at] = slack;
 }
 
-// What is known of a pair that was listed before holds.
-static void add_pair( contact_patch_pairs* pairs, int32_t patch, int32_t other, const contact_patch_pairs* known,
-                      int* next, int end )
+// What was known of the pairs of a patch, in the order of the others.
+typedef struct known_pairs
 {
-    while ( *next < end && known->other[*next] < other )
+    const contact_patch_pairs* pairs;
+    int next, end;
+} known_pairs;
+
+// What is known of a pair that was listed before holds.
+static float slack_of( known_pairs* known, int32_t other )
+{
+    while ( known->next < known->end && known->pairs->other[known->next] < other )
     {
-        *next += 1;
+        known->next += 1;
     }
-    const bool is_known = *next < end && known->other[*next] == other;
-    put_pair( pairs, pairs->count++, patch, other, is_known ? known->slack[*next] : -INFINITY );
+    const bool is_known = known->next < known->end && known->pairs->other[known->next] == other;
+    return is_known ? known->pairs->slack[known->next] : -INFINITY;
+}
+
+typedef struct list_loop
+{
+    const contact_work* work;
+    bool is_known;
+} list_loop;
+
+static void list_pairs_of( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const list_loop* loop = context;
+    contact_soup* s = loop->work->soup;
+    const wisp_box_pairs* found = &s->overlaps;
+    for ( int p = begin; p < end; ++p )
+    {
+        known_pairs known = { .pairs = s->pairs + 1 };
+        if ( loop->is_known )
+        {
+            known.next = known.pairs->begin[p];
+            known.end = known.pairs->begin[p + 1];
+        }
+        int at = s->pairs[0].begin[p];
+        if ( patches_meet( loop->work, p, p ) )
+        {
+            put_pair( s->pairs, at++, p, p, slack_of( &known, p ) );
+        }
+        for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
+        {
+            const int32_t other = found->item[i];
+            put_pair( s->pairs, at++, p, other, slack_of( &known, other ) );
+        }
+    }
 }
 
 static bool list_pairs( const contact_work* work, bool is_known )
@@ -142,19 +182,12 @@ static bool list_pairs( const contact_work* work, bool is_known )
     pairs->count = 0;
     for ( int p = 0; p < s->patch_count; ++p )
     {
-        int next = is_known ? known.begin[p] : 0;
-        const int end = is_known ? known.begin[p + 1] : 0;
         pairs->begin[p] = pairs->count;
-        if ( patches_meet( work, p, p ) )
-        {
-            add_pair( pairs, p, p, &known, &next, end );
-        }
-        for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
-        {
-            add_pair( pairs, p, found->item[i], &known, &next, end );
-        }
+        pairs->count += ( patches_meet( work, p, p ) ? 1 : 0 ) + found->begin[p + 1] - found->begin[p];
     }
     pairs->begin[s->patch_count] = pairs->count;
+    list_loop loop = { work, is_known };
+    wisp_parallel_for( work->parallel, s->patch_count, LIST_GRAIN, list_pairs_of, &loop );
     for ( int i = 0; i < WISP_SLICE; ++i )
     {
         put_pair( pairs, pairs->count + i, 0, 0, INFINITY );
