@@ -187,9 +187,10 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
     wisp_quality first = quality_of( h->world, e );
     run( h->world, 99 );
     wisp_quality q = quality_of( h->world, e );
-    // velocities are differences of positions near 3 m (rounding 1.2e-7 m) over 0.01 s, averaged over 81 vertices
-    assert_near( q.momentum[0] / q.mass, 1.0, 2e-5 );
-    assert_near( q.momentum[2] / q.mass, 3.0, 2e-5 );
+    // velocities are differences of positions near 3 m (rounding 1.2e-7 m) over 0.01 s, averaged over 81 vertices; over 40
+    // starts the root mean square of what 100 steps make of it was 2e-5
+    assert_near( q.momentum[0] / q.mass, 1.0, 1e-4 );
+    assert_near( q.momentum[2] / q.mass, 3.0, 1e-4 );
     // PBD does not keep angular momentum exactly: the drift of one turn is of the order of the step
     assert_near( q.angular_momentum[1] / first.angular_momentum[1], 1.0, 0.02 );
     assert_true( q.strain_max < 1e-3 );
