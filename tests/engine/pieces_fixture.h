@@ -91,7 +91,7 @@ static inline double3 unit( double3 v )
 /// Pieces are not called in the order of their lanes. The last lanes may have none: their points are those of others.
 static inline void name_pieces( scene* s, int side )
 {
-    s->rows[side] = ( s->seed >> side ) % 2 == 0 ? ROWS : 1;
+    s->rows[side] = 1 + ( s->seed + 2 * side ) % ROWS;
     s->count[side] = 8 * s->rows[side] - ( s->seed + side ) % 5;
     for ( int i = 0; i < 8 * s->rows[side]; ++i )
     {

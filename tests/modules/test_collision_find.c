@@ -73,7 +73,7 @@ static meeting* new_meeting( void )
     add_shape( world, WISP_COLLIDER_PLANE, 1.0f, none );
     add_shape( world, WISP_COLLIDER_SPHERE, 0.35f, none );
     add_shape( world, WISP_COLLIDER_CAPSULE, 0.2f, none );
-    add_shape( world, WISP_COLLIDER_BOX, 1.0f, half );
+    add_shape( world, WISP_COLLIDER_BOX, 0.01f, half );
     add_mesh( world, test_ball( 2 ), 0.3f, ( wisp_vec3 ){ 0.1f, 0.0f, 0.0f }, false );
     add_mesh( world, test_plane( 3, 0.4f ), 1.0f, ( wisp_vec3 ){ -0.4f, 0.1f, -0.4f }, true );
     add_shape( world, WISP_COLLIDER_SPHERE, 0.05f, none );
