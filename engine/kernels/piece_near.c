@@ -18,7 +18,7 @@ enum
 // What is shorter, squared, is no direction: below it a square loses digits, and then all of them.
 #define LEAST_SQUARED 1e-30f
 
-static const wisp_piece_row NOTHING = { .item = { -1, -1, -1, -1, -1, -1, -1, -1 } };
+static const _Alignas( 64 ) wisp_piece_row NOTHING = { .item = { -1, -1, -1, -1, -1, -1, -1, -1 } };
 
 // One that asks, and who of a row is near.
 typedef struct near_hit
