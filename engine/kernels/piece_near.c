@@ -266,32 +266,29 @@ LANE_INLINE int keep( const wisp_piece_near_job* job, const near_hit* hit, int s
     return found + lane8i_compress_store( to->second + found, lane8i_load( row->item ), hit->bits );
 }
 
-int KERNEL( edges_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to )
+// `are_edges` is a constant where this is inlined.
+LANE_INLINE int find( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to, bool are_edges )
 {
     near_hit hits[HITS_MOST + 1];
     int hit_count = 0, found = 0;
     for ( int j = 0; j < count; ++j )
     {
-        hit_count = find_edges( jobs + j, j, hits, hit_count );
+        hit_count =
+            are_edges ? find_edges( jobs + j, j, hits, hit_count ) : find_triangles( jobs + j, j, hits, hit_count );
     }
     for ( int h = 0; h < hit_count; ++h )
     {
-        found = keep( jobs + hits[h].job, hits + h, 2, to, found );
+        found = keep( jobs + hits[h].job, hits + h, are_edges ? 2 : 1, to, found );
     }
     return found;
 }
 
+int KERNEL( edges_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to )
+{
+    return find( jobs, count, to, true );
+}
+
 int KERNEL( points_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to )
 {
-    near_hit hits[HITS_MOST + 1];
-    int hit_count = 0, found = 0;
-    for ( int j = 0; j < count; ++j )
-    {
-        hit_count = find_triangles( jobs + j, j, hits, hit_count );
-    }
-    for ( int h = 0; h < hit_count; ++h )
-    {
-        found = keep( jobs + hits[h].job, hits + h, 1, to, found );
-    }
-    return found;
+    return find( jobs, count, to, false );
 }
