@@ -6,9 +6,6 @@ enum
     LANES = 8,
 };
 
-// What is shorter, squared, is no direction: below it a square loses digits, and then all of them.
-#define LEAST_SQUARED 1e-30f
-
 LANE_INLINE lane8v point_of( const float* quads, const int32_t* point4 )
 {
     lane8v p;
@@ -25,7 +22,7 @@ LANE_INLINE void place_triangle( wisp_piece_row* row, lane8v a, lane8v b, lane8v
 {
     const lane8v across = lane8v_cross( lane8v_sub( b, a ), lane8v_sub( c, a ) );
     const lane8 squared = lane8v_dot( across, across ), zero = lane8_zero();
-    const lane8m wide = lane8_gt( squared, lane8_set1( LEAST_SQUARED ) );
+    const lane8m wide = lane8_gt( squared, lane8_set1( KERNEL_LEAST_SQUARED ) );
     const lane8 one_over = lane8_div( lane8_set1( 1.0f ), lane8_sqrt( squared ) );
     const lane8v normal = lane8v_scale( across, lane8_select( wide, one_over, zero ) );
     lane8 rounded = lane8_abs( lane8v_dot( normal, a ) );
@@ -114,7 +111,7 @@ float KERNEL( apart )( const wisp_apart_job* job )
         const float* a = job->along[k];
         const float one = least[k] + most[AXES + k], other = least[AXES + k] + most[k];
         const float squared = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-        const float here = squared > LEAST_SQUARED ? ( one > other ? one : other ) / sqrtf( squared ) : -1.0f;
+        const float here = squared > KERNEL_LEAST_SQUARED ? ( one > other ? one : other ) / sqrtf( squared ) : -1.0f;
         apart = here > apart ? here : apart;
     }
     return apart;

@@ -15,9 +15,6 @@ enum
         JOBS_MOST * ROWS_MOST * LANES * ( ROWS_MOST + 1 ), // a last row alone is looked at with one that has nothing
 };
 
-// What is shorter, squared, is no direction: below it a square loses digits, and then all of them.
-#define LEAST_SQUARED 1e-30f
-
 static const _Alignas( 64 ) wisp_piece_row NOTHING = { .item = { -1, -1, -1, -1, -1, -1, -1, -1 } };
 
 // One that asks, and who of a row is near.
@@ -126,7 +123,7 @@ LANE_INLINE lane16 bound_of_edges( lane16v way, lane16v a, lane16v b )
     const lane16 aside = bound_of( lane16_abs( lane16v_dot( across, way ) ), spans_across, squared );
     const lane16 along = bound_of( way_squared, spans_along, way_squared );
     const lane16m better =
-        lane16m_and( lane16_gt( squared, lane16_set1( LEAST_SQUARED ) ), lane16_gt( aside, along ) );
+        lane16m_and( lane16_gt( squared, lane16_set1( KERNEL_LEAST_SQUARED ) ), lane16_gt( aside, along ) );
     return lane16_select( better, aside, along );
 }
 

@@ -76,12 +76,7 @@ void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_r
         }
         for ( int k = 0; k < SUMS; ++k )
         {
-            float each[LANES];
-            lane8_storeu( each, lanes[k] );
-            for ( int l = 0; l < LANES; ++l )
-            {
-                total[k] += (double)each[l];
-            }
+            total[k] += lane8_sum_doubles( lanes[k] );
         }
     }
     memcpy( sums, total, sizeof( total ) );

@@ -43,13 +43,7 @@ bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum
     }
     for ( int k = 0; k < 3; ++k )
     {
-        float each[LANES];
-        lane8_storeu( each, lanes[k] );
-        sum[k] = 0.0;
-        for ( int l = 0; l < LANES; ++l )
-        {
-            sum[k] += (double)each[l];
-        }
+        sum[k] = lane8_sum_doubles( lanes[k] );
     }
     return fixed != 0;
 }

@@ -48,6 +48,7 @@
 ///
 ///   lane8i_transpose( rows )                            rows is lane8i[8]: row l and lane k change places
 ///   lane8_compress_store( out, v, bits )                the same of floats
+///   lane8_sum_doubles( v )                              -> double; adds the lanes in their order, as doubles
 ///
 /// and for sixteen lanes only
 ///
@@ -120,6 +121,18 @@ LANE_INLINE void lane8i_transpose( lane8i rows[8] )
     }
 }
 #endif
+
+LANE_INLINE double lane8_sum_doubles( lane8 v )
+{
+    float each[8];
+    lane8_storeu( each, v );
+    double sum = 0.0;
+    for ( int l = 0; l < 8; ++l )
+    {
+        sum += (double)each[l];
+    }
+    return sum;
+}
 
 LANE_INLINE int lane8_compress_store( float* out, lane8 v, uint32_t bits )
 {

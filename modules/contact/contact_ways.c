@@ -197,10 +197,12 @@ static void expect_patch_ways( void* context, int begin, int end, int worker )
     }
 }
 
-// Few points are late, and those of others go as they were expected to.
+// Few points are late, and patches of others go as they were expected to. All are asked for their reach: what is in common is
+// another now.
 static void find_late_patches( way_loop* loop )
 {
     contact_soup* s = loop->soup;
+    bool is_beyond = false;
     for ( int point = 0; point < s->point_count; ++point )
     {
         for ( int i = s->patches_begin[point]; s->is_late[point] != 0 && i < s->patches_begin[point + 1]; ++i )
@@ -213,11 +215,12 @@ static void find_late_patches( way_loop* loop )
         if ( s->patch_late[p] != 0 )
         {
             s->ways[p] = expected_way_of( loop->work, s->patches + p );
-            if ( is_beyond_reach( s, p ) )
-            {
-                raise_to( &loop->reached, CONTACT_BEYOND );
-            }
         }
+        is_beyond = is_beyond_reach( s, p ) || is_beyond;
+    }
+    if ( is_beyond )
+    {
+        raise_to( &loop->reached, CONTACT_BEYOND );
     }
 }
 
