@@ -186,6 +186,38 @@ static void what_is_remembered_does_not_change_a_bit( void** state )
     check_remembered( true, 500, FRAME / 10.0f );
 }
 
+// Between a floor and a sheet that spins far above it, so that their pair has been listed from the start, another comes down
+// slowly: its pair with the floor is new in a list, before the other.
+static void a_pair_that_is_new_in_a_list_has_nothing_of_the_next( void** state )
+{
+    (void)state;
+    static const float TURN = 20.0f, FALL = 0.4f, SUBSTEP = 0.01f, GAP = 0.01f; // rad/s, m/s, s, m
+    hosted h;
+    open_contact( &h, 1, 1, 1 );
+    test_mesh floor = level_sheet( 3, 0.3f, ( wisp_vec3 ){ 0 } ),
+              falling = level_sheet( 3, 0.2f, ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f } ),
+              spinning = level_sheet( 3, 0.2f, ( wisp_vec3 ){ 0.0f, 0.15f, 0.0f } );
+    const wisp_vec3 none = { 0 };
+    const wisp_entity e[3] = { add_pinned( h.world, &floor ), add_draping( h.world, &falling, NULL, 0, none ),
+                               add_draping( h.world, &spinning, NULL, 0, none ) };
+    const wisp_contact_def def = contact_of( GAP );
+    for ( int i = 0; i < 3; ++i )
+    {
+        set_contact( h.world, e[i], &def );
+    }
+    for ( int v = 0; v < 9; ++v )
+    {
+        const float* p = place_of( h.world, e[2], v );
+        float* turning = velocity_of( h.world, e[2], v );
+        turning[0] = TURN * p[2];
+        turning[2] = -TURN * p[0];
+        velocity_of( h.world, e[1], v )[1] = -FALL;
+    }
+    run_steps( h.world, 50, SUBSTEP );
+    assert_true( mean_of( h.world, e[1], 1 ) > 0.99 * (double)GAP );
+    close_world( &h );
+}
+
 // ---- boundary particles ----
 
 static const float DT = 0.01f, THICK = 0.125f;
@@ -378,6 +410,7 @@ int main( void )
         cmocka_unit_test( what_searches_does_not_change_a_bit ),
         cmocka_unit_test( how_far_pairs_are_looked_for_does_not_change_a_bit ),
         cmocka_unit_test( what_is_remembered_does_not_change_a_bit ),
+        cmocka_unit_test( a_pair_that_is_new_in_a_list_has_nothing_of_the_next ),
         cmocka_unit_test( a_boundary_particle_moves_its_parents_by_their_weights ),
         cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
         cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
