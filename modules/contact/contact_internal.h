@@ -187,6 +187,8 @@ typedef enum contact_place
     CONTACT_BLOCK_ORDER,
     CONTACT_SAMPLE_PARENTS,
     CONTACT_SAMPLE_WEIGHTS,
+    CONTACT_SAMPLE_RESTS,
+    CONTACT_SAMPLE_PLACES,
     CONTACT_SAMPLE_WAYS,
     CONTACT_SAMPLE_BOXES,
     CONTACT_CANDIDATES,
@@ -229,6 +231,7 @@ typedef struct contact_soup
     wisp_box* reached_boxes;  // [patch] where it may be while it keeps to its course
     wisp_box_pairs overlaps;  // of patches, or of particles
     int drifted;              // substeps since all pairs were looked for, as long as patches are taken to drift
+    int listed_for;           // substeps since then, or since lists were found short enough
     int searches;             // in this step
 
     contact_patch_pairs pairs[2]; // the second was in use before
@@ -241,6 +244,8 @@ typedef struct contact_soup
     int sample_count;
     int32_t ( *sample_parents )[3]; // [sample] points
     float ( *sample_weights )[3];   // [sample]
+    float ( *sample_rests )[4];     // [sample] m, where it is at rest; the fourth is the guest
+    float ( *sample_places )[3];    // [sample] m, where it was safe when pairs were looked for
     wisp_samples sampler;
     float* sample_ways; // [sample] m, how far astray each may be
     wisp_box* sample_boxes;
@@ -325,6 +330,8 @@ void contact_set_courses( const contact_work* work );
 float contact_length_of_way( const contact_soup* s, const contact_way* way );
 /// Count the substep's ways.
 void contact_spend_ways( const contact_work* work );
+/// Were boundary particles listed while they went so much farther than now that it pays to list them anew?
+bool contact_lists_too_many( const contact_work* work );
 /// For so many substeps it is taken that patches go on as they did.
 int contact_drift_substeps( const contact_work* work );
 
@@ -463,6 +470,12 @@ void contact_sum_impulses( const contact_work* work );
 static inline contact_guest* contact_guest_of( const contact_work* work, int point )
 {
     return work->state->guests + (int)work->soup->rest[(size_t)point * 4 + 3];
+}
+
+static inline float contact_distance( const float a[3], const float b[3] )
+{
+    const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return sqrtf( x * x + y * y + z * z );
 }
 
 /// How much nearer two patches may come in a substep, at most, m. A float is rounded: a little more than that.

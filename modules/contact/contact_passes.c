@@ -94,7 +94,8 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    if ( ( is_new == false && reached != CONTACT_BEYOND ) || search( &work ) )
+    const bool is_enough = is_new == false && reached != CONTACT_BEYOND && contact_lists_too_many( &work ) == false;
+    if ( is_enough || search( &work ) )
     {
         find_rows( &work );
     }

@@ -30,10 +30,10 @@ static void box_samples( void* context, int begin, int end, int worker )
     contact_soup* s = work->soup;
     for ( int i = begin; i < end; ++i )
     {
-        const int32_t* parents = s->sample_parents[i];
-        float at[3];
+        const contact_guest* guest = work->state->guests + (int)s->sample_rests[i][3];
+        const float wide = 0.5f * guest->settings.thickness + reach_of( s, i );
+        float* at = s->sample_places[i];
         contact_place_sample( s, s->safe, i, at );
-        const float wide = 0.5f * contact_guest_of( work, parents[0] )->settings.thickness + reach_of( s, i );
         for ( int k = 0; k < 3; ++k )
         {
             s->sample_boxes[i].low[k] = at[k] - wide;
@@ -54,7 +54,8 @@ static int keep_pairs( const void* context, int asker, int32_t* items, int count
         const float gap = contact_sample_gap_of( work, asker, item );
         const float within = 1.001f * gap + reach + reach_of( s, item );
         items[kept] = item;
-        kept += gap > 0.0f && !( contact_sample_distance( s, s->safe, asker, item ) > within ) ? 1 : 0;
+        kept +=
+            gap > 0.0f && !( contact_distance( s->sample_places[asker], s->sample_places[item] ) > within ) ? 1 : 0;
     }
     return kept;
 }
@@ -101,23 +102,21 @@ typedef struct sample_loop
 {
     const contact_work* work;
     bool late_only;
+    float* strays; // [patch] m, how far astray each may be
     _Atomic int total;
 } sample_loop;
 
 static void find_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    const contact_work* work = context;
-    contact_soup* s = work->soup;
+    const sample_loop* loop = context;
+    contact_soup* s = loop->work->soup;
     for ( int i = begin; i < end; ++i )
     {
-        float most = 0.0f;
-        for ( int k = 0; k < 3; ++k )
-        {
-            const int patch = s->patch_of[s->sample_parents[i][k]];
-            most = contact_larger( most, s->courses[patch].spent + contact_length_of_way( s, s->ways + patch ) );
-        }
-        s->sample_ways[i] = most;
+        const int32_t* parents = s->sample_parents[i];
+        const float first = loop->strays[s->patch_of[parents[0]]], second = loop->strays[s->patch_of[parents[1]]],
+                    third = loop->strays[s->patch_of[parents[2]]];
+        s->sample_ways[i] = contact_larger( first, contact_larger( second, third ) );
     }
 }
 
@@ -184,11 +183,17 @@ wisp_status contact_find_near_samples( const contact_work* work, bool late_only,
     contact_soup* s = work->soup;
     sample_loop loop = { .work = work, .late_only = late_only };
     atomic_init( &loop.total, 0 );
-    if ( contact_reserve_near( work, CONTACT_POINTS, s->candidate_count ) == false )
+    loop.strays =
+        wisp_parallel_scratch( work->parallel, work->worker, (size_t)s->patch_count * sizeof( *loop.strays ) );
+    if ( loop.strays == NULL || contact_reserve_near( work, CONTACT_POINTS, s->candidate_count ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs that may meet", s->candidate_count );
     }
-    wisp_parallel_for( work->parallel, s->sample_count, GRAIN, find_ways, (void*)(uintptr_t)work );
+    for ( int p = 0; p < s->patch_count; ++p )
+    {
+        loop.strays[p] = s->courses[p].spent + contact_length_of_way( s, s->ways + p );
+    }
+    wisp_parallel_for( work->parallel, s->sample_count, GRAIN, find_ways, &loop );
     wisp_parallel_for( work->parallel, s->candidate_count, GRAIN, find_near, &loop );
     s->near[CONTACT_POINTS].count = atomic_load( &loop.total );
     s->near[CONTACT_EDGES].count = 0;

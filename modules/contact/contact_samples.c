@@ -14,6 +14,10 @@ static bool reserve_samples( const contact_work* work, int count )
                             (void**)&s->sample_parents ) &&
            contact_reserve( work, CONTACT_SAMPLE_WEIGHTS, (size_t)count * sizeof( *s->sample_weights ),
                             (void**)&s->sample_weights ) &&
+           contact_reserve( work, CONTACT_SAMPLE_RESTS, (size_t)count * sizeof( *s->sample_rests ),
+                            (void**)&s->sample_rests ) &&
+           contact_reserve( work, CONTACT_SAMPLE_PLACES, (size_t)count * sizeof( *s->sample_places ),
+                            (void**)&s->sample_places ) &&
            contact_reserve( work, CONTACT_SAMPLE_WAYS, (size_t)count * sizeof( float ), (void**)&s->sample_ways ) &&
            contact_reserve( work, CONTACT_SAMPLE_BOXES, (size_t)count * sizeof( wisp_box ),
                             (void**)&s->sample_boxes );
@@ -42,6 +46,15 @@ static void add_samples( contact_soup* s, const wisp_samples* layer, int first_p
             s->sample_parents[sample][k] = first_point + layer->parents[i][k] / 4;
             s->sample_weights[sample][k] = layer->weights[i][k];
         }
+    }
+}
+
+static void place_at_rest( contact_soup* s )
+{
+    for ( int i = 0; i < s->sample_count; ++i )
+    {
+        contact_place_sample( s, s->rest, i, s->sample_rests[i] );
+        s->sample_rests[i][3] = s->rest[(size_t)s->sample_parents[i][0] * 4 + 3];
     }
 }
 
@@ -112,6 +125,10 @@ wisp_status contact_sample_guests( const contact_work* work )
             }
         }
     }
+    if ( status == WISP_OK )
+    {
+        place_at_rest( s );
+    }
     return status;
 }
 
@@ -134,8 +151,7 @@ float contact_sample_distance( const contact_soup* s, const float* quads, int a,
     float p[3], q[3];
     contact_place_sample( s, quads, a, p );
     contact_place_sample( s, quads, b, q );
-    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return sqrtf( x * x + y * y + z * z );
+    return contact_distance( p, q );
 }
 
 // Particles of a guest that are neighbours at rest would hold it stiff, and they always are within reach: what is nearer at
@@ -144,12 +160,11 @@ float contact_sample_gap_of( const contact_work* work, int a, int b )
 {
     const contact_soup* s = work->soup;
     static const float REST_GAPS = 2.0f;
-    const contact_guest* ga = contact_guest_of( work, s->sample_parents[a][0] );
-    const contact_guest* gb = contact_guest_of( work, s->sample_parents[b][0] );
+    const float *p = s->sample_rests[a], *q = s->sample_rests[b];
+    const contact_guest *ga = work->state->guests + (int)p[3], *gb = work->state->guests + (int)q[3];
     const float gap = 0.5f * ( ga->settings.thickness + gb->settings.thickness );
     const float apart = REST_GAPS * gap + s->least_thickness;
-    const bool is_pair =
-        contact_may_meet( ga, gb ) && ( ga != gb || contact_sample_distance( s, s->rest, a, b ) > apart );
+    const bool is_pair = contact_may_meet( ga, gb ) && ( ga != gb || contact_distance( p, q ) > apart );
     return is_pair ? gap : 0.0f;
 }
 

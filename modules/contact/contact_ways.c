@@ -9,7 +9,8 @@ enum
 {
     GRAIN = 1024,
     PATCH_GRAIN = 256,
-    SUBSTEPS_AHEAD = 5, // that patches are taken to drift
+    SUBSTEPS_AHEAD = 5,    // that patches are taken to drift
+    PATIENT_SUBSTEPS = 16, // that lists are used before it is asked whether they are too long
 };
 
 // What is farther is no way of a point, but a number that went wrong.
@@ -254,14 +255,23 @@ contact_reached contact_measure_ways( const contact_work* work )
 
 // ---- courses ----
 
+// How far a patch that goes such a way may go astray.
+static float reach_for( const contact_work* work, const contact_way* way )
+{
+    static const float HALF = 0.5f; // of a pair
+    const float margin = work->state->world.margin * work->soup->least_thickness;
+    const float length = contact_length_of_way( work->soup, way );
+    // patches are few, so that a wide reach costs less than searching often; particles are many
+    return contact_drift_substeps( work ) > 0 ? length + contact_larger( margin, REACH_SUBSTEPS * way->spread )
+                                              : contact_larger( HALF * margin, REACH_SUBSTEPS * length );
+}
+
 static void set_courses( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const contact_work* work = context;
     const contact_soup* s = work->soup;
-    static const float HALF = 0.5f; // of a pair
     const float drifts = contact_drift_substeps( work ) > 0 ? 1.0f : 0.0f;
-    const float margin = work->state->world.margin * s->least_thickness;
     for ( int p = begin; p < end; ++p )
     {
         const contact_way* way = s->ways + p;
@@ -270,10 +280,7 @@ static void set_courses( void* context, int begin, int end, int worker )
         {
             course->drift[k] = drifts * ( way->middle[k] - s->common[k] );
         }
-        // patches are few, so that a wide reach costs less than searching often; particles are many
-        const float length = contact_length_of_way( s, way );
-        course->reach = drifts > 0.0f ? length + contact_larger( margin, REACH_SUBSTEPS * way->spread )
-                                      : contact_larger( HALF * margin, REACH_SUBSTEPS * length );
+        course->reach = reach_for( work, way );
         course->spent = 0.0f;
     }
 }
@@ -281,8 +288,26 @@ static void set_courses( void* context, int begin, int end, int worker )
 void contact_set_courses( const contact_work* work )
 {
     contact_soup* s = work->soup;
-    s->drifted = 0;
+    s->drifted = s->listed_for = 0;
     wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, set_courses, (void*)(uintptr_t)work );
+}
+
+bool contact_lists_too_many( const contact_work* work )
+{
+    static const float TOO_FAR = 2.0f;
+    contact_soup* s = work->soup;
+    if ( contact_drift_substeps( work ) > 0 || s->listed_for < PATIENT_SUBSTEPS )
+    {
+        return false;
+    }
+    float reach = 0.0f, needed = 0.0f;
+    for ( int p = 0; p < s->patch_count; ++p )
+    {
+        reach += s->courses[p].reach;
+        needed += reach_for( work, s->ways + p );
+    }
+    s->listed_for = 0;
+    return reach > TOO_FAR * needed;
 }
 
 static void spend_ways( void* context, int begin, int end, int worker )
@@ -310,4 +335,5 @@ void contact_spend_ways( const contact_work* work )
     loop.drifts = s->drifted < contact_drift_substeps( work ) ? 1.0f : 0.0f;
     wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, spend_ways, &loop );
     s->drifted += loop.drifts > 0.0f ? 1 : 0;
+    s->listed_for += 1;
 }

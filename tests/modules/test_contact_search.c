@@ -404,6 +404,47 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
     assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
 }
 
+// What goes fast is looked for far around. When it has stopped it is looked for anew, once, and nearer.
+static void what_has_stopped_is_not_looked_for_far_around( void** state )
+{
+    (void)state;
+    static const float SPEED = 0.8f, GAP = 0.02f; // m/s, m
+    hosted h;
+    open_contact( &h, 1, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.features = WISP_CONTACT_SAMPLES;
+    settings.sample_spacing = GAP;
+    settings.margin = 0.05f;
+    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+    test_mesh floor = level_sheet( 4, 0.5f, ( wisp_vec3 ){ 0 } ),
+              falling = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.01f, 0.12f, 0.02f } );
+    const wisp_entity e[2] = { add_pinned( h.world, &floor ),
+                               add_draping( h.world, &falling, NULL, 0, ( wisp_vec3 ){ 0 } ) };
+    const wisp_contact_def def = contact_of( GAP );
+    for ( int i = 0; i < 2; ++i )
+    {
+        set_contact( h.world, e[i], &def );
+    }
+    want_figures( h.world );
+    int64_t candidates[2];
+    int searches = 0;
+    for ( int step = 0; step < 60; ++step )
+    {
+        for ( int v = 0; v < 16; ++v )
+        {
+            velocity_of( h.world, e[1], v )[1] = step < 8 ? -SPEED : 0.0f;
+        }
+        run_steps( h.world, 1, DT );
+        candidates[step < 8 ? 0 : 1] = (int64_t)contact_figures( h.world ).candidates;
+        searches += step < 8 ? 0 : contact_figures( h.world ).searches;
+    }
+    assert_near( mean_of( h.world, e[1], 1 ), 0.12 - 8.0 * (double)( SPEED * DT ), 1e-5 );
+    assert_true( candidates[0] > 1000 );
+    assert_int_equal( candidates[1], 0 );
+    assert_int_equal( searches, 1 );
+    close_world( &h );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -414,6 +455,7 @@ int main( void )
         cmocka_unit_test( a_boundary_particle_moves_its_parents_by_their_weights ),
         cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
         cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
+        cmocka_unit_test( what_has_stopped_is_not_looked_for_far_around ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
