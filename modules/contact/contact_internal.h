@@ -230,8 +230,7 @@ typedef struct contact_soup
     float* patch_normals;     // [patch][3] of any length, if it is placed
     wisp_box* reached_boxes;  // [patch] where it may be while it keeps to its course
     wisp_box_pairs overlaps;  // of patches, or of particles
-    int drifted;              // substeps since all pairs were looked for, as long as patches are taken to drift
-    int listed_for;           // substeps since then, or since lists were found short enough
+    int listed_for;           // substeps since all pairs were looked for
     int searches;             // in this step
 
     contact_patch_pairs pairs[2]; // the second was in use before

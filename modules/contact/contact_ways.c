@@ -10,7 +10,7 @@ enum
     GRAIN = 1024,
     PATCH_GRAIN = 256,
     SUBSTEPS_AHEAD = 5,    // that patches are taken to drift
-    PATIENT_SUBSTEPS = 16, // that lists are used before it is asked whether they are too long
+    PATIENT_SUBSTEPS = 16, // after so many it is asked again whether lists are too long
 };
 
 // What is farther is no way of a point, but a number that went wrong.
@@ -288,15 +288,15 @@ static void set_courses( void* context, int begin, int end, int worker )
 void contact_set_courses( const contact_work* work )
 {
     contact_soup* s = work->soup;
-    s->drifted = s->listed_for = 0;
+    s->listed_for = 0;
     wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, set_courses, (void*)(uintptr_t)work );
 }
 
 bool contact_lists_too_many( const contact_work* work )
 {
     static const float TOO_FAR = 2.0f;
-    contact_soup* s = work->soup;
-    if ( contact_drift_substeps( work ) > 0 || s->listed_for < PATIENT_SUBSTEPS )
+    const contact_soup* s = work->soup;
+    if ( contact_drift_substeps( work ) > 0 || s->listed_for == 0 || s->listed_for % PATIENT_SUBSTEPS != 0 )
     {
         return false;
     }
@@ -306,7 +306,6 @@ bool contact_lists_too_many( const contact_work* work )
         reach += s->courses[p].reach;
         needed += reach_for( work, s->ways + p );
     }
-    s->listed_for = 0;
     return reach > TOO_FAR * needed;
 }
 
@@ -332,8 +331,7 @@ void contact_spend_ways( const contact_work* work )
 {
     contact_soup* s = work->soup;
     way_loop loop = { .work = work, .soup = s };
-    loop.drifts = s->drifted < contact_drift_substeps( work ) ? 1.0f : 0.0f;
+    loop.drifts = s->listed_for < contact_drift_substeps( work ) ? 1.0f : 0.0f;
     wisp_parallel_for( work->parallel, s->patch_count, PATCH_GRAIN, spend_ways, &loop );
-    s->drifted += loop.drifts > 0.0f ? 1 : 0;
     s->listed_for += 1;
 }

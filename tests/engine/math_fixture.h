@@ -149,3 +149,17 @@ static inline bool processor_has_what_this_was_built_for( void )
     return true;
 #endif
 }
+
+enum
+{
+    SKIPPED = 77, // the exit status that meson counts as that
+};
+
+/// Say what this was built for. @return whether the processor can run it
+static inline bool begin_backend( void )
+{
+    const bool can = processor_has_what_this_was_built_for();
+    puts( can ? "backend: " LANE_BACKEND
+              : "skipped: built for " LANE_BACKEND ", which this processor does not have" );
+    return can;
+}

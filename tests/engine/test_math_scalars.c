@@ -253,13 +253,10 @@ static void what_has_no_direction_gets_the_fallback( void** state )
 
 int main( void )
 {
-    if ( !processor_has_what_this_was_built_for() )
+    if ( begin_backend() == false )
     {
-        puts( "skipped: built for " LANE_BACKEND ", which this processor does not have" );
-        return 77; // the exit status that meson counts as skipped
+        return SKIPPED;
     }
-
-    puts( "backend: " LANE_BACKEND );
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),
         cmocka_unit_test( sine_and_cosine_stay_bounded_beyond_their_range ),

@@ -175,25 +175,43 @@ static void a_resumed_entity_goes_on_from_its_last_good_state( void** state )
 
 static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
 {
+    enum
+    {
+        STARTS = 25,
+    };
     hosted* h = *state;
-    wisp_entity e = add_plane( h, 9, NULL, 0 );
+    wisp_entity e[STARTS];
+    wisp_quality first[STARTS];
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.damping = 50.0f;
-    assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
-    assert_int_equal(
-        wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f }, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } ),
-        WISP_OK );
+    for ( int n = 0; n < STARTS; ++n )
+    {
+        const wisp_vec3 speed = { 1.0f + 0.01f * (float)n, 2.0f, 3.0f - 0.01f * (float)n };
+        e[n] = add_plane( h, 9, NULL, 0 );
+        assert_int_equal( wisp_set_cloth( h->world, e[n], &cloth ), WISP_OK );
+        assert_int_equal( wisp_set_velocity( h->world, e[n], speed, ( wisp_vec3 ){ 0.0f, 0.5f, 0.0f } ), WISP_OK );
+    }
     run( h->world, 1 );
-    wisp_quality first = quality_of( h->world, e );
+    for ( int n = 0; n < STARTS; ++n )
+    {
+        first[n] = quality_of( h->world, e[n] );
+    }
     run( h->world, 99 );
-    wisp_quality q = quality_of( h->world, e );
-    // velocities are differences of positions near 3 m (rounding 1.2e-7 m) over 0.01 s, averaged over 81 vertices; over 40
-    // starts the root mean square of what 100 steps make of it was 2e-5
-    assert_near( q.momentum[0] / q.mass, 1.0, 1e-4 );
-    assert_near( q.momentum[2] / q.mass, 3.0, 1e-4 );
-    // PBD does not keep angular momentum exactly: the drift of one turn is of the order of the step
-    assert_near( q.angular_momentum[1] / first.angular_momentum[1], 1.0, 0.02 );
-    assert_true( q.strain_max < 1e-3 );
+    double mean = 0.0; // of what is off along z
+    for ( int n = 0; n < STARTS; ++n )
+    {
+        const wisp_quality q = quality_of( h->world, e[n] );
+        const double x = q.momentum[0] / q.mass - 1.0 - 0.01 * n, z = q.momentum[2] / q.mass - 3.0 + 0.01 * n;
+        // velocities are differences of positions (rounding 6e-8 m near 1 m, 1.2e-7 m near 3 m) over 0.01 s, averaged over 81
+        // vertices; along z 100 steps made up to 5e-5 of it
+        assert_near( x, 0.0, 2e-5 );
+        assert_near( z, 0.0, 1e-4 );
+        mean += z / STARTS;
+        // PBD does not keep angular momentum exactly: the drift of one turn is of the order of the step
+        assert_near( q.angular_momentum[1] / first[n].angular_momentum[1], 1.0, 0.02 );
+        assert_true( q.strain_max < 1e-3 );
+    }
+    assert_near( mean, 0.0, 4e-5 );
 }
 
 static void speed_strain_and_normals_are_in_the_users_order( void** state )

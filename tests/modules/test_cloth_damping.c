@@ -198,6 +198,7 @@ static void a_body_that_is_a_line_keeps_turning( void** state )
     // places of 0.5 m are rounded to 3e-8 m of 5e-5 m a step at the ends
     check_line( *state, x, y, 0.0f, y, 2e-3 );
     check_line( *state, slanted, aside, 0.0f, aside, 2e-3 );
+    check_line( *state, slanted, aside, 1e-7f, aside, 2e-3 );
     // its moment about itself is lost in the rounding of the sums
     const wisp_vec3 both = { slanted.x + aside.x, slanted.y + aside.y, slanted.z + aside.z };
     for ( float width = 1e-3f; width > 1e-8f; width *= 0.5f )
