@@ -1,7 +1,7 @@
 // Surfaces of a scene: meshes read or made, fabrics cooked with what their effects need and nothing else, effects set.
 #include "world_from_scene_parts.h"
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,8 +1,8 @@
 // B1: the sample run of the source, one balloon that swells, meets a gust and shrinks again.
 #include "boundary_bench.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

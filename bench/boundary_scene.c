@@ -1,8 +1,8 @@
 #include "boundary_scene.h"
 
 #include "oracle/boundary_oracle.h"
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <float.h>
 #include <math.h>

@@ -7,11 +7,11 @@
 
 #include "cloth/cloth.h"
 #include "collision/collision.h"
-#include "wisp/components.h"
 #include "wisp/fabric.h"
 #include "wisp/mesh_tree.h"
-#include "wisp/module.h"
-#include "wisp/random.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 #include <stdlib.h>

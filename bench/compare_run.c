@@ -3,7 +3,7 @@
 
 #include "cloth/cloth.h"
 #include "collision/collision.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdlib.h>

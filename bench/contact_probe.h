@@ -2,7 +2,7 @@
 /// effects, whose one pass calls back.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 typedef wisp_status contact_probe_fn( void* context, const wisp_parallel* parallel, const wisp_kernels* kernels,
                                       wisp_error* error );

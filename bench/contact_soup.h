@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesh.h"
-#include "wisp/box_pairs.h"
 #include "wisp/fabric.h"
+#include "wisp/module/box_pairs.h"
 
 typedef enum soup_source
 {

@@ -5,8 +5,8 @@
 #include "cells.h"
 
 #include "oracle/triangle_oracle.h"
-#include "wisp/module.h"
-#include "wisp/components.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,8 +2,8 @@
 #include "figures_bench.h"
 
 #include "cloth/cloth.h"
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

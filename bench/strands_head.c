@@ -1,6 +1,6 @@
 #include "strands_head.h"
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

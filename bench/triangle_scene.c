@@ -1,7 +1,7 @@
 #include "triangle_scene.h"
 
 #include "collision/collision.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 // ---- the mesh ----
 

@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 #include "wisp/wisp.h"
 
 #include <stdatomic.h>

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "trig.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 static const float TWO_PI = 6.28318531f;
 static const double GOLDEN_TURN = 0.38196601125010515; // turns from one root to the next: (3 - sqrt 5) / 2

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "delaunay.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 enum
 {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 enum
 {

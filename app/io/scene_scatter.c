@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "trig.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 static const float TWO_PI = 6.28318531f;
 

@@ -3,7 +3,7 @@
 /// point is a pure function of pixel, sample and purpose.
 #pragma once
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 

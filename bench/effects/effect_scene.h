@@ -2,7 +2,7 @@
 /// effect has something to do in each. Any of them may share a world, and none touches another.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #define EFFECT_STEP ( 1.0f / 60.0f ) ///< s
 #define EFFECT_SUBSTEPS 4

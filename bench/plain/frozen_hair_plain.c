@@ -1,6 +1,6 @@
 #include "frozen_hair_plain.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 #include <stdlib.h>

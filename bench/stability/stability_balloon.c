@@ -4,8 +4,8 @@
 #include "balloon/balloon.h"
 #include "collision/collision.h"
 #include "contact/contact.h"
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
 #include "collision/collision.h"
 #include "contact/contact.h"
 #include "implicit_cloth/implicit_cloth.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 
 #include "collision/collision.h"
 #include "contact/contact.h"
-#include "wisp/components.h"
-#include "wisp/random.h"
+#include "wisp/module/components.h"
+#include "wisp/module/random.h"
 
 #include <float.h>
 #include <math.h>

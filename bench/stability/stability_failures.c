@@ -2,7 +2,7 @@
 #include "stability_cloth.h"
 
 #include "collision/collision.h"
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "stability_strands.h"
 
 #include "cloth/cloth.h"
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "stability_starts.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <float.h>
 #include <math.h>

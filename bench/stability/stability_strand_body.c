@@ -2,7 +2,7 @@
 // not met stores what its projection can make of it.
 #include "stability_strands.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <float.h>
 #include <math.h>

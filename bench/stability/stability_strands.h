@@ -4,7 +4,7 @@
 #include "stability_starts.h"
 
 #include "strands/strands.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #define STABILITY_STRANDS 8
 #define STABILITY_VERTICES 16 ///< of a strand

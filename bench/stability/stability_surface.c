@@ -3,8 +3,8 @@
 // C^2 / 2 over compliance + (wi + wj) h^2, inextensible links too, and no more than that can become motion.
 #include "stability_surface.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdlib.h>

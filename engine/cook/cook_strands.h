@@ -1,7 +1,7 @@
 /// Strands into lanes: the topology that every pass over strands walks.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 /// A topology with its owner count. Never changed once made.
 typedef struct cook_strands

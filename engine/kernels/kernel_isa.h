@@ -5,7 +5,7 @@
 #include "lane_vec.h"
 
 #include "wisp/fabric.h"
-#include "wisp/kernels.h"
+#include "wisp/module/kernels.h"
 
 #include <float.h>
 

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "lane.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #define LANE_P lane8
 #include "lane_random_text.h"

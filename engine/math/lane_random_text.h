@@ -1,4 +1,4 @@
-// pcg4d in lanes; the scalar text is wisp_random_bits() in wisp/random.h.
+// pcg4d in lanes; the scalar text is wisp_random_bits() in wisp/module/random.h.
 // Included once per width with LANE_P (lane8, lane16); therefore no include guard.
 
 #define P( name ) LANE_JOIN( LANE_P, name )

@@ -1,7 +1,7 @@
 // Constraints between near particles: links and hinges, in the order that the fabric has cooked.
 #include "passes.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <string.h>
 

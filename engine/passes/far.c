@@ -2,7 +2,7 @@
 // carry a stretch across the mesh in one pass where near links need as many passes as the mesh has rows.
 #include "passes.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <string.h>
 

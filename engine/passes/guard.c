@@ -2,7 +2,7 @@
 // state and halted, alone. Everything that a step derives is derived after that, so nobody else ever sees a NaN.
 #include "passes.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <stdatomic.h>
 #include <stdio.h>

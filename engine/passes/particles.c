@@ -1,7 +1,7 @@
 // Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (BAL eq. 1-2).
 #include "passes.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 static float* position_of( wisp_frame* frame, const wisp_span* span )
 {

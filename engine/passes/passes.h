@@ -1,7 +1,7 @@
 /// The passes that every world has.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 wisp_status passes_declare( wisp_registry* registry );
 

@@ -1,7 +1,7 @@
 // What a surface shows: vertices and normals in the user's order, strain and speed for colouring, figures of quality.
 #include "passes.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <math.h>
 

@@ -9,7 +9,7 @@
 #include "store.h"
 
 #include "wisp/explain.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <stdatomic.h>
 

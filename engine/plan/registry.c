@@ -1,7 +1,7 @@
 #include "plan.h"
 
 #include "alloc.h"
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 /// so that pairs depend neither on what searches nor on how many workers do.
 #pragma once
 
-#include "wisp/box_pairs.h"
+#include "wisp/module/box_pairs.h"
 
 #include <float.h>
 #include <math.h>

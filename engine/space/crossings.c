@@ -1,7 +1,7 @@
 // Which edges pass through which triangles. Boxes that overlap are candidates; signs that are exact decide.
 // Candidates are tested in blocks of a fixed size, each block keeps what crosses at the place of its own candidates,
 // and the blocks are then pushed together in their order, which is that of the edges and their triangles.
-#include "wisp/crossings.h"
+#include "wisp/module/crossings.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "wisp/space.h"
+#include "wisp/module/space.h"
 
 #include <math.h>
 #include <stdatomic.h>

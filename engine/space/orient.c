@@ -5,7 +5,7 @@
 // most 838 bits: there is no range in which the answer is not exact. The filter neither overflows nor underflows: a
 // product of three differences lies between 2^-447 and 2^388. It takes subnormal floats for what they are, as C does;
 // a host that has told its processor to read them as zero may get the answer for zeros.
-#include "wisp/crossings.h"
+#include "wisp/module/crossings.h"
 
 #include <math.h>
 #include <string.h>

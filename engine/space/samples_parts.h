@@ -1,7 +1,7 @@
 /// What the files of sampling share: the law of counts, what is kept of each element, and the stages of an update.
 #pragma once
 
-#include "wisp/samples.h"
+#include "wisp/module/sampling.h"
 
 enum
 {

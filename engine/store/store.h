@@ -2,7 +2,7 @@
 /// only while some entity has its component.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 enum
 {

@@ -9,7 +9,7 @@
 #include "plan.h"
 #include "store.h"
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 /// The host's memory, counted.
 typedef struct world_memory

@@ -1,7 +1,7 @@
 // Entities: strands in, components on and off, wishes, views out.
 #include "world.h"
 
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <math.h>
 #include <string.h>

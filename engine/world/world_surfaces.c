@@ -2,7 +2,7 @@
 #include "world.h"
 
 #include "vec.h"
-#include "wisp/components.h"
+#include "wisp/module/components.h"
 
 #include <math.h>
 #include <string.h>

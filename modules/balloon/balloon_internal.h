@@ -3,8 +3,8 @@
 
 #include "balloon.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 /// R, J/(mol K)
 #define BALLOON_GAS_CONSTANT 8.314462618

@@ -3,8 +3,9 @@
 
 #include "boundary.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+#include "wisp/module/sampling.h"
 
 /// A layer's warm memory: who its elements are, and its points.
 typedef struct boundary_layer

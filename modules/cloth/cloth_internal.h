@@ -3,8 +3,8 @@
 
 #include "cloth.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 typedef struct cloth_state
 {

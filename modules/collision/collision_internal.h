@@ -3,9 +3,9 @@
 
 #include "collision.h"
 
-#include "wisp/components.h"
 #include "wisp/mesh_tree.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

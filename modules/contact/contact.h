@@ -3,7 +3,7 @@
 /// (BND-X4, BAL-X1, TRI-X2). Bodies that only move as they are told belong to the module collision.
 #pragma once
 
-#include "wisp/box_pairs.h"
+#include "wisp/variants.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C

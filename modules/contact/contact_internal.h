@@ -6,10 +6,10 @@
 
 #include "contact.h"
 
-#include "wisp/components.h"
-#include "wisp/crossings.h"
-#include "wisp/module.h"
-#include "wisp/samples.h"
+#include "wisp/module/components.h"
+#include "wisp/module/crossings.h"
+#include "wisp/module/module.h"
+#include "wisp/module/sampling.h"
 
 #include <math.h>
 

@@ -3,7 +3,7 @@
 
 #include "frozen_hair_state.h"
 
-#include "wisp/space.h"
+#include "wisp/module/space.h"
 
 enum
 {

@@ -4,8 +4,8 @@
 /// Hair Without Physical Simulation"; equation numbers are its own, resolutions R1-R14 are in README.md.
 #pragma once
 
+#include "wisp/variants.h"
 #include "wisp/wisp.h"
-#include "wisp/kernels.h"
 
 WISP_BEGIN_C
 

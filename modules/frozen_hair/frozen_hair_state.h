@@ -3,8 +3,8 @@
 
 #include "frozen_hair.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 /// Every entity with frozen hair.
 typedef struct frozen_settings

@@ -3,8 +3,8 @@
 
 #include "guide_hair.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 // ---- memory of one cooked thing ----
 

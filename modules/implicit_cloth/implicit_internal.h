@@ -3,8 +3,8 @@
 
 #include "implicit_cloth.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 #include "strand_look.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 static const uint32_t LOOK_DEF_MADE = 0x4c4f4f4b;
 

@@ -3,7 +3,7 @@
 // then takes from the eight corners of its cell are the same weights, which keeps the momentum that friction exchanges.
 #include "strands_internal.h"
 
-#include "wisp/space.h"
+#include "wisp/module/space.h"
 
 #include <string.h>
 

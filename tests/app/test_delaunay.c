@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 enum
 {

@@ -1,7 +1,7 @@
 // Images, files, contact sheets, letters and colours of numbers.
 #include "render_fixture.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <png.h>
 #include <unistd.h>

@@ -7,8 +7,8 @@
 #include "boundary_bench.h"
 #include "boundary_cover.h"
 
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 #include <stdio.h>

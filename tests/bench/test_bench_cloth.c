@@ -9,7 +9,7 @@
 #include "cloth_bench.h"
 #include "figures_bench.h"
 #include "oracle/constraint_oracle.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #include <float.h>
 #include <math.h>

@@ -14,7 +14,7 @@
 
 #include "oracle/frozen_hair_scenes.h"
 #include "plain/frozen_hair_plain.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

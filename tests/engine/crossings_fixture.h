@@ -4,7 +4,7 @@
 
 #include "support.h"
 
-#include "wisp/crossings.h"
+#include "wisp/module/crossings.h"
 
 #include <math.h>
 

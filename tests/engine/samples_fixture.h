@@ -6,7 +6,7 @@
 #include "jobs.h"
 #include "kernel_tables.h"
 
-#include "wisp/samples.h"
+#include "wisp/module/sampling.h"
 
 #include <math.h>
 

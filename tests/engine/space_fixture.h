@@ -6,7 +6,7 @@
 #include "jobs.h"
 #include "kernel_tables.h"
 
-#include "wisp/space.h"
+#include "wisp/module/space.h"
 
 // ---- clouds ----
 

@@ -4,8 +4,8 @@
 #include "world_fixture.h"
 
 #include "cloth.h"
-#include "wisp/components.h"
 #include "wisp/fabric.h"
+#include "wisp/module/components.h"
 
 #include <math.h>
 

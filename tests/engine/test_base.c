@@ -13,7 +13,7 @@
 #include "arena.h"
 #include "log.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <math.h>
 #include <signal.h>

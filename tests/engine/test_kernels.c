@@ -4,7 +4,7 @@
 #include "trig.h"
 #include "world.h"
 
-#include "wisp/space.h"
+#include "wisp/module/space.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

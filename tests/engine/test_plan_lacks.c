@@ -2,8 +2,8 @@
 // own passes leave alone what a module solves for.
 #include "plan_fixture.h"
 
-#include "wisp/components.h"
 #include "wisp/fabric.h"
+#include "wisp/module/components.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
 #define SHAPE WISP_STAGE_SHAPE

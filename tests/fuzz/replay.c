@@ -1,7 +1,7 @@
 // Runs a fuzz target over files and over damaged copies of them, for compilers without libFuzzer and for the test suite:
 // link it with one target. A finding stops the program as it would stop the fuzzer. The damage is a function of the file's
 // place on the command line and of the copy's number, so that a finding comes back.
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <dirent.h>
 #include <stdio.h>

@@ -58,8 +58,8 @@ done
 
 include=$(dirname "$(find "$root" -path '*/wisp/wisp.h')")
 headers=0
-for header in "$include"/*.h; do
-    name=${header##*/}
+for header in "$include"/*.h "$include"/module/*.h; do
+    name=${header#"$include"/}
     printf '#include <wisp/%s>\nint nothing;\n' "$name" >"$folder/header.c"
     "${compiler[@]}" "${strict[@]}" "${cflags[@]}" -fsyntax-only "$folder/header.c" || fail "wisp/$name as C"
     if command -v g++ >/dev/null; then

@@ -7,8 +7,8 @@
 #include "balloon.h"
 #include "oracle/balloon_meshes.h"
 #include "oracle/balloon_oracle.h"
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 /// What flies. Zero pins, no gravity, no damping: only what a test asks for acts.
 typedef struct balloon_scene

@@ -7,7 +7,7 @@
 #include "jobs.h"
 #include "kernel_tables.h"
 
-#include "wisp/samples.h"
+#include "wisp/module/sampling.h"
 
 /// How both sample.
 typedef struct duel_def

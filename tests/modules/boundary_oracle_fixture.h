@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "oracle/boundary_oracle.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <float.h>
 #include <stdlib.h>

@@ -9,7 +9,7 @@
 #include "contact.h"
 #include "implicit_cloth.h"
 #include "strands.h"
-#include "wisp/crossings.h"
+#include "wisp/module/crossings.h"
 
 static const float FRAME = 1.0f / 60.0f; // s
 

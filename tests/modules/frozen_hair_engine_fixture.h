@@ -11,7 +11,7 @@
 #include "frozen_hair.h"
 #include "oracle/frozen_hair_oracle.h"
 #include "strand_look.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 #include "wisp/wisp.h"
 
 #include <stdlib.h>

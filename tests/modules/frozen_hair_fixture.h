@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "oracle/frozen_hair_scenes.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

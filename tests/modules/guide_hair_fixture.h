@@ -7,8 +7,8 @@
 
 #include "frozen_hair.h"
 #include "guide_hair.h"
-#include "wisp/components.h"
-#include "wisp/module.h"
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
 
 #include <math.h>
 

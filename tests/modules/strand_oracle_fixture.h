@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "oracle/strand_oracle.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <string.h>
 

@@ -9,7 +9,7 @@
 
 #include "oracle/balloon_meshes.h"
 #include "oracle/balloon_oracle.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -8,7 +8,7 @@
 
 #include "oracle/balloon_meshes.h"
 #include "oracle/constraint_oracle.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

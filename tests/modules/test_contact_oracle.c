@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "oracle/contact_oracle.h"
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

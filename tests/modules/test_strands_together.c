@@ -3,7 +3,7 @@
 #include "modules/strands_fixture.h"
 
 #include "wisp/explain.h"
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 #define SECONDS ( 1.0f / 60.0f )
 

@@ -1,6 +1,6 @@
 #include "frozen_hair_oracle.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "frozen_hair_scenes.h"
 
-#include "wisp/random.h"
+#include "wisp/module/random.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -16,9 +16,10 @@ static const engine_room engine_rooms[] = {
     { "base", 0, " base.h " },
     { "math", 1, " base.h random.h " },
     { "jobs", 2, " base.h random.h jobs.h " },
-    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h " },
+    { "kernels", 3, " base.h random.h jobs.h fabric.h kernels.h springs.h variants.h " },
     { "space", 3,
-      " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h samples.h box_pairs.h crossings.h " },
+      " base.h random.h jobs.h kernels.h space.h mesh_tree.h shapes.h samples.h sampling.h box_pairs.h crossings.h "
+      "variants.h " },
     { "store", 3, NULL },
     { "cook", 3, NULL },
     { "plan", 4, NULL },
@@ -95,6 +96,12 @@ static const char* file_name( const char* path )
     return slash ? slash + 1 : path;
 }
 
+// Headers of the engine that only modules include; a host needs none of them.
+static bool is_for_modules( const char* path )
+{
+    return begins( path, "engine/include/wisp/module/" );
+}
+
 // A module shows one header, modules/<name>/<name>.h; the rest of its folder is its own.
 static bool is_module_face( const char* path, const char* module )
 {
@@ -127,8 +134,24 @@ static const char* engine_fault( const room_facts* from, const room_facts* to, c
     return to->level == from->level ? "that room is beside this one, not below it" : "that room is above this one";
 }
 
-static const char* module_fault( const room_facts* from, const room_facts* to )
+// What a host includes leads to nothing that only modules need.
+static const char* public_fault( const char* from_path, const room_facts* to, const char* to_path )
 {
+    if ( to->kind != ROOM_PUBLIC )
+    {
+        return "a public header may include public headers only";
+    }
+    return is_for_modules( to_path ) && !is_for_modules( from_path ) ? "wisp/module/ is for modules, not for hosts"
+                                                                     : NULL;
+}
+
+static const char* module_fault( const char* from_path, const room_facts* from, const char* to_path,
+                                 const room_facts* to )
+{
+    if ( is_for_modules( to_path ) && is_module_face( from_path, from->name ) )
+    {
+        return "wisp/module/ is for modules, not for hosts";
+    }
     if ( to->kind == ROOM_PUBLIC || ( to->kind == ROOM_MODULE && strcmp( from->name, to->name ) == 0 ) )
     {
         return NULL;
@@ -140,6 +163,10 @@ static const char* module_fault( const room_facts* from, const room_facts* to )
 // Everything above the modules: what each may see besides the public headers and the modules' own faces.
 static const char* upper_fault( const room_facts* from, const room_facts* to, const char* to_path )
 {
+    if ( from->kind == ROOM_EXAMPLES && is_for_modules( to_path ) )
+    {
+        return "wisp/module/ is for modules, not for hosts";
+    }
     if ( to->kind == ROOM_PUBLIC || to->kind == from->kind )
     {
         return NULL;
@@ -174,11 +201,11 @@ const char* room_arrow_fault( const char* from_path, const char* to_path )
     switch ( from.kind )
     {
         case ROOM_PUBLIC:
-            return to.kind == ROOM_PUBLIC ? NULL : "a public header may include public headers only";
+            return public_fault( from_path, &to, to_path );
         case ROOM_ENGINE:
             return engine_fault( &from, &to, to_path );
         case ROOM_MODULE:
-            return module_fault( &from, &to );
+            return module_fault( from_path, &from, to_path, &to );
         case ROOM_IO:
         case ROOM_BENCH:
         case ROOM_APP:

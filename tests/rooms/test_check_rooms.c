@@ -30,7 +30,7 @@ typedef struct planted
 static const planted clean_tree[] = {
     { "engine/include/wisp/base.h", "#include <stdint.h>\n", NULL, NULL },
     { "engine/include/wisp/jobs.h", "#include \"wisp/base.h\"\n", NULL, NULL },
-    { "engine/include/wisp/module.h", "#include \"wisp/jobs.h\"\n", NULL, NULL },
+    { "engine/include/wisp/module/module.h", "#include \"wisp/jobs.h\"\n", NULL, NULL },
     { "engine/meson.build", "subdir('base')\nengine_libs = [base_lib] + kernel_libs + [plan_lib]\n", NULL, NULL },
     { "engine/base/alloc.h", "#include \"wisp/base.h\"\n", NULL, NULL },
     { "engine/math/vec.h", "#include \"alloc.h\"\n", NULL, NULL },
@@ -38,17 +38,17 @@ static const planted clean_tree[] = {
     { "engine/jobs/jobs.h", "#include \"wisp/jobs.h\"\n", NULL, NULL },
     { "engine/jobs/jobs.c", "#include \"jobs.h\"\n#include <omp.h>\n#pragma omp parallel\n", NULL, NULL },
     { "engine/jobs/meson.build", "lib(base_include, dependencies : [openmp_dep])\n", NULL, NULL },
-    { "engine/store/store.h", "#include \"wisp/module.h\"\n#include \"jobs.h\"\n", NULL, NULL },
+    { "engine/store/store.h", "#include \"wisp/module/module.h\"\n#include \"jobs.h\"\n", NULL, NULL },
     { "engine/space/grid.c", "#include \"vec.h\"\n#include <embree3/rtcore.h>\n", NULL, NULL },
     { "engine/kernels/wide.c", "#include \"lane.h\"\nint x = _mm_cvtsi128_si32( y );\n", NULL, NULL },
     { "engine/kernels/meson.build", "flags = ['-mavx2']\nlib(math_include, kernel_libs)\n", NULL, NULL },
     { "engine/plan/plan.c", "#include \"../store/store.h\"\n#include <stdlib.h>\n", NULL, NULL },
     { "engine/plan/meson.build", "lib(store_include, plan_include, math_lib_dep) # not world_include\n", NULL, NULL },
     { "engine/world/world.c", "// never <omp.h>, never _mm_add_ps\n/* nor\n#include \"main.c\"\n*/\n", NULL, NULL },
-    { "modules/frozen_hair/frozen_hair.h", "#include \"wisp/module.h\"\n", NULL, NULL },
-    { "modules/frozen_hair/own.h", "#include \"frozen_hair.h\"\n", NULL, NULL },
+    { "modules/frozen_hair/frozen_hair.h", "#include \"wisp/jobs.h\"\n", NULL, NULL },
+    { "modules/frozen_hair/own.h", "#include \"frozen_hair.h\"\n#include \"wisp/module/module.h\"\n", NULL, NULL },
     { "modules/frozen_hair/meson.build", "lib(public_include, include_directories('.'))\n", NULL, NULL },
-    { "modules/strand_look/strand_look.c", "#include \"wisp/module.h\"\n", NULL, NULL },
+    { "modules/strand_look/strand_look.c", "#include \"wisp/module/module.h\"\n", NULL, NULL },
     { "app/io/scene.h", "#include \"frozen_hair/frozen_hair.h\"\n#include <yaml.h>\n", NULL, NULL },
     { "app/io/groom.c", "#include \"vec.h\"\n#include \"scene.h\"\n", NULL, NULL },
     { "app/modules.inc", "WISP_MODULE( frozen_hair )\n", NULL, NULL },
@@ -69,11 +69,14 @@ static const planted violations[] = {
     { "engine/store/up.c", "  #  include \"../plan/plan.c\"\n", ":1:", "above" },
     { "engine/store/side.c", "#include \"engine/space/grid.c\"\n", ":1:", "beside" },
     { "engine/plan/up.c", "#include \"world.c\"\n", ":1:", "above" },
-    { "engine/base/face.c", "#include \"wisp/module.h\"\n", ":1:", "room above" },
+    { "engine/base/face.c", "#include \"wisp/module/module.h\"\n", ":1:", "room above" },
     { "engine/plan/out.c", "#include \"frozen_hair/own.h\"\n", ":1:", "frozen" },
     { "engine/plan/program.c", "#include \"scene.h\"\n", ":1:", "outside engine/" },
     { "engine/attic/new.c", "#include \"wisp/base.h\"\n", ":1:", "order" },
     { "engine/include/wisp/bad.h", "#include \"store.h\"\n", ":1:", "public headers only" },
+    { "engine/include/wisp/host.h", "#include \"wisp/module/module.h\"\n", ":1:", "not for hosts" },
+    { "modules/frozen_hair/frozen_hair.h", "#include \"wisp/module/module.h\"\n", ":1:", "not for hosts" },
+    { "examples/module.c", "#include <wisp/module/module.h>\n", ":1:", "not for hosts" },
     { "modules/frozen_hair/out.c", "#include \"store.h\"\n", ":1:", "own folder" },
     { "modules/strand_look/other.c", "#include \"frozen_hair.h\"\n", ":1:", "another module" },
     { "modules/strand_look/face.c", "#include <wisp/frozen_hair.h>\n", ":1:", "another module" },
@@ -254,7 +257,7 @@ static void two_violations_are_two_lines( void** state )
 static void a_new_effect_becomes_a_word_that_the_engine_must_not_know( void** state )
 {
     const planted engine = { "engine/plan/s.c", "int snow_depth;\n", NULL, NULL };
-    const planted effect = { "modules/wet_snow/wet_snow.c", "#include \"wisp/module.h\"\n", NULL, NULL };
+    const planted effect = { "modules/wet_snow/wet_snow.c", "#include \"wisp/module/module.h\"\n", NULL, NULL };
     char* text;
 
     write_file( *state, &engine );

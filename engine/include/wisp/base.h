@@ -66,6 +66,13 @@ typedef struct wisp_allocator
     void* user;
 } wisp_allocator;
 
+/// A buffer that keeps its memory between uses.
+typedef struct wisp_buffer
+{
+    void* data;
+    size_t size; ///< bytes
+} wisp_buffer;
+
 typedef enum wisp_log_level
 {
     WISP_LOG_INFO,

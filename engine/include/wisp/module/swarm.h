@@ -1,4 +1,4 @@
-/// Particles of a block, all at once: their rigid motion, and where bodies see them. What the kernels in wisp/kernels.h of these
+/// Particles of a block, all at once: their rigid motion, and where bodies see them. What the kernels in wisp/module/kernels.h of these
 /// names go by.
 #pragma once
 

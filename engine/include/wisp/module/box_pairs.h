@@ -3,19 +3,10 @@
 #pragma once
 
 #include "wisp/jobs.h"
-#include "wisp/space.h"
+#include "wisp/module/space.h"
+#include "wisp/variants.h"
 
 WISP_BEGIN_C
-
-/// How pairs are found.
-typedef enum wisp_pair_search
-{
-    WISP_PAIR_SEARCH_AUTO,  ///< what was measured to be fastest: see wisp_box_pairs_choose()
-    WISP_PAIR_SEARCH_GRID,  ///< uniform grids, one for boxes of about each size
-    WISP_PAIR_SEARCH_TREE,  ///< a bounding volume tree; needs Embree, else the grid answers
-    WISP_PAIR_SEARCH_BRUTE, ///< every asker asks every box: to compare with
-    WISP_PAIR_SEARCH_COUNT,
-} wisp_pair_search;
 
 /// Do two boxes overlap, neither of which is empty or without a number? Touching is overlapping.
 static inline bool wisp_box_overlaps( const wisp_box* a, const wisp_box* b )

@@ -2,11 +2,12 @@
 /// instruction set, reached through a table; every table gives the same bits.
 #pragma once
 
-#include "wisp/pieces.h"
-#include "wisp/random.h"
+#include "wisp/module/pieces.h"
+#include "wisp/module/random.h"
+#include "wisp/module/springs.h"
+#include "wisp/module/swarm.h"
 #include "wisp/shapes.h"
-#include "wisp/springs.h"
-#include "wisp/swarm.h"
+#include "wisp/variants.h"
 
 WISP_BEGIN_C
 
@@ -153,15 +154,6 @@ typedef struct wisp_adhesion_job
     bool planar; ///< every z is 0
     int gap;     ///< wisp_gap
 } wisp_adhesion_job;
-
-/// How the brake reads a change of distance (FRZ, eq. 17-18 and its resolutions).
-typedef enum wisp_gap
-{
-    WISP_GAP_PROSE,   ///< |r1 - r0|, a large change brakes
-    WISP_GAP_PRINTED, ///< r1 - r0, equations as printed
-    WISP_GAP_CLOSING, ///< r0 - r1 in the printed law
-    WISP_GAP_WET,     ///< no brake
-} wisp_gap;
 
 /// Distances between two particles (pbd: BAL eq. 5-6 times stiffness; xpbd: Macklin, Mueller and Chentanez 2016, eq.
 /// 17-18). Groups of eight slots share no particle. Links of length 0 and links between two pinned ends do nothing.

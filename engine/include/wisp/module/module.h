@@ -3,7 +3,7 @@
 
 #include "wisp/fabric.h"
 #include "wisp/jobs.h"
-#include "wisp/kernels.h"
+#include "wisp/module/kernels.h"
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C

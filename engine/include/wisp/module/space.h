@@ -2,16 +2,9 @@
 #pragma once
 
 #include "wisp/jobs.h"
-#include "wisp/kernels.h"
+#include "wisp/module/kernels.h"
 
 WISP_BEGIN_C
-
-/// A buffer that keeps its memory between uses.
-typedef struct wisp_buffer
-{
-    void* data;
-    size_t size; ///< bytes
-} wisp_buffer;
 
 /// Items sorted by cell. A slot is an item's place in that order: by cell (axis[0] fastest, axis[2] slowest), within a
 /// cell by item number. The axis with the fewest cells is fastest, so that the neighbours of a cell lie close by; an axis

@@ -1,7 +1,7 @@
 /// Which edges pass through which triangles: exact, for any finite floats.
 #pragma once
 
-#include "wisp/box_pairs.h"
+#include "wisp/module/box_pairs.h"
 
 WISP_BEGIN_C
 

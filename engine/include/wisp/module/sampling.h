@@ -1,0 +1,48 @@
+/// Sampling of a triangle mesh with points: the functions behind wisp/samples.h.
+#pragma once
+
+#include "wisp/module/kernels.h"
+#include "wisp/module/space.h"
+#include "wisp/samples.h"
+
+WISP_BEGIN_C
+
+/// What to sample and how. The arrays stay the caller's.
+typedef struct wisp_samples_job
+{
+    const float* position; ///< [slot][4] m; 16-byte aligned
+    const float* normal;   ///< [slot][4] unit vertex normals, 0 where there is none; null: points get no normals
+    const int32_t* edges;  ///< [edge_count][2] slots, from the end that positions are counted from
+    int edge_count;
+    const int32_t* triangles; ///< [triangle_count][3] slots
+    int triangle_count;
+    const float* edge_spacing;     ///< [edge_count] m, > 0; null: `spacing` for all
+    const float* triangle_spacing; ///< [triangle_count] m; null: `spacing` for all
+    float spacing;                 ///< m, > 0, finite
+    wisp_spacing policy;
+    wisp_rounding rounding;
+    /// Counts stay while lengths are within so many spacings of where they would change; 0: exact comparison (X5). A
+    /// triangle decides as a whole: its counts are made anew together when its axis changes or one of them must go.
+    float hysteresis;
+    bool scanline; ///< normals of inner points between those of their line's ends, instead of by the three weights
+    int limit;     ///< at most so many points, >= 0; beyond it nothing is sampled anew and `refused` says so
+
+    // What a job remembers from call to call, the caller's state: zero at the first call. It may be put back to that of an
+    // earlier call at any time; points are those that belong to it. Lengths are over the spacing.
+    float* edge_length;   ///< [edge_count] that the count was made from; 0 without hysteresis, which needs no memory
+    int32_t* edge_points; ///< [edge_count]
+    float* triangle_extent; ///< [triangle_count][2] base and height that counts were made from; 0 without hysteresis
+    int32_t* triangle_axis; ///< [triangle_count] local edge that lines are parallel to
+    int32_t* triangle_points; ///< [triangle_count]
+} wisp_samples_job;
+
+/// Count, scan, fill, place (BND E1..E4, I1..I5, N1, N2, U1, U2). Lengths are measured in double precision. Lines of a triangle
+/// run from the first corner of its axis to the second; the lowest of equally short sides is the axis.
+/// @param job the edges and triangles of the call before, as long as their numbers are the same: release first where others
+///        take their place. A change of anything else is met by sampling anew
+/// @return WISP_NO_MEMORY: points are those of the last call
+WISP_API wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel,
+                                          const wisp_kernels* kernels, const wisp_samples_job* job );
+WISP_API void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator );
+
+WISP_END_C
