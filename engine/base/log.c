@@ -2,9 +2,7 @@
 
 #include "sentence.h"
 
-#include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 void base_log_write( const base_log* log, wisp_log_level level, const char* format, ... )
 {
@@ -27,32 +25,5 @@ void base_log_write( const base_log* log, wisp_log_level level, const char* form
     else
     {
         fprintf( stderr, "wisp: %s\n", sentence );
-    }
-}
-
-// The only state of the process that the engine keeps: an assert can fail where no world is at hand.
-static _Atomic( wisp_assert_fn* ) assert_handler;
-
-static bool print_and_abort( const char* condition, const char* file, int line )
-{
-    fprintf( stderr, "wisp: %s:%d: assertion failed: %s\n", file, line, condition );
-    return true;
-}
-
-void wisp_set_assert_handler( wisp_assert_fn* handler )
-{
-    atomic_store( &assert_handler, handler );
-}
-
-void wisp_assert_failed( const char* condition, const char* file, int line )
-{
-    wisp_assert_fn* handler = atomic_load( &assert_handler );
-    if ( handler == NULL )
-    {
-        handler = print_and_abort;
-    }
-    if ( handler( condition, file, line ) )
-    {
-        abort();
     }
 }

@@ -1,5 +1,6 @@
 // Constraints between near particles: links and hinges, in the order that the fabric has cooked.
 #include "passes.h"
+#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

@@ -1,6 +1,7 @@
 // Constraints over long distances, once a substep before the near ones: tethers to the attachments, and coarse levels that
 // carry a stretch across the mesh in one pass where near links need as many passes as the mesh has rows.
 #include "passes.h"
+#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

@@ -1,5 +1,6 @@
 // Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (BAL eq. 1-2).
 #include "passes.h"
+#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

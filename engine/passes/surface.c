@@ -1,5 +1,6 @@
 // What a surface shows: vertices and normals in the user's order, strain and speed for colouring, figures of quality.
 #include "passes.h"
+#include "passes_common.h"
 
 #include "wisp/module/components.h"
 

@@ -2,7 +2,6 @@
 
 #include "alloc.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -150,22 +149,6 @@ void wisp_world_destroy( wisp_world* world )
     store_release( &world->store );
     jobs_destroy( world->pool );
     base_release( &host, world, sizeof( *world ) );
-}
-
-const char* wisp_world_message( const wisp_world* world )
-{
-    return world->error.sentence;
-}
-
-wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
-{
-    va_list arguments;
-    va_start( arguments, format );
-    vsnprintf( world->error.sentence, sizeof( world->error.sentence ), format, arguments );
-    va_end( arguments );
-    world->error.status = status;
-    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.sentence );
-    return status;
 }
 
 void world_set_kernels( wisp_world* world, const wisp_kernels* kernels )

@@ -41,5 +41,8 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
 
+/// Fail because the handle names no entity.
+wisp_status world_stale( wisp_world* world, wisp_entity entity );
+
 /// Declares the passes that belong to no module: strands into the user's order.
 wisp_status world_declare_strands( wisp_registry* registry );

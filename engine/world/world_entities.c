@@ -1,207 +1,34 @@
-// Entities: strands in, components on and off, wishes, views out.
+// Entities: what is said of a call that failed, components on and off, wishes, views out.
 #include "world.h"
 
 #include "wisp/module/components.h"
 
-#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
-static const uint32_t STRANDS_DEF_MADE = 0x53545244;
+// ---- failures ----
 
-enum
+const char* wisp_world_message( const wisp_world* world )
 {
-    WORLD_MAX_VERTICES = 1 << 28, // quads of floats stay addressable by 32-bit numbers
-};
-
-wisp_strands_def wisp_default_strands_def( void )
-{
-    return ( wisp_strands_def ){ .dimension = 3, .made_by_default = STRANDS_DEF_MADE };
+    return world->error.sentence;
 }
 
-// ---- the pass that hands points out ----
-
-static void unpack_points( wisp_frame* frame, const wisp_span* span, void* user )
+wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
 {
-    (void)user;
-    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_strand_unpack_job job = {
-        .group_row = t->group_row,
-        .lane_strand = t->lane_strand,
-        .lane_count = t->lane_count,
-        .offsets = t->offsets,
-        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-        .points = wisp_frame_column( frame, span->entity, WISP_STRAND_POINTS, 0 ),
-    };
-    wisp_frame_kernels( frame )->strand_unpack( &job, span->begin, span->end );
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( world->error.sentence, sizeof( world->error.sentence ), format, arguments );
+    va_end( arguments );
+    world->error.status = status;
+    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.sentence );
+    return status;
 }
 
-wisp_status world_declare_strands( wisp_registry* registry )
-{
-    return wisp_declare_pass( registry, &( wisp_pass ){
-                                            .name = "strands.points",
-                                            .stage = WISP_STAGE_OBSERVE,
-                                            .domain = WISP_DOMAIN_STRAND_GROUP,
-                                            .needs = { WISP_STRAND_POSITION },
-                                            .reads = { WISP_STRAND_POSITION },
-                                            .writes = { WISP_STRAND_POINTS },
-                                            .run = unpack_points,
-                                            .on_change = WISP_STRAND_POSITION,
-                                        } );
-}
-
-// ---- strands ----
-
-static wisp_status check_points( wisp_world* world, const wisp_strands_def* def )
-{
-    for ( int s = 0; s < def->strand_count; ++s )
-    {
-        for ( int v = def->offsets[s]; v < def->offsets[s + 1]; ++v )
-        {
-            const wisp_vec3 p = def->points[v];
-            if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
-            {
-                return wisp_world_fail(
-                    world, WISP_BAD_INPUT,
-                    "strand %d, vertex %d: (%g, %g, %g) is not a place within 1e6 m of the origin", s,
-                    v - def->offsets[s], (double)p.x, (double)p.y, (double)p.z );
-            }
-            if ( def->dimension == 2 && p.z != 0.0f )
-            {
-                return wisp_world_fail( world, WISP_BAD_INPUT,
-                                        "strand %d, vertex %d: z is %g, strands of dimension 2 need 0", s,
-                                        v - def->offsets[s], (double)p.z );
-            }
-        }
-    }
-    return WISP_OK;
-}
-
-static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def )
-{
-    if ( def->strand_count < 0 || def->strand_count > WORLD_MAX_VERTICES || def->offsets == NULL )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand_count is %d, it must be 0 to %d, with offsets",
-                                def->strand_count, WORLD_MAX_VERTICES );
-    }
-    if ( def->dimension != 2 && def->dimension != 3 )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "dimension is %d, it must be 2 or 3", def->dimension );
-    }
-    if ( def->offsets[0] != 0 )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "offsets begin at %d, not at 0", def->offsets[0] );
-    }
-    for ( int s = 0; s < def->strand_count; ++s )
-    {
-        if ( def->offsets[s + 1] < def->offsets[s] || def->offsets[s + 1] > WORLD_MAX_VERTICES )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strand %d runs from vertex %d to %d: offsets must rise up to %d", s,
-                                    def->offsets[s], def->offsets[s + 1], WORLD_MAX_VERTICES );
-        }
-    }
-    if ( def->offsets[def->strand_count] > 0 && def->points == NULL )
-    {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "offsets promise %d points, points is null",
-                                def->offsets[def->strand_count] );
-    }
-    return check_points( world, def );
-}
-
-// Rows, components and topology of a new entity; on failure nothing stays.
-static wisp_status add_entity( wisp_world* world, cook_strands* strands, wisp_entity* out )
-{
-    const wisp_strand_topology* t = &strands->topology;
-    int rows[WISP_TABLE_COUNT] = {
-        [WISP_TABLE_ENTITY] = 1,
-        [WISP_TABLE_STRAND_GROUP] = t->group_count,
-        [WISP_TABLE_STRAND_ROW] = t->row_count,
-        [WISP_TABLE_POINT] = t->vertex_count,
-    };
-    wisp_entity entity;
-    if ( store_add( &world->store, rows, &entity ) == false )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d strands", t->strand_count );
-    }
-    if ( store_attach( &world->store, entity, WISP_STRAND_REST ) == false ||
-         store_attach( &world->store, entity, WISP_STRAND_POSITION ) == false )
-    {
-        store_remove( &world->store, entity );
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the vertices of %d strands", t->strand_count );
-    }
-    store_find( &world->store, entity )->strands = t;
-    *out = entity;
-    return WISP_OK;
-}
-
-static size_t row_bytes( const wisp_strand_topology* t )
-{
-    return (size_t)t->row_count * 3 * WISP_LANES * sizeof( float );
-}
-
-wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out )
-{
-    WISP_ASSERT( def->made_by_default == STRANDS_DEF_MADE );
-    *out = ( wisp_entity ){ 0, 0 };
-    wisp_status status = check_strands( world, def );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    cook_strands* strands = cook_strands_create( &world->allocator, def->offsets, def->strand_count, def->dimension );
-    if ( strands == NULL )
-    {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory to cook %d strands", def->strand_count );
-    }
-    status = add_entity( world, strands, out );
-    if ( status != WISP_OK )
-    {
-        cook_strands_release( strands );
-        return status;
-    }
-    const store_entity* e = store_find( &world->store, *out );
-    float* rest = store_column( &world->store, e, WISP_STRAND_REST, 0 );
-    cook_strands_pack( &strands->topology, def->points, rest );
-    memcpy( store_column( &world->store, e, WISP_STRAND_POSITION, 0 ), rest, row_bytes( &strands->topology ) );
-    return WISP_OK;
-}
-
-static wisp_status stale( wisp_world* world, wisp_entity entity )
+wisp_status world_stale( wisp_world* world, wisp_entity entity )
 {
     return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
                             entity.index, entity.generation );
-}
-
-wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out )
-{
-    *out = ( wisp_entity ){ 0, 0 };
-    const store_entity* from = store_find( &world->store, source );
-    if ( from == NULL )
-    {
-        return stale( world, source );
-    }
-    if ( from->fabric != NULL )
-    {
-        return world_add_surface_instance( world, from, out );
-    }
-    if ( from->strands == NULL )
-    {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u has neither strands nor a surface to share",
-                                source.index );
-    }
-    cook_strands* strands = (cook_strands*)(void*)from->strands;
-    wisp_status status = add_entity( world, strands, out );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    cook_strands_retain( strands );
-    from = store_find( &world->store, source ); // slots may have moved
-    const store_entity* e = store_find( &world->store, *out );
-    const float* rest = store_column( &world->store, from, WISP_STRAND_REST, 0 );
-    memcpy( store_column( &world->store, e, WISP_STRAND_REST, 0 ), rest, row_bytes( &strands->topology ) );
-    memcpy( store_column( &world->store, e, WISP_STRAND_POSITION, 0 ), rest, row_bytes( &strands->topology ) );
-    return WISP_OK;
 }
 
 wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out )
@@ -223,7 +50,7 @@ wisp_status wisp_remove( wisp_world* world, wisp_entity entity )
     const store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return stale( world, entity );
+        return world_stale( world, entity );
     }
     plan_registry_removed( &world->registry, world, entity );
     cook_strands* strands = (cook_strands*)(void*)e->strands;
@@ -251,7 +78,7 @@ wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_compo
     store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return stale( world, entity );
+        return world_stale( world, entity );
     }
     WISP_ASSERT( known( world, component ) );
     if ( store_attach( &world->store, entity, component ) == false )
@@ -269,7 +96,7 @@ wisp_status wisp_world_detach( wisp_world* world, wisp_entity entity, wisp_compo
 {
     if ( store_find( &world->store, entity ) == NULL )
     {
-        return stale( world, entity );
+        return world_stale( world, entity );
     }
     WISP_ASSERT( known( world, component ) );
     store_detach( &world->store, entity, component );
@@ -310,7 +137,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
 {
     if ( store_find( &world->store, entity ) == NULL )
     {
-        return stale( world, entity );
+        return world_stale( world, entity );
     }
     if ( known( world, component ) == false )
     {

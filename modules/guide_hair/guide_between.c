@@ -6,8 +6,7 @@
 
 enum
 {
-    ROW = 3 * WISP_LANES, // floats
-    GROUP_GRAIN = 16,     // groups a block
+    GROUP_GRAIN = 16, // groups a block
     // columns of guide_hair.between
     PLACE_BEFORE = 0,
     PLACE,
@@ -36,7 +35,7 @@ bool guide_cook_sources( guide_follower* f, const guide_groups* g )
         if ( group >= 0 )
         {
             const int from = g->groups[group].lane;
-            f->sources.lane_from[n] = f->guides.group_row[from / WISP_LANES] * ROW + from % WISP_LANES;
+            f->sources.lane_from[n] = f->guides.group_row[from / WISP_LANES] * GUIDE_ROW + from % WISP_LANES;
         }
     }
     return true;
@@ -63,7 +62,7 @@ static void blend_velocity( const between_loop* loop, int group, int lane, int i
         const size_t at = (size_t)( group * f->link_count + k ) * WISP_LANES + (size_t)lane;
         if ( f->sources.lane_from[at] >= 0 )
         {
-            const float* v = loop->from + f->sources.lane_from[at] + (size_t)i * ROW;
+            const float* v = loop->from + f->sources.lane_from[at] + (size_t)i * GUIDE_ROW;
             for ( int axis = 0; axis < 3; ++axis )
             {
                 sum[axis] += f->lane_share[at] * v[axis * WISP_LANES];
@@ -81,18 +80,18 @@ static void keep_groups( void* context, int begin, int end, int worker )
     (void)worker;
     const between_loop* loop = context;
     const wisp_strand_topology* t = loop->topology;
-    const size_t first = (size_t)t->group_row[begin] * ROW;
-    const size_t bytes = ( (size_t)t->group_row[end] * ROW - first ) * sizeof( float );
+    const size_t first = (size_t)t->group_row[begin] * GUIDE_ROW;
+    const size_t bytes = ( (size_t)t->group_row[end] * GUIDE_ROW - first ) * sizeof( float );
     memcpy( loop->column[PLACE_BEFORE] + first, loop->column[PLACE] + first, bytes );
     memcpy( loop->column[VELOCITY_BEFORE] + first, loop->column[VELOCITY] + first, bytes );
     memcpy( loop->column[PLACE] + first, loop->position + first, bytes );
     for ( int lane = begin * WISP_LANES; lane < end * WISP_LANES; ++lane )
     {
         const int group = lane / WISP_LANES;
-        float* velocity = loop->column[VELOCITY] + (size_t)t->group_row[group] * ROW + lane % WISP_LANES;
+        float* velocity = loop->column[VELOCITY] + (size_t)t->group_row[group] * GUIDE_ROW + lane % WISP_LANES;
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            blend_velocity( loop, group, lane % WISP_LANES, i, velocity + (size_t)i * ROW );
+            blend_velocity( loop, group, lane % WISP_LANES, i, velocity + (size_t)i * GUIDE_ROW );
         }
     }
 }
@@ -131,7 +130,7 @@ void guide_run_between( wisp_frame* frame, const wisp_span* span, void* user )
 
 void guide_begin_between( wisp_world* world, const guide_state* state, const guide_follower* f )
 {
-    const size_t bytes = (size_t)wisp_world_strands( world, f->ghosts )->row_count * ROW * sizeof( float );
+    const size_t bytes = (size_t)wisp_world_strands( world, f->ghosts )->row_count * GUIDE_ROW * sizeof( float );
     const float* position = wisp_world_column( world, f->ghosts, WISP_STRAND_POSITION, 0 );
     float* seconds = wisp_world_column( world, f->ghosts, state->interval, 0 );
     *seconds = 0.0f;
@@ -189,8 +188,8 @@ wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fr
     }
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
     {
-        size_t at = (size_t)t->group_row[lane / WISP_LANES] * ROW + (size_t)( lane % WISP_LANES );
-        for ( int i = 0; i < t->lane_count[lane]; ++i, at += ROW )
+        size_t at = (size_t)t->group_row[lane / WISP_LANES] * GUIDE_ROW + (size_t)( lane % WISP_LANES );
+        for ( int i = 0; i < t->lane_count[lane]; ++i, at += GUIDE_ROW )
         {
             double sum[3] = { 0.0, 0.0, 0.0 };
             for ( int n = 0; n < 3 * COLUMN_COUNT; ++n )

@@ -4,56 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-enum
-{
-    ROW = 3 * WISP_LANES, // floats
-};
-
-// ---- blocks and shapes ----
-
-void* guide_take( guide_memory* memory, size_t count, size_t element )
-{
-    WISP_ASSERT( memory->count < GUIDE_MOST_BLOCKS );
-    const size_t bytes = ( count > 0 ? count : 1 ) * element;
-    void* block = memory->allocator->allocate( memory->allocator->user, bytes, 64 );
-    if ( block == NULL )
-    {
-        memory->failed = true;
-        return NULL;
-    }
-    memset( block, 0, bytes );
-    memory->blocks[memory->count] = block;
-    memory->bytes[memory->count++] = bytes;
-    return block;
-}
-
-void guide_give_back( guide_memory* memory )
-{
-    for ( int i = 0; i < memory->count; ++i )
-    {
-        memory->allocator->release( memory->allocator->user, memory->blocks[i], memory->bytes[i] );
-    }
-    memory->count = 0;
-}
-
-bool guide_read_shape( wisp_world* world, wisp_entity strands, guide_memory* memory, guide_shape* shape )
-{
-    const wisp_strand_topology* t = wisp_world_strands( world, strands );
-    const float* rows = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
-    shape->topology = t;
-    shape->points = guide_take( memory, (size_t)t->vertex_count, sizeof( wisp_vec3 ) );
-    for ( int lane = 0; lane < t->group_count * WISP_LANES && shape->points != NULL; ++lane )
-    {
-        const float* from = rows + (size_t)t->group_row[lane / WISP_LANES] * ROW + lane % WISP_LANES;
-        for ( int i = 0; i < t->lane_count[lane]; ++i, from += ROW )
-        {
-            shape->points[t->offsets[t->lane_strand[lane]] + i] =
-                ( wisp_vec3 ){ from[0], from[WISP_LANES], from[2 * WISP_LANES] };
-        }
-    }
-    return shape->points != NULL;
-}
-
 // ---- lanes of guides ----
 
 static int row_total( const guide_groups* g, const int32_t* order, int count )
@@ -103,7 +53,7 @@ static bool find_strands( const wisp_strand_topology* t, guide_memory* scratch, 
     {
         if ( t->lane_strand[lane] >= 0 )
         {
-            ( *row )[t->lane_strand[lane]] = t->group_row[lane / WISP_LANES] * ROW + lane % WISP_LANES;
+            ( *row )[t->lane_strand[lane]] = t->group_row[lane / WISP_LANES] * GUIDE_ROW + lane % WISP_LANES;
             ( *lane_of )[t->lane_strand[lane]] = lane;
         }
     }
@@ -120,10 +70,10 @@ static void cook_stencils( guide_lanes* l, const guide_groups* g, const guide_gr
         for ( int n = 0; n < 4; ++n )
         {
             const size_t at = ( row * 4 + (size_t)n ) * WISP_LANES + (size_t)( lane % WISP_LANES );
-            l->source[at] = begin + node->stencil.vertex[n] * ROW;
+            l->source[at] = begin + node->stencil.vertex[n] * GUIDE_ROW;
             l->weight[at] = (float)node->stencil.weight[n];
         }
-        float* rest = l->rest + row * ROW + lane % WISP_LANES;
+        float* rest = l->rest + row * GUIDE_ROW + lane % WISP_LANES;
         rest[0] = (float)node->rest.x;
         rest[WISP_LANES] = (float)node->rest.y;
         rest[2 * WISP_LANES] = (float)node->rest.z;
@@ -136,10 +86,10 @@ static bool take_resampled( guide_lanes* l, guide_memory* memory )
     l->source = guide_take( memory, rows * 4 * WISP_LANES, sizeof( int32_t ) );
     l->weight = guide_take( memory, rows * 4 * WISP_LANES, sizeof( float ) );
     l->source_lane = guide_take( memory, groups * WISP_LANES, sizeof( int32_t ) );
-    l->rest = guide_take( memory, rows * ROW, sizeof( float ) );
-    l->position = guide_take( memory, rows * ROW, sizeof( float ) );
-    l->velocity = guide_take( memory, rows * ROW, sizeof( float ) );
-    l->before = guide_take( memory, rows * ROW, sizeof( float ) );
+    l->rest = guide_take( memory, rows * GUIDE_ROW, sizeof( float ) );
+    l->position = guide_take( memory, rows * GUIDE_ROW, sizeof( float ) );
+    l->velocity = guide_take( memory, rows * GUIDE_ROW, sizeof( float ) );
+    l->before = guide_take( memory, rows * GUIDE_ROW, sizeof( float ) );
     l->root = guide_take( memory, groups * 4 * WISP_LANES, sizeof( float ) );
     return memory->failed == false;
 }
@@ -251,7 +201,7 @@ static void cook_offsets( guide_follower* f, const guide_groups* g, int lane, in
             o = guide_mul_add( o, grown, guide_sub( p, g->nodes[own->first_node + i].centre ) );
         }
         const size_t first = (size_t)t->group_row[lane / WISP_LANES] * (size_t)links + (size_t)n;
-        float* to = f->offset + first * ROW + lane % WISP_LANES;
+        float* to = f->offset + first * GUIDE_ROW + lane % WISP_LANES;
         to[0] = (float)o.x;
         to[WISP_LANES] = (float)o.y;
         to[2 * WISP_LANES] = (float)o.z;
@@ -303,7 +253,7 @@ static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double*
     f->lane_node = guide_take( &f->memory, lanes * links, sizeof( int32_t ) );
     f->lane_share = guide_take( &f->memory, lanes * links, sizeof( float ) );
     f->centre_scale = guide_take( &f->memory, lanes, sizeof( float ) );
-    f->offset = guide_take( &f->memory, rows * links * ROW, sizeof( float ) );
+    f->offset = guide_take( &f->memory, rows * links * GUIDE_ROW, sizeof( float ) );
     f->length = g->def->repair_length ? guide_take( &f->memory, rows * WISP_LANES, sizeof( float ) ) : NULL;
     f->target = guide_take( &f->memory, (size_t)t->strand_count, sizeof( int32_t ) );
     f->table = guide_take( &f->memory, ( (size_t)g->node_count + 1 ) * (size_t)f->stride, sizeof( float ) );

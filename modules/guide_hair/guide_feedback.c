@@ -6,9 +6,8 @@
 
 enum
 {
-    ROW = 3 * WISP_LANES, // floats
-    QUADS = 8,            // floats a node in the table: such ghosts have one target and no frames
-    GROUP_GRAIN = 16,     // groups a block
+    QUADS = 8,        // floats a node in the table: such ghosts have one target and no frames
+    GROUP_GRAIN = 16, // groups a block
 };
 
 // Sums of squares stay finite, and no hair is that long.
@@ -18,7 +17,7 @@ static const float LARGEST_APART = 1e6f; // m
 
 static size_t root_of( const wisp_strand_topology* t, int lane )
 {
-    return (size_t)t->group_row[lane / WISP_LANES] * ROW + (size_t)( lane % WISP_LANES );
+    return (size_t)t->group_row[lane / WISP_LANES] * GUIDE_ROW + (size_t)( lane % WISP_LANES );
 }
 
 // Members stand in ascending order of ghosts, so that their sums do not depend on how lanes are laid out.
@@ -123,7 +122,7 @@ static void store( float* to, wisp_vec3 p )
 static wisp_vec3 swayed( const feedback_loop* loop, const group_node* node, int lane )
 {
     const float* q = node->quads;
-    const wisp_vec3 d = load( loop->apart + root_of( loop->topology, lane ) + (size_t)node->i * ROW );
+    const wisp_vec3 d = load( loop->apart + root_of( loop->topology, lane ) + (size_t)node->i * GUIDE_ROW );
     const float length = sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
     const float weight = q[3] + loop->follower->centre_scale[lane] * length, limit = q[7];
     const float w = fmaxf( fminf( weight, limit ), -limit );
@@ -171,7 +170,7 @@ static double project( const feedback_loop* loop, const group_node* node, guide_
     for ( int k = 0; k < node->size; ++k )
     {
         const guide_point d = guide_sub( guide_widen( swayed( loop, node, node->lane[k] ) ), mean );
-        float* to = loop->apart + root_of( loop->topology, node->lane[k] ) + (size_t)node->i * ROW;
+        float* to = loop->apart + root_of( loop->topology, node->lane[k] ) + (size_t)node->i * GUIDE_ROW;
         store( to, ( wisp_vec3 ){ (float)d.x, (float)d.y, (float)d.z } );
         spread += guide_dot( d, d );
     }
@@ -185,7 +184,7 @@ static void place( const feedback_loop* loop, const group_node* node, double spr
     const float scale = grows ? (float)sqrt( node->wanted / spread ) : 1.0f;
     for ( int k = 0; k < node->size; ++k )
     {
-        const size_t at = root_of( loop->topology, node->lane[k] ) + (size_t)node->i * ROW;
+        const size_t at = root_of( loop->topology, node->lane[k] ) + (size_t)node->i * GUIDE_ROW;
         // the root stands on the scalp, and a lone ghost where it is put beside its target
         const bool keeps = node->i == 0 || node->size == 1;
         const wisp_vec3 d = load( ( keeps ? loop->follower->offset : loop->apart ) + at );
@@ -217,7 +216,7 @@ static void fill_behind( const feedback_loop* loop, int lane )
     const int rows = t->group_row[lane / WISP_LANES + 1] - t->group_row[lane / WISP_LANES];
     for ( int i = t->lane_count[lane]; i < rows; ++i )
     {
-        store( root + (size_t)i * ROW, load( root + (size_t)( i - 1 ) * ROW ) );
+        store( root + (size_t)i * GUIDE_ROW, load( root + (size_t)( i - 1 ) * GUIDE_ROW ) );
     }
 }
 
@@ -275,7 +274,7 @@ void guide_begin_feedback( wisp_world* world, const guide_state* state, const gu
     const wisp_strand_topology* t = wisp_world_strands( world, f->ghosts );
     const guide_members* m = &f->members;
     float* apart = wisp_world_column( world, f->ghosts, state->feedback, 0 );
-    for ( size_t at = 0; at < (size_t)t->row_count * ROW; ++at )
+    for ( size_t at = 0; at < (size_t)t->row_count * GUIDE_ROW; ++at )
     {
         apart[at] = 0.0f;
     }
@@ -288,7 +287,7 @@ void guide_begin_feedback( wisp_world* world, const guide_state* state, const gu
             const size_t root = root_of( t, m->lane[k] );
             for ( int i = 0; i < t->lane_count[m->lane[k]]; ++i )
             {
-                store( apart + root + (size_t)i * ROW, load( f->offset + root + (size_t)i * ROW ) );
+                store( apart + root + (size_t)i * GUIDE_ROW, load( f->offset + root + (size_t)i * GUIDE_ROW ) );
             }
         }
     }

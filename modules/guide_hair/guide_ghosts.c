@@ -251,15 +251,6 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 
 // ---- reports ----
 
-wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out )
-{
-    const guide_state* s = wisp_world_module_state( world, "guide_hair" );
-    *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
-    return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has never followed targets",
-                                           ghosts.index );
-}
-
 wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp_ghosts_report* out )
 {
     const guide_follower* follower;

@@ -11,6 +11,7 @@
 enum
 {
     GUIDE_MOST_BLOCKS = 32,
+    GUIDE_ROW = 3 * WISP_LANES, // floats of a row of strands
 };
 
 /// Blocks that live and die together.

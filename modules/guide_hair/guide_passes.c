@@ -6,8 +6,7 @@
 
 enum
 {
-    ROW = 3 * WISP_LANES, // floats
-    TARGET_GRAIN = 4,     // groups a block
+    TARGET_GRAIN = 4, // groups a block
 };
 
 // ---- tables ----
@@ -28,7 +27,7 @@ static void gather_rows( const guide_lanes* l, const float* from, float* to, int
     {
         const int32_t* source = l->source + (size_t)row * 4 * WISP_LANES;
         const float* weight = l->weight + (size_t)row * 4 * WISP_LANES;
-        float* out = to + (size_t)row * ROW;
+        float* out = to + (size_t)row * GUIDE_ROW;
         for ( int axis = 0; axis < 3; ++axis )
         {
             for ( int lane = 0; lane < WISP_LANES; ++lane )
@@ -124,8 +123,8 @@ static void copy_groups( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const copy_loop* loop = context;
-    const size_t first = (size_t)loop->topology->group_row[begin] * ROW;
-    const size_t last = (size_t)loop->topology->group_row[end] * ROW;
+    const size_t first = (size_t)loop->topology->group_row[begin] * GUIDE_ROW;
+    const size_t last = (size_t)loop->topology->group_row[end] * GUIDE_ROW;
     memcpy( loop->to + first, loop->from + first, ( last - first ) * sizeof( float ) );
 }
 
@@ -207,7 +206,7 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
 // no length now has no direction and is left alone.
 static void repair_row( float* row, const float* length )
 {
-    const float* last = row - ROW;
+    const float* last = row - GUIDE_ROW;
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
         const float x = row[lane] - last[lane], y = row[lane + WISP_LANES] - last[lane + WISP_LANES];
@@ -229,7 +228,7 @@ void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int row = t->group_row[group] + 1; row < t->group_row[group + 1]; ++row )
         {
-            repair_row( position + (size_t)row * ROW, f->length + (size_t)row * WISP_LANES );
+            repair_row( position + (size_t)row * GUIDE_ROW, f->length + (size_t)row * WISP_LANES );
         }
     }
 }

@@ -38,25 +38,6 @@ wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
 
 // ---- the module's state ----
 
-static int find_index( const implicit_state* state, wisp_entity entity )
-{
-    for ( int i = 0; i < state->link_count; ++i )
-    {
-        const wisp_entity e = state->links[i]->entity;
-        if ( e.index == entity.index && e.generation == entity.generation )
-        {
-            return i;
-        }
-    }
-    return -1;
-}
-
-implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity )
-{
-    const int i = find_index( state, entity );
-    return i >= 0 ? state->links[i] : NULL;
-}
-
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
     implicit_state* state = memory;
@@ -73,7 +54,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     implicit_state* state = memory;
-    const int i = find_index( state, entity );
+    const int i = implicit_find_index( state, entity );
     if ( i >= 0 )
     {
         implicit_links_release( state->links[i], wisp_world_allocator( world ) );
@@ -325,7 +306,7 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
         implicit_links_release( links, wisp_world_allocator( world ) );
         return status;
     }
-    const int place = find_index( state, surface );
+    const int place = implicit_find_index( state, surface );
     if ( place >= 0 )
     {
         implicit_links_release( state->links[place], wisp_world_allocator( world ) );

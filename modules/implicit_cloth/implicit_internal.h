@@ -108,6 +108,8 @@ typedef struct implicit_outcome
 // ---- implicit_cloth_module.c ----
 
 /// @return null for an entity that is no implicit cloth
+/// Where the links of a surface are in the list. @return -1 without
+int implicit_find_index( const implicit_state* state, wisp_entity entity );
 implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity );
 
 // ---- implicit_links.c ----

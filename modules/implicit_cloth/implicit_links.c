@@ -267,3 +267,24 @@ void implicit_links_release( implicit_links* links, const wisp_allocator* alloca
         allocator->release( allocator->user, links, links->bytes );
     }
 }
+
+// ---- the links of the world ----
+
+int implicit_find_index( const implicit_state* state, wisp_entity entity )
+{
+    for ( int i = 0; i < state->link_count; ++i )
+    {
+        const wisp_entity e = state->links[i]->entity;
+        if ( e.index == entity.index && e.generation == entity.generation )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+implicit_links* implicit_find_links( const implicit_state* state, wisp_entity entity )
+{
+    const int i = implicit_find_index( state, entity );
+    return i >= 0 ? state->links[i] : NULL;
+}

@@ -1,0 +1,36 @@
+#include "passes_common.h"
+
+wisp_status passes_declare_all( wisp_registry* registry, const wisp_pass* passes, int count )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        status = wisp_declare_pass( registry, passes + i );
+    }
+    return status;
+}
+
+typedef struct tile_loop
+{
+    passes_schedule_fn* run;
+    const void* job;
+    const int32_t* tile_begin; // of the first tile of the colour
+} tile_loop;
+
+static void run_tiles( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const tile_loop* loop = context;
+    loop->run( loop->job, loop->tile_begin[begin], loop->tile_begin[end] );
+}
+
+void passes_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, passes_schedule_fn* run,
+                          const void* job )
+{
+    for ( int colour = 0; colour < schedule->colour_count; ++colour )
+    {
+        int first = schedule->colour_tile[colour];
+        tile_loop loop = { run, job, schedule->tile_begin + first };
+        wisp_parallel_for( parallel, schedule->colour_tile[colour + 1] - first, 1, run_tiles, &loop );
+    }
+}

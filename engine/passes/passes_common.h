@@ -1,0 +1,14 @@
+/// What the files of passes share: declaring a table of passes, and running a schedule of constraints.
+#pragma once
+
+#include "wisp/module/module.h"
+
+/// Declare a table of passes, the first failure ends it.
+wisp_status passes_declare_all( wisp_registry* registry, const wisp_pass* passes, int count );
+
+/// A range of a fabric's schedule on one worker: groups of eight constraints [begin, end).
+typedef void passes_schedule_fn( const void* job, int begin, int end );
+
+/// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
+void passes_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, passes_schedule_fn* run,
+                          const void* job );
