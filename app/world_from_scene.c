@@ -19,27 +19,7 @@ const wisp_module* const* scene_world_modules( int* count )
     return all_modules;
 }
 
-// ---- errors that name the scene's line ----
-
-wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
-                           wisp_status status, const char* sentence, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s:%d:%d: %s '%s': %s", scene->name, line, column, what, name, sentence );
-}
-
-wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
-                                   wisp_error* error )
-{
-    const wisp_scene_strands* entry = &scene->strands[strands];
-    return scene_fail_at( scene, entry->line, entry->column, "strands", entry->name, status, sentence, error );
-}
-
-wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
-                                wisp_error* error )
-{
-    return wisp_fail( error, status, "%s:%d:%d: %s", world->scene->name, line, column,
-                      wisp_world_message( world->world ) );
-}
+// ---- what is said ----
 
 // An error that ends a call comes back as its status and would be printed twice; one that a call survives, such as an
 // entity put back to its last good state, must not be lost.
@@ -63,127 +43,6 @@ static void print_late_error( scene_world* world )
         fprintf( stderr, "wisp: %s\n", world->late_error );
         world->late_error[0] = '\0';
     }
-}
-
-// ---- grooms ----
-
-// Lists of numbers a strand can only be checked once the groom's file has told how many strands there are.
-static wisp_status check_list( const wisp_scene* scene, int strands, const char* what, int listed, int strand_count,
-                               wisp_error* error )
-{
-    if ( listed == 0 || listed == strand_count )
-    {
-        return WISP_OK;
-    }
-    char sentence[200];
-    snprintf( sentence, sizeof( sentence ), "%s lists %d numbers for %d strands", what, listed, strand_count );
-    return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
-}
-
-static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_groom* source, wisp_groom* out,
-                                 wisp_error* error )
-{
-    if ( entry->is_scattered )
-    {
-        return wisp_scene_make_scatter( &entry->scatter, source, out, error );
-    }
-    if ( entry->is_curves )
-    {
-        return wisp_scene_make_curves( &entry->curves, source, out, error );
-    }
-    if ( entry->is_made )
-    {
-        return wisp_groom_make( &entry->recipe, out, error );
-    }
-    wisp_status status = wisp_groom_read( entry->file, out, error );
-    return status == WISP_OK ? wisp_groom_check( out, error ) : status;
-}
-
-static bool is_placed( const wisp_scene_strands* entry )
-{
-    const wisp_rigid pose = entry->pose;
-    return entry->scale != 1.0f || pose.rotation.w != 1.0f || pose.translation.x != 0.0f ||
-           pose.translation.y != 0.0f || pose.translation.z != 0.0f;
-}
-
-// Strands that a pose takes out of the plane are flat no more.
-static void place( const wisp_scene_strands* entry, wisp_groom* groom )
-{
-    const float scale = entry->scale;
-    const int count = is_placed( entry ) ? groom->vertex_count : 0;
-    for ( int v = 0; v < count; ++v )
-    {
-        wisp_vec3* p = &groom->points[v];
-        *p = wisp_rigid_to_world( entry->pose, ( wisp_vec3 ){ scale * p->x, scale * p->y, scale * p->z } );
-        groom->dimension = p->z != 0.0f ? 3 : groom->dimension;
-    }
-}
-
-static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp_groom* groom, wisp_error* error )
-{
-    const wisp_scene_strands* entry = &scene->strands[strands];
-    const int count = groom->strand_count;
-    wisp_status status = check_list( scene, strands, "stretch stiffness", entry->stretch_count, count, error );
-    if ( status == WISP_OK )
-    {
-        status = check_list( scene, strands, "bend stiffness", entry->bend_count, count, error );
-    }
-    if ( status == WISP_OK )
-    {
-        status = check_list( scene, strands, "intensity", entry->intensity_count, count, error );
-    }
-    if ( status == WISP_OK && entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
-    {
-        char sentence[100];
-        snprintf( sentence, sizeof( sentence ), "dynamics.vertex_masses lists %d masses for %d vertices",
-                  entry->mass_count, groom->vertex_count );
-        status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
-    }
-    return status;
-}
-
-wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_groom* source, wisp_groom* out,
-                            wisp_error* error )
-{
-    const wisp_scene_strands* entry = &scene->strands[strands];
-    *out = ( wisp_groom ){ 0 };
-    wisp_error cause = { 0 };
-    wisp_status status = read_or_make( entry, source, out, &cause );
-    if ( status != WISP_OK )
-    {
-        status = scene_fail_at_strands( scene, strands, status, cause.sentence, error );
-    }
-    else
-    {
-        place( entry, out );
-        status = check_lists( scene, strands, out, error );
-    }
-    if ( status != WISP_OK )
-    {
-        wisp_groom_release( out );
-    }
-    return status;
-}
-
-int scene_groom_source( const wisp_scene* scene, int strands )
-{
-    const wisp_scene_strands* entry = &scene->strands[strands];
-    return entry->is_curves ? entry->curves_of : entry->scatter.around;
-}
-
-// Curves of strands that are scattered around others: no more than three deep.
-wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error )
-{
-    const int from = scene_groom_source( scene, strands );
-    wisp_groom source = { 0 };
-    wisp_status status = from >= 0 ? scene_groom( scene, from, &source, error ) : WISP_OK;
-    *out = ( wisp_groom ){ 0 };
-    if ( status == WISP_OK )
-    {
-        status = scene_groom_of( scene, strands, &source, out, error );
-    }
-    wisp_groom_release( &source );
-    return status;
 }
 
 // ---- the world ----
@@ -214,46 +73,6 @@ static wisp_status set_contact( scene_world* out, wisp_error* error )
     }
     return status == WISP_OK ? WISP_OK
                              : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( out->world ) );
-}
-
-static wisp_status wish_all( scene_world* out, int strands )
-{
-    const wisp_scene_strands* entry = &out->scene->strands[strands];
-    const struct
-    {
-        bool wanted;
-        wisp_component component;
-    } columns[] = {
-        { entry->want_points, WISP_STRAND_POINTS }, { entry->want_width, WISP_POINT_WIDTH },
-        { entry->want_colour, WISP_POINT_COLOUR },  { entry->want_strain, WISP_POINT_STRAIN },
-        { entry->want_speed, WISP_POINT_SPEED },    { entry->want_quality, WISP_QUALITY },
-    };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
-    {
-        status = columns[i].wanted ? wisp_want( out->world, out->entities[strands], columns[i].component ) : WISP_OK;
-    }
-    return status;
-}
-
-wisp_status scene_strands_dress( scene_world* out, int strands )
-{
-    const wisp_scene_strands* entry = &out->scene->strands[strands];
-    wisp_entity entity = out->entities[strands];
-    wisp_status status = WISP_OK;
-    if ( entry->has_frozen_hair )
-    {
-        status = wisp_set_frozen_hair( out->world, entity, &entry->frozen_hair );
-    }
-    if ( status == WISP_OK && entry->has_climate )
-    {
-        status = wisp_set_climate( out->world, entity, &entry->climate );
-    }
-    if ( status == WISP_OK && entry->has_look )
-    {
-        status = wisp_set_strand_look( out->world, entity, &entry->look );
-    }
-    return status == WISP_OK ? wish_all( out, strands ) : status;
 }
 
 static wisp_status add_strands( scene_world* out, int strands, wisp_error* error )

@@ -92,36 +92,3 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error )
     }
     return status;
 }
-
-// ---- heads ----
-
-// A head is a body that starts at its pivot, not turned. Its path tells where the pivot is; the engine wants to know what
-// becomes of the origin.
-static wisp_status follow_head( scene_world* world, int strands )
-{
-    const wisp_scene_strands* entry = &world->scene->strands[strands];
-    const wisp_vec3 pivot = entry->has_head_pivot ? entry->head_pivot : entry->pose.translation;
-    const wisp_rigid start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
-    wisp_rigid pose = scene_path_pose( world, &entry->head, start );
-    const wisp_vec3 turned = wisp_quat_turn( pose.rotation, pivot );
-    pose.translation =
-        ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
-    return wisp_move_strand_head( world->world, world->entities[strands], pose );
-}
-
-wisp_status scene_heads_follow( scene_world* world, wisp_error* error )
-{
-    const wisp_scene* scene = world->scene;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
-    {
-        const wisp_scene_strands* entry = &scene->strands[i];
-        if ( scene_path_moves( world, &entry->head ) )
-        {
-            status = follow_head( world, i );
-            status =
-                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
-        }
-    }
-    return status;
-}

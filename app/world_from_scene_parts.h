@@ -20,8 +20,6 @@ wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_st
 wisp_status scene_strands_dress( scene_world* world, int strands );
 /// Let strands move, let ghosts follow them, add curves. To be called once everything else is added.
 wisp_status scene_motion_set( scene_world* world, wisp_error* error );
-/// Carry the heads that move in the next step.
-wisp_status scene_heads_follow( scene_world* world, wisp_error* error );
 
 // ---- surfaces and colliders ----
 
@@ -48,10 +46,5 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
 
 // ---- what happens before a step ----
-
-/// Whether a path has not come to its end before the next step.
-bool scene_path_moves( const scene_world* world, const wisp_scene_path* path );
-/// Where a path that moves is at the end of the next step. @param start the pose at time 0
-wisp_rigid scene_path_pose( const scene_world* world, const wisp_scene_path* path, wisp_rigid start );
 
 wisp_status scene_script_play( scene_world* world, wisp_error* error );

@@ -59,16 +59,6 @@ static bool is_moving( const scene_world* world, const wisp_scene_path* path, st
     return path->count > 0 && is_before( world, t.begin, (double)path->poses[path->count - 1].time );
 }
 
-bool scene_path_moves( const scene_world* world, const wisp_scene_path* path )
-{
-    return is_moving( world, path, next_times( world ) );
-}
-
-wisp_rigid scene_path_pose( const scene_world* world, const wisp_scene_path* path, wisp_rigid start )
-{
-    return pose_at( path, start, next_times( world ).end );
-}
-
 static wisp_status move_pins( scene_world* world, int surface, step_times t )
 {
     static const wisp_rigid still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
@@ -140,11 +130,42 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
 }
 
+// A head is a body that starts at its pivot, not turned. Its path tells where the pivot is; the engine wants to know what
+// becomes of the origin.
+static wisp_status follow_head( scene_world* world, int strands, step_times t )
+{
+    const wisp_scene_strands* entry = &world->scene->strands[strands];
+    const wisp_vec3 pivot = entry->has_head_pivot ? entry->head_pivot : entry->pose.translation;
+    const wisp_rigid start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
+    wisp_rigid pose = pose_at( &entry->head, start, t.end );
+    const wisp_vec3 turned = wisp_quat_turn( pose.rotation, pivot );
+    pose.translation =
+        ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
+    return wisp_move_strand_head( world->world, world->entities[strands], pose );
+}
+
+static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* error )
+{
+    const wisp_scene* scene = world->scene;
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        const wisp_scene_strands* entry = &scene->strands[i];
+        if ( is_moving( world, &entry->head, t ) )
+        {
+            status = follow_head( world, i, t );
+            status =
+                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
+        }
+    }
+    return status;
+}
+
 static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     const step_times t = next_times( world );
-    wisp_status status = scene_heads_follow( world, error );
+    wisp_status status = follow_heads( world, t, error );
     for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
     {
         status = follow_surface( world, i, t, error );

@@ -74,11 +74,15 @@ static inline int32_t delaunay_to( const delaunay* d, int32_t half )
     return d->corners[delaunay_next( half )];
 }
 
-// ---- delaunay.c ------------------------------------------------------------------------------------------------
+// ---- delaunay_insert.c -----------------------------------------------------------------------------------------
 
 /// The edge between two triangles gives way to the other diagonal of their quadrilateral. The four edges around go on
 /// the stack.
 void delaunay_flip( delaunay* d, int32_t half );
+
+/// Put all points, of which the memory is there, into a square around them.
+/// @return WISP_BAD_INPUT two points lie at one place; WISP_NO_MEMORY
+wisp_status delaunay_insert( delaunay* d, wisp_error* error );
 
 /// Flip until no unlocked edge on the stack has a point inside a neighbour's circle (Lawson 1977).
 void delaunay_settle( delaunay* d );

@@ -25,6 +25,27 @@ const char* io_short_name( const char* name )
     return length > NAME_SHOWN ? name + ( length - NAME_SHOWN ) : name;
 }
 
+bool io_has_extension( const char* path, const char* extension )
+{
+    size_t length = strlen( path );
+    size_t wanted = strlen( extension );
+    if ( length < wanted )
+    {
+        return false;
+    }
+    for ( size_t i = 0; i < wanted; ++i )
+    {
+        // Not tolower(): the host's locale has no say in what a file is.
+        char c = path[length - wanted + i];
+        char lower = c >= 'A' && c <= 'Z' ? (char)( c - 'A' + 'a' ) : c;
+        if ( lower != extension[i] )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
 static wisp_status system_refused( wisp_error* error, const char* path, const char* what )
 {
     return wisp_fail( error, WISP_IO_ERROR, "%s: cannot %s: %s", io_short_name( path ), what, strerror( errno ) );

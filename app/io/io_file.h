@@ -47,5 +47,8 @@ typedef struct io_numbers
 wisp_status io_numbers_begin( io_numbers* numbers, wisp_error* error );
 void io_numbers_end( io_numbers* numbers );
 
+/// Whether a path ends in `extension`, such as ".obj", in small or capital letters of ASCII: the locale has no say.
+bool io_has_extension( const char* path, const char* extension );
+
 /// The end of a long path, so that a sentence of 500 characters still has room for what is wrong.
 const char* io_short_name( const char* name );

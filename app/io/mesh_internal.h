@@ -161,10 +161,6 @@ extern "C"
     wisp_status mesh_make_icosphere( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_make_turned( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
 
-    /// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry
-    /// says so, on the unit circle to double precision.
-    void mesh_turn( int part, int whole, double* cosine, double* sine );
-
 #ifdef __cplusplus
 }
 #endif

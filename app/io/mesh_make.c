@@ -4,8 +4,6 @@
 
 #include <math.h>
 
-#include "trig.h"
-
 enum
 {
     MOST_LEVEL = 10,
@@ -205,40 +203,6 @@ wisp_status mesh_make_plane( const wisp_mesh_recipe* r, wisp_mesh* out, wisp_err
         }
     }
     return WISP_OK;
-}
-
-// ---- turns -----------------------------------------------------------------------------------------------------
-
-void mesh_turn( int part, int whole, double* cosine, double* sine )
-{
-    // Down to an eighth of a turn in whole numbers, so that opposite and mirrored points are so exactly.
-    int64_t quarters = 4 * (int64_t)part, quarter = quarters / whole, rest = quarters % whole;
-    bool mirrored = 2 * rest > whole;
-    int64_t small = mirrored ? whole - rest : rest;
-    float s, c;
-    trig_sincos( (float)( 1.5707963267948966 * (double)small / (double)whole ), &s, &c );
-    // The engine's sine is good to seven digits; the circle shall be round to sixteen.
-    double length = sqrt( (double)c * (double)c + (double)s * (double)s );
-    double x = ( mirrored ? (double)s : (double)c ) / length, y = ( mirrored ? (double)c : (double)s ) / length;
-    if ( 2 * small == whole )
-    {
-        x = y = sqrt( 0.5 );
-    }
-    switch ( quarter & 3 )
-    {
-        case 0:
-            *cosine = x, *sine = y;
-            break;
-        case 1:
-            *cosine = -y, *sine = x;
-            break;
-        case 2:
-            *cosine = -x, *sine = -y;
-            break;
-        default:
-            *cosine = y, *sine = -x;
-            break;
-    }
 }
 
 // ---- the whole -------------------------------------------------------------------------------------------------

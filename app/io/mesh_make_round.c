@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "trig.h"
+
 // ---- from the icosahedron --------------------------------------------------------------------------------------
 
 enum
@@ -171,6 +173,40 @@ typedef struct profile_point
     double out, up; // m, from the axis and along it
 } profile_point;
 
+// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry says so, on
+// the unit circle to double precision.
+static void turn( int part, int whole, double* cosine, double* sine )
+{
+    // Down to an eighth of a turn in whole numbers, so that opposite and mirrored points are so exactly.
+    int64_t quarters = 4 * (int64_t)part, quarter = quarters / whole, rest = quarters % whole;
+    bool mirrored = 2 * rest > whole;
+    int64_t small = mirrored ? whole - rest : rest;
+    float s, c;
+    trig_sincos( (float)( 1.5707963267948966 * (double)small / (double)whole ), &s, &c );
+    // The engine's sine is good to seven digits; the circle shall be round to sixteen.
+    double length = sqrt( (double)c * (double)c + (double)s * (double)s );
+    double x = ( mirrored ? (double)s : (double)c ) / length, y = ( mirrored ? (double)c : (double)s ) / length;
+    if ( 2 * small == whole )
+    {
+        x = y = sqrt( 0.5 );
+    }
+    switch ( quarter & 3 )
+    {
+        case 0:
+            *cosine = x, *sine = y;
+            break;
+        case 1:
+            *cosine = -y, *sine = x;
+            break;
+        case 2:
+            *cosine = -x, *sine = -y;
+            break;
+        default:
+            *cosine = y, *sine = -x;
+            break;
+    }
+}
+
 static profile profile_of( const wisp_mesh_recipe* r )
 {
     switch ( r->shape )
@@ -190,7 +226,7 @@ static profile profile_of( const wisp_mesh_recipe* r )
 static profile_point cap_point( const wisp_mesh_recipe* r, int k )
 {
     double cosine, sine;
-    mesh_turn( k, 4 * r->rings, &cosine, &sine );
+    turn( k, 4 * r->rings, &cosine, &sine );
     return ( profile_point ){ (double)r->radius * sine, (double)r->radius * cosine };
 }
 
@@ -203,7 +239,7 @@ static profile_point ring_point( const wisp_mesh_recipe* r, int k )
     switch ( r->shape )
     {
         case WISP_MESH_TORUS:
-            mesh_turn( k, r->rings, &cosine, &sine );
+            turn( k, r->rings, &cosine, &sine );
             return ( profile_point ){ radius + (double)r->tube_radius * cosine, -(double)r->tube_radius * sine };
         case WISP_MESH_TUBE:
             return ( profile_point ){ radius, half - (double)r->length * k / r->length_segments };
@@ -220,7 +256,7 @@ static profile_point ring_point( const wisp_mesh_recipe* r, int k )
             }
             return ( profile_point ){ radius, half - (double)r->length * ( k - r->rings + 1 ) / r->length_segments };
         default:
-            mesh_turn( k + 1, 2 * r->rings, &cosine, &sine );
+            turn( k + 1, 2 * r->rings, &cosine, &sine );
             return ( profile_point ){ radius * sine, radius * cosine };
     }
 }
@@ -235,7 +271,7 @@ static void put_rings( const wisp_mesh_recipe* r, const profile* p, wisp_vec3* p
         for ( int i = 0; i < r->segments; ++i )
         {
             double cosine, sine;
-            mesh_turn( i, r->segments, &cosine, &sine );
+            turn( i, r->segments, &cosine, &sine );
             ring[i] = ( wisp_vec3 ){ (float)( at.out * cosine ), (float)at.up, (float)( -at.out * sine ) };
         }
     }

@@ -72,8 +72,3 @@ int ply_width( ply_type type );
 
 /// Read and check a header: one element `vertex` with scalars x, y and z, one element `face` with a list of corners.
 wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header* header, wisp_error* error );
-
-/// Read the rows behind a header.
-/// @param out empty; what it holds on failure is the caller's to release
-wisp_status ply_read_rows( const ply_header* header, const unsigned char* bytes, size_t size, wisp_mesh* out,
-                           wisp_error* error );

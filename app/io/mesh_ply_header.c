@@ -352,31 +352,3 @@ wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header
     header->size = size - r.rest.length;
     return status == WISP_OK ? check_header( &r ) : status;
 }
-
-wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out, wisp_error* error )
-{
-    *out = ( wisp_mesh ){ 0 };
-    name = io_short_name( name );
-    if ( size > WISP_MESH_FILE_CAP )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted", name,
-                          WISP_MESH_FILE_CAP );
-    }
-    ply_header* header = calloc( 1, sizeof *header );
-    if ( header == NULL )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a header", name );
-    }
-    header->name = name;
-    wisp_status status = ply_read_header( bytes, size, header, error );
-    if ( status == WISP_OK )
-    {
-        status = ply_read_rows( header, bytes, size, out, error );
-    }
-    free( header );
-    if ( status != WISP_OK )
-    {
-        wisp_mesh_release( out );
-    }
-    return status;
-}

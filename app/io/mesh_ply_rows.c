@@ -307,8 +307,9 @@ static wisp_status read_elements( row_reading* r )
     return check_rest( r );
 }
 
-wisp_status ply_read_rows( const ply_header* header, const unsigned char* bytes, size_t size, wisp_mesh* out,
-                           wisp_error* error )
+// What `out` holds on failure is the caller's to release.
+static wisp_status read_rows( const ply_header* header, const unsigned char* bytes, size_t size, wisp_mesh* out,
+                              wisp_error* error )
 {
     row_reading r = { .header = header,
                       .bytes = bytes,
@@ -336,6 +337,34 @@ wisp_status ply_read_rows( const ply_header* header, const unsigned char* bytes,
         status = read_elements( &r );
         io_numbers_end( &numbers );
         mesh_fan_finish( &r.fan );
+    }
+    return status;
+}
+
+wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    name = io_short_name( name );
+    if ( size > WISP_MESH_FILE_CAP )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted", name,
+                          WISP_MESH_FILE_CAP );
+    }
+    ply_header* header = calloc( 1, sizeof *header );
+    if ( header == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a header", name );
+    }
+    header->name = name;
+    wisp_status status = ply_read_header( bytes, size, header, error );
+    if ( status == WISP_OK )
+    {
+        status = read_rows( header, bytes, size, out, error );
+    }
+    free( header );
+    if ( status != WISP_OK )
+    {
+        wisp_mesh_release( out );
     }
     return status;
 }

@@ -1,45 +1,9 @@
 // The recorder: bodies and frames are checked here, so that formats only write.
 #include "record_internal.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
-
-// ---- sentences -------------------------------------------------------------------------------------------------
-
-wisp_status record_no_memory( const char* name, wisp_error* error )
-{
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the recording", io_short_name( name ) );
-}
-
-wisp_status record_refused( const char* path, const char* what, wisp_error* error )
-{
-    return wisp_fail( error, WISP_IO_ERROR, "%s: cannot %s: %s", io_short_name( path ), what,
-                      errno != 0 ? strerror( errno ) : "an earlier write failed" );
-}
-
-// ---- paths -----------------------------------------------------------------------------------------------------
-
-size_t record_stem_length( const char* path )
-{
-    const char* slash = strrchr( path, '/' );
-    const char* name = slash == NULL ? path : slash + 1;
-    const char* dot = strrchr( name, '.' );
-    return dot == NULL || dot == name ? strlen( path ) : (size_t)( dot - path );
-}
-
-char* record_path_with( const char* path, const char* insert )
-{
-    size_t stem = record_stem_length( path );
-    size_t room = strlen( path ) + strlen( insert ) + 1;
-    char* result = malloc( room );
-    if ( result != NULL )
-    {
-        snprintf( result, room, "%.*s%s%s", (int)stem, path, insert, path + stem );
-    }
-    return result;
-}
 
 // ---- formats ---------------------------------------------------------------------------------------------------
 
@@ -47,20 +11,6 @@ char* record_path_with( const char* path, const char* insert )
 static const record_format* const formats[] = {
     &record_format_wisp, &record_format_pc2, &record_format_pvd, &record_format_obj, &record_format_usda,
 };
-
-static bool is_extension( const char* found, const char* wanted )
-{
-    for ( ; *wanted != 0; ++found, ++wanted )
-    {
-        // Not tolower(): the host's locale has no say in what a file is.
-        char lower = *found >= 'A' && *found <= 'Z' ? (char)( *found - 'A' + 'a' ) : *found;
-        if ( lower != *wanted )
-        {
-            return false;
-        }
-    }
-    return *found == 0;
-}
 
 static wisp_status find_format( const char* path, wisp_record_format wanted, const record_format** format,
                                 wisp_error* error )
@@ -74,7 +24,7 @@ static wisp_status find_format( const char* path, wisp_record_format wanted, con
     *format = number > 0 ? formats[number - 1] : NULL;
     for ( int i = 0; *format == NULL && i < WISP_COUNT( formats ); ++i )
     {
-        *format = is_extension( path + record_stem_length( path ), formats[i]->extension ) ? formats[i] : NULL;
+        *format = io_has_extension( path, formats[i]->extension ) ? formats[i] : NULL;
     }
     return *format != NULL
                ? WISP_OK

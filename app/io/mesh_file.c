@@ -1,0 +1,91 @@
+// Which format a path means, and whole files in and out.
+#include "mesh_internal.h"
+
+#include <stdlib.h>
+
+#include "io_file.h"
+
+typedef wisp_status mesh_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
+                                 wisp_error* error );
+typedef wisp_status mesh_writer( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
+
+typedef struct mesh_format
+{
+    const char* extension;
+    mesh_reader* read;
+    mesh_writer* write;
+} mesh_format;
+
+static const mesh_format formats[] = {
+    { ".obj", wisp_mesh_read_obj, mesh_put_obj },
+    { ".ply", wisp_mesh_read_ply, mesh_put_ply },
+};
+
+static const mesh_format* find_format( const char* path )
+{
+    for ( int i = 0; i < WISP_COUNT( formats ); ++i )
+    {
+        if ( io_has_extension( path, formats[i].extension ) )
+        {
+            return &formats[i];
+        }
+    }
+    return NULL;
+}
+
+wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error )
+{
+    *out = ( wisp_mesh ){ 0 };
+    const mesh_format* format = find_format( path );
+    if ( format == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: the file is called neither .obj nor .ply",
+                          io_short_name( path ) );
+    }
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, WISP_MESH_FILE_CAP, &bytes, &size, error );
+    if ( status == WISP_OK )
+    {
+        status = format->read( bytes, size, path, out, error );
+    }
+    free( bytes );
+    return status;
+}
+
+static wisp_status write_file( const char* path, mesh_writer* write, const wisp_mesh* mesh, wisp_error* error )
+{
+    io_output output;
+    wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = write( output.stream, mesh, path, error );
+    if ( status != WISP_OK )
+    {
+        io_output_discard( &output );
+        return status;
+    }
+    return io_output_commit( &output, error );
+}
+
+wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_obj, mesh, error );
+}
+
+wisp_status wisp_mesh_write_ply( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    return write_file( path, mesh_put_ply, mesh, error );
+}
+
+wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error* error )
+{
+    const mesh_format* format = find_format( path );
+    if ( format == NULL )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: meshes are written as .obj or .ply", io_short_name( path ) );
+    }
+    return write_file( path, format->write, mesh, error );
+}
