@@ -15,8 +15,6 @@ static const program_verb verbs[] = {
     { "info", verb_info }, { "render", verb_render }, { "tune", verb_tune },
 };
 
-const char* argp_program_version = "wisp " WISP_VERSION_STRING;
-
 static const char program_doc[] =
     "Wisp simulates thin things: cloth, balloons, hair.\n"
     "\n"

@@ -1,326 +1,42 @@
+// `wisp bench` is the program wisp-bench in the folder of this one, so that simulating needs no benchmark to be built.
 #include "verbs.h"
 
-#include "accuracy/accuracy.h"
-#include "bench.h"
-#include "io_file.h"
-#include "nearest.h"
-#include "progress.h"
-#include "report/report.h"
-#include "wisp/wisp.h"
-
-#include <stdlib.h>
+#include <errno.h>
+#include <limits.h>
 #include <string.h>
+#include <unistd.h>
 
-#define CASES_MAX 64
-#define SCENES_MAX 64 // a bit each in the options
+#define BENCH_PROGRAM "wisp-bench"
 
-typedef struct bench_arguments
+// Write the path of wisp-bench. The link of /proc leads to this program's own file even if it was started through a
+// symbolic link or found in PATH.
+static wisp_status find_bench( char out[PATH_MAX], wisp_error* error )
 {
-    bench_options options;
-    results_format format;
-    const char* output;
-    const char* report;
-    const bench_case* chosen[CASES_MAX];
-    int chosen_count;
-    bool only_list;
-} bench_arguments;
-
-// ---- the command line ----
-
-enum
-{
-    KEY_WORKERS = 'w',
-    KEY_FORMAT = 'f',
-    KEY_OUTPUT = 'o',
-    KEY_QUICK = 'q',
-    KEY_LIST = 'l',
-    KEY_SECONDS = 256,
-    KEY_PICTURES,
-    KEY_COMPARE,
-    KEY_REPORT,
-    KEY_SCENE,
-    KEY_LONG,
-};
-
-static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
-                          "\v"
-                          "A hash that differs between worker counts, an error above its tolerance or a hard case "
-                          "that breaks is a check that failed; its line begins with FAILED.\n" STATUS_HELP;
-
-static const struct argp_option option_list[] = {
-    { "list", KEY_LIST, NULL, 0, "Print the cases and what each is for", 0 },
-    { "quick", KEY_QUICK, NULL, 0,
-      "Fewer samples and settings, without the largest sizes: 20 seconds a case instead of 90", 0 },
-    { "seconds", KEY_SECONDS, "S", 0, "About how long a case may take", 0 },
-    { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
-    { "report", KEY_REPORT, "FILE", 0, "Also write one HTML page to FILE: charts, pictures, tables and notes", 0 },
-    { "pictures", KEY_PICTURES, "FOLDER", 0,
-      "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER, which is made if need be, and link "
-      "them",
-      0 },
-    { "compare", KEY_COMPARE, NULL, 0,
-      "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
-    { "scene", KEY_SCENE, "NAME", 0,
-      "A scene of the case `accuracy`; more than once or with commas for several. Without it all of them run", 0 },
-    { "long", KEY_LONG, NULL, 0, "The case `stability` makes a million steps at rest as well", 0 },
-    { 0 },
-};
-
-static void choose_case( struct argp_state* state, bench_arguments* arguments, const char* word )
-{
-    int count;
-    const bench_case* cases = bench_cases( &count );
-    const char* names[CASES_MAX];
-    for ( int i = 0; i < count && i < CASES_MAX; ++i )
+    ssize_t length = readlink( "/proc/self/exe", out, PATH_MAX - 1 );
+    if ( length < 0 )
     {
-        names[i] = cases[i].name;
+        return wisp_fail( error, WISP_IO_ERROR, "/proc/self/exe: %s", strerror( errno ) );
     }
-    int place = option_word( state, "CASE", word, names, count < CASES_MAX ? count : CASES_MAX );
-    if ( arguments->chosen_count == CASES_MAX )
+    out[length] = '\0';
+    size_t folder = (size_t)( strrchr( out, '/' ) + 1 - out );
+    if ( folder + sizeof( BENCH_PROGRAM ) > PATH_MAX )
     {
-        argp_error( state, "no more than %d cases in one run", CASES_MAX );
+        return wisp_fail( error, WISP_IO_ERROR, "%s: the path of " BENCH_PROGRAM " is too long", out );
     }
-    arguments->chosen[arguments->chosen_count++] = &cases[place];
-}
-
-static void choose_scene( struct argp_state* state, bench_arguments* arguments, const char* word )
-{
-    int count;
-    const accuracy_entry* entries = accuracy_entries( &count );
-    const char* names[SCENES_MAX];
-    count = count < SCENES_MAX ? count : SCENES_MAX;
-    for ( int i = 0; i < count; ++i )
-    {
-        names[i] = entries[i].name;
-    }
-    arguments->options.scenes |= 1ull << option_word( state, "--scene", word, names, count );
-}
-
-static void choose_scenes( struct argp_state* state, bench_arguments* arguments, const char* words )
-{
-    for ( const char* word = words; word; )
-    {
-        char one[64];
-        const char* comma = strchr( word, ',' );
-        snprintf( one, sizeof( one ), "%.*s", comma ? (int)( comma - word ) : (int)strlen( word ), word );
-        choose_scene( state, arguments, one );
-        word = comma ? comma + 1 : NULL;
-    }
-}
-
-// An option of some cases is a mistake where none of them runs. Without a CASE all of them do.
-// @param names the cases, between spaces @param told the same in words
-static void check_option( struct argp_state* state, const bench_arguments* arguments, const char* option,
-                          const char* names, const char* told )
-{
-    bool runs = arguments->chosen_count == 0;
-    for ( int i = 0; i < arguments->chosen_count; ++i )
-    {
-        char word[40];
-        snprintf( word, sizeof( word ), " %s ", arguments->chosen[i]->name );
-        runs = runs || strstr( names, word ) != NULL;
-    }
-    if ( runs == false )
-    {
-        argp_error( state, "%s is an option of the %s, which is not asked for", option, told );
-    }
-}
-
-static error_t parse( int key, char* argument, struct argp_state* state )
-{
-    bench_arguments* arguments = state->input;
-    switch ( key )
-    {
-        case KEY_LIST:
-            arguments->only_list = true;
-            return 0;
-        case KEY_QUICK:
-            arguments->options.quick = true;
-            return 0;
-        case KEY_SECONDS:
-            arguments->options.seconds = option_positive( state, "--seconds", argument, 1e6 );
-            return 0;
-        case KEY_WORKERS:
-            arguments->options.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
-            return 0;
-        case KEY_FORMAT:
-            arguments->format = (results_format)option_word( state, "--format", argument, results_format_names,
-                                                             RESULTS_FORMAT_COUNT );
-            return 0;
-        case KEY_OUTPUT:
-            arguments->output = argument;
-            return 0;
-        case KEY_REPORT:
-            arguments->report = argument;
-            return 0;
-        case KEY_PICTURES:
-            arguments->options.pictures = argument;
-            return 0;
-        case KEY_COMPARE:
-            arguments->options.compare = true;
-            return 0;
-        case KEY_SCENE:
-            choose_scenes( state, arguments, argument );
-            return 0;
-        case KEY_LONG:
-            arguments->options.longest = true;
-            return 0;
-        case ARGP_KEY_ARG:
-            choose_case( state, arguments, argument );
-            return 0;
-        case ARGP_KEY_END:
-            if ( arguments->options.compare )
-            {
-                check_option( state, arguments, "--compare", " cloth ", "case 'cloth'" );
-            }
-            if ( arguments->options.scenes != 0 )
-            {
-                check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
-            }
-            if ( arguments->options.longest )
-            {
-                check_option( state, arguments, "--long", " stability ", "case 'stability'" );
-            }
-            if ( arguments->options.pictures != NULL )
-            {
-                check_option( state, arguments, "--pictures", " figures boundary contact ",
-                              "cases 'figures', 'boundary' and 'contact'" );
-            }
-            if ( arguments->report != NULL && arguments->output != NULL &&
-                 strcmp( arguments->report, arguments->output ) == 0 )
-            {
-                argp_error( state, "--report and --output both write to '%s'", arguments->report );
-            }
-            return 0;
-        default:
-            return ARGP_ERR_UNKNOWN;
-    }
-}
-
-// ---- running ----
-
-static int list_cases( void )
-{
-    int count;
-    const bench_case* cases = bench_cases( &count );
-    for ( int i = 0; i < count; ++i )
-    {
-        printf( "%-12s %s\n", cases[i].name, cases[i].purpose );
-    }
-    const accuracy_entry* scenes = accuracy_entries( &count );
-    printf( "\nscenes of `accuracy`, for --scene:\n" );
-    for ( int i = 0; i < count; ++i )
-    {
-        printf( "%-16s %s\n", scenes[i].name, scenes[i].title );
-    }
-    return STATUS_GOOD;
-}
-
-static void show_progress( void* user, double share, const char* what )
-{
-    progress_show( user, share, what );
-}
-
-static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
-{
-    int count;
-    const bench_case* cases = bench_cases( &count );
-    for ( int i = 0; arguments->chosen_count == 0 && i < count && i < CASES_MAX; ++i )
-    {
-        arguments->chosen[i] = &cases[i];
-    }
-    count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
-
-    progress bar = progress_begin();
-    arguments->options.progress = show_progress;
-    arguments->options.progress_user = &bar;
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
-    {
-        status = arguments->chosen[i]->run( &arguments->options, out, error );
-    }
-    progress_end( &bar );
-    return status;
-}
-
-// ---- what is written ----
-
-// The names of the cases, for people.
-static void name_cases( const bench_arguments* arguments, char* out, size_t size )
-{
-    size_t used = (size_t)snprintf( out, size, "%s", arguments->chosen_count == 0 ? "all cases" : "" );
-    for ( int i = 0; i < arguments->chosen_count && used < size; ++i )
-    {
-        used += (size_t)snprintf( out + used, size - used, "%s%s", i > 0 ? ", " : "", arguments->chosen[i]->name );
-    }
-}
-
-static wisp_status write_report( const bench_arguments* arguments, const results* out, wisp_error* error )
-{
-    const bench_options* options = &arguments->options;
-    char what[1000], how[200];
-    name_cases( arguments, what, sizeof( what ) );
-    snprintf( how, sizeof( how ), "%s%sabout %g s a case, up to %d worker%s",
-              options->compare ? "solvers compared, " : "", options->quick ? "quick, " : "", bench_seconds( options ),
-              options->workers, options->workers == 1 ? "" : "s" );
-    const report_run run = { .what = what, .how = how };
-    return report_write_file( out, &run, arguments->report, error );
-}
-
-// What the engine's kernels use here, as an empty world says.
-static wisp_status describe( machine_facts* out, wisp_error* error )
-{
-    wisp_world_def def = wisp_default_world_def();
-    def.workers = 1;
-    wisp_world* world;
-    const wisp_status status = wisp_world_create( &def, &world, error );
-    if ( status == WISP_OK )
-    {
-        *out = machine_describe( wisp_world_isa( world ) );
-        wisp_world_destroy( world );
-    }
-    return status;
+    memcpy( out + folder, BENCH_PROGRAM, sizeof( BENCH_PROGRAM ) );
+    return WISP_OK;
 }
 
 int verb_bench( int argc, char** argv )
 {
-    bench_arguments arguments = { .options = bench_default_options() };
-    const struct argp parser = { option_list, parse, "[CASE...]", doc, NULL, NULL, NULL };
-    argp_parse( &parser, argc, argv, 0, NULL, &arguments );
-    if ( arguments.only_list )
-    {
-        return list_cases();
-    }
-
-    results out = { 0 };
+    (void)argc;
+    char path[PATH_MAX];
     wisp_error error = { 0 };
-    wisp_status status = describe( &out.machine, &error );
-    status = status == WISP_OK ? verb_check_writable( arguments.output, &error ) : status;
-    status = status == WISP_OK ? verb_check_writable( arguments.report, &error ) : status;
-    if ( status == WISP_OK && arguments.options.pictures != NULL )
+    if ( find_bench( path, &error ) == WISP_OK )
     {
-        status = io_folder_make( arguments.options.pictures, &error );
+        execv( path, argv );
+        wisp_fail( &error, WISP_IO_ERROR, "%s: %s; `wisp bench` runs this program, which `./dev bench` builds", path,
+                   strerror( errno ) );
     }
-    status = status == WISP_OK ? run_cases( &arguments, &out, &error ) : status;
-    if ( status == WISP_OK )
-    {
-        status = results_write_file( &out, arguments.format, arguments.output, &error );
-    }
-    if ( status == WISP_OK && arguments.report != NULL )
-    {
-        status = write_report( &arguments, &out, &error );
-    }
-    bool failed = out.failed;
-    results_free( &out );
-    if ( status != WISP_OK )
-    {
-        return verb_fail( &error );
-    }
-    if ( failed )
-    {
-        fprintf( stderr, "wisp: a result is wrong; the lines that begin with FAILED say which.\n" );
-    }
-    return failed ? STATUS_UNMET : STATUS_GOOD;
+    return verb_fail( &error );
 }

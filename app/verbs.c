@@ -9,6 +9,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+// The name is argp's: it answers --version with this.
+const char* argp_program_version = "wisp " WISP_VERSION_STRING;
+
 const char* const option_isa_words[3] = { "baseline", "avx2", "avx512" };
 
 int verb_fail( const wisp_error* error )

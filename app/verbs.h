@@ -1,7 +1,6 @@
-/// The verbs of the program, and what they share: exit statuses, error lines, options that mean the same everywhere.
+/// The verbs of the program, and what they share with wisp-bench: exit statuses, error lines, options that mean the same everywhere.
 #pragma once
 
-#include "results.h"
 #include "wisp/base.h"
 
 #include <argp.h>

@@ -3,6 +3,7 @@
 #include "program_fixture.h"
 
 #include <jansson.h>
+#include <sys/stat.h>
 
 // ---- scenes ----
 
@@ -377,6 +378,50 @@ static void bench_lists_its_cases( void** state )
     assert_memory_equal( result.out, "paper ", 6 );
 }
 
+static void copy_program( const char* path )
+{
+    static char bytes[65536];
+    FILE* from = fopen( program, "rb" );
+    FILE* to = fopen( path, "wb" );
+    assert_true( from && to );
+    for ( size_t count = 1; count > 0; )
+    {
+        count = fread( bytes, 1, sizeof( bytes ), from );
+        assert_int_equal( fwrite( bytes, 1, count, to ), count );
+    }
+    fclose( from );
+    assert_int_equal( fclose( to ), 0 );
+    assert_int_equal( chmod( path, 0700 ), 0 );
+}
+
+static void bench_without_its_own_program_is_refused_and_other_verbs_work( void** state )
+{
+    char complete[sizeof( program )];
+    memcpy( complete, program, sizeof( program ) );
+    assert_int_equal( mkdir( "alone", 0700 ), 0 );
+    copy_program( "alone/wisp" );
+    snprintf( program, sizeof( program ), "%s/alone/wisp", (const char*)*state );
+
+    assert_refused( "bench --list", "alone/wisp-bench: No such file or directory" );
+    run( "plan good.yaml" );
+
+    memcpy( program, complete, sizeof( program ) );
+    assert_int_equal( result.status, 0 );
+}
+
+static void bench_is_found_through_a_symbolic_link( void** state )
+{
+    char complete[sizeof( program )];
+    memcpy( complete, program, sizeof( program ) );
+    assert_int_equal( symlink( program, "linked" ), 0 );
+    snprintf( program, sizeof( program ), "%s/linked", (const char*)*state );
+
+    run( "bench --list" );
+
+    memcpy( program, complete, sizeof( program ) );
+    assert_int_equal( result.status, 0 );
+}
+
 // ---- terminals ----
 
 static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
@@ -448,6 +493,8 @@ int main( int argc, char** argv )
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
         cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),
         cmocka_unit_test( bench_lists_its_cases ),
+        cmocka_unit_test( bench_without_its_own_program_is_refused_and_other_verbs_work ),
+        cmocka_unit_test( bench_is_found_through_a_symbolic_link ),
         cmocka_unit_test( progress_is_drawn_on_a_terminal_and_wiped_out_again ),
         cmocka_unit_test( no_color_takes_the_colour_away_and_leaves_the_bar ),
         cmocka_unit_test( a_dumb_terminal_and_a_file_see_no_bar ),

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs into a folder of its own and uses Wisp from there, as somebody would who has never seen this tree: the examples
-# and the README's own program, against the shared and the static library, and every header by itself.
+# and the README's own program, against the shared and the static library, every header by itself, and the programs.
 #
 #     test_install.sh SOURCE-TREE BUILD-FOLDER COMPILER...
 set -euo pipefail
@@ -24,7 +24,7 @@ fail()
 # ---- install ----
 
 root="$folder/root"
-env DESTDIR="$root" meson install -C "$build" --quiet >"$folder/install.log" 2>&1 || {
+env DESTDIR="$root" meson install -C "$build" --no-rebuild --quiet >"$folder/install.log" 2>&1 || {
     cat "$folder/install.log"
     fail "meson install"
 }
@@ -53,6 +53,15 @@ for i in "${!static[@]}"; do
         static[i]="$libdir/libwisp.a"
     fi
 done
+
+# ---- the installed programs ----
+
+wisp=$(find "$root" -path '*/bin/wisp')
+[ -n "$wisp" ] || fail "no program wisp is installed"
+"$wisp" plan "$source_tree/data/scenes/flag.yaml" >"$folder/plan.txt" || fail "wisp plan"
+"$wisp" bench --list >"$folder/cases.txt" || fail "wisp bench"
+[ -s "$folder/cases.txt" ] || fail "wisp bench --list prints nothing"
+echo "wisp and wisp bench run"
 
 # ---- every header by itself, as C and as C++ ----
 

@@ -65,10 +65,15 @@ room_facts room_of( const char* path )
         const char* prefix;
         room_kind kind;
     } kinds[] = {
-        { "engine/include/", ROOM_PUBLIC }, { "engine/", ROOM_ENGINE },
-        { "modules/", ROOM_MODULE },        { "app/io/", ROOM_IO },
-        { "app/render/", ROOM_IO },         { "app/", ROOM_APP },
-        { "bench/", ROOM_BENCH },           { "tests/", ROOM_TESTS },
+        { "engine/include/", ROOM_PUBLIC },
+        { "engine/", ROOM_ENGINE },
+        { "modules/", ROOM_MODULE },
+        { "app/io/", ROOM_IO },
+        { "app/render/", ROOM_IO },
+        { "app/results/", ROOM_IO },
+        { "app/", ROOM_APP },
+        { "bench/", ROOM_BENCH },
+        { "tests/", ROOM_TESTS },
         { "examples/", ROOM_EXAMPLES },
     };
     room_facts out = { .kind = ROOM_NOWHERE, .level = -1 };
@@ -183,7 +188,9 @@ static const char* upper_fault( const room_facts* from, const room_facts* to, co
     }
     if ( from->kind == ROOM_APP )
     {
-        return to->kind == ROOM_IO || to->kind == ROOM_BENCH ? NULL : "the program stands on app/io, bench and below";
+        return to->kind == ROOM_IO || to->kind == ROOM_BENCH
+                   ? NULL
+                   : "the program stands on bench, app/io and the folders next to it";
     }
     if ( from->kind == ROOM_BENCH )
     {
@@ -191,7 +198,8 @@ static const char* upper_fault( const room_facts* from, const room_facts* to, co
         bool is_below = to->kind == ROOM_IO || to->kind == ROOM_ORACLE || strcmp( to_path, "app/modules.inc" ) == 0;
         return is_below ? NULL : "the benchmark stands on app/io and the oracle, not on this";
     }
-    return from->kind == ROOM_IO ? "that is above app/io" : "an example sees what an installed library shows";
+    return from->kind == ROOM_IO ? "that is above app/io, app/render and app/results"
+                                 : "an example sees what an installed library shows";
 }
 
 const char* room_arrow_fault( const char* from_path, const char* to_path )

@@ -6,7 +6,7 @@ typedef enum room_kind
     ROOM_PUBLIC,   ///< engine/include/wisp
     ROOM_ENGINE,   ///< engine/<name>
     ROOM_MODULE,   ///< modules/<name>
-    ROOM_IO,       ///< app/io, app/render
+    ROOM_IO,       ///< app/io, app/render, app/results
     ROOM_BENCH,    ///< bench
     ROOM_APP,      ///< app
     ROOM_EXAMPLES, ///< examples
