@@ -1,15 +1,27 @@
-// A substep of contact: look for pairs if points went too far since the last search, find the planes between those that
-// may meet, push, guard.
-#include "contact_internal.h"
+// The passes of contact: the order of the stages in a substep.
+//
+//   contact.find   gather; predict displacements; mark intersections after a reset; broad phase when the lists do not hold; narrow
+//                  phase; constraints; colouring
+//   contact.push   gather; project; in the last iteration recover, untangle, limit displacements; scatter
+//   contact.keep   store what a participant needs for the next substep
+//   contact.figures  statistics, on request
+#include "contact_state.h"
+
+#include "contact_stats.h"
+#include "gather_scatter.h"
+#include "solve.h"
 
 #include <string.h>
 
-contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
+static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
     return ( contact_work ){
-        .state = state,
         .soup = &state->soup,
         .memory = wisp_frame_column( frame, span->entity, state->active, 0 ),
+        .guests = state->guests,
+        .guest_count = state->guest_count,
+        .settings = &state->world,
+        .components = &state->components,
         .parallel = wisp_frame_parallel( frame, span ),
         .frame = frame,
         .seconds = wisp_frame_seconds( frame ),
@@ -17,107 +29,104 @@ contact_work contact_begin_work( wisp_frame* frame, const wisp_span* span, conta
     };
 }
 
-// What failed half way left lists that miss pairs: the next step looks for all.
-static bool succeeds( const contact_work* work, wisp_status status, const wisp_error* error )
+// ---- stages that can fail ----
+
+typedef wisp_status stage_fn( const contact_work* work, wisp_error* error );
+
+// Run a stage. After a failure the lists are incomplete, so the next step searches again.
+static bool run_stage( const contact_work* work, stage_fn* stage )
 {
+    wisp_error error = { 0 };
+    const wisp_status status = stage( work, &error );
     if ( status != WISP_OK )
     {
         work->soup->is_listed = false;
-        wisp_frame_fail( work->frame, status, "%s", error->sentence );
+        wisp_frame_fail( work->frame, status, "%s", error.sentence );
     }
     return status == WISP_OK;
 }
 
-static bool search( const contact_work* work )
+static wisp_status build_mesh( const contact_work* work, wisp_error* error )
 {
-    wisp_error error = { 0 };
-    work->soup->searches += 1;
-    return succeeds( work, contact_search( work, &error ), &error );
+    contact_soup* s = work->soup;
+    s->constraints->row_count = s->constraints->missed_row_count = 0;
+    s->untangling->has_faces = false;
+    const bool enough = contact_build_soup( work ) && contact_make_clusters( work ) &&
+                        contact_reserve_motion( work ) && contact_reserve_intersections( work ) &&
+                        contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
+                        ( contact_has_samples( work ) == false || contact_sample_guests( work ) == WISP_OK );
+    if ( enough == false )
+    {
+        s->point_count = s->edge_count = s->triangle_count = 0;
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the points of %d entities in contact",
+                          work->guest_count );
+    }
+    return WISP_OK;
 }
 
-// While something is crossed, what is changes from substep to substep.
-static bool mark_tangles( const contact_work* work )
-{
-    wisp_error error = { 0 };
-    return succeeds( work, contact_mark_tangles( work, &error ), &error );
-}
-
-static bool find_rows( const contact_work* work )
-{
-    wisp_error error = { 0 };
-    return succeeds( work, contact_find_rows( work, &error ), &error );
-}
-
-static bool find_late_rows( const contact_work* work )
-{
-    wisp_error error = { 0 };
-    return succeeds( work, contact_find_late_rows( work, &error ), &error );
-}
+// ---- contact.find ----
 
 static void begin_step( const contact_work* work )
 {
-    wisp_contact_figures* f = &work->memory->figures;
-    *f = ( wisp_contact_figures ){ .crossings = -1 };
-    work->soup->searches = 0;
-    for ( int g = 0; g < work->state->guest_count; ++g )
+    work->memory->figures = ( wisp_contact_figures ){ .crossings = -1 };
+    work->soup->broad_phase->searches = 0;
+    for ( int g = 0; g < work->guest_count; ++g )
     {
-        memset( work->state->guests[g].impulse, 0, sizeof( work->state->guests[g].impulse ) );
+        memset( work->guests[g].impulse, 0, sizeof( work->guests[g].impulse ) );
     }
 }
 
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
-    const contact_work work = contact_begin_work( frame, span, state );
-    contact_soup* s = &state->soup;
+    const contact_work work = begin_work( frame, span, state );
+    contact_soup* s = work.soup;
     if ( span->substep == 0 )
     {
         begin_step( &work );
     }
-    if ( state->changed )
-    {
-        const wisp_status status = contact_build_soup( &work );
-        if ( status != WISP_OK )
-        {
-            wisp_frame_fail( frame, status, "no memory for the points of %d entities in contact",
-                             state->guest_count );
-            return;
-        }
-        state->changed = false;
-    }
-    contact_gather( &work, true );
-    const contact_reached reached = contact_expect_ways( &work );
-    const bool is_new = s->is_listed == false || s->is_anew;
-    s->is_listed = is_new == false;
-    s->is_anew = false;
-    if ( ( is_new || work.memory->tangled != 0 ) && mark_tangles( &work ) == false )
+    if ( state->changed && run_stage( &work, build_mesh ) == false )
     {
         return;
     }
-    const bool is_enough = is_new == false && reached != CONTACT_BEYOND && contact_lists_too_many( &work ) == false;
-    if ( is_enough || search( &work ) )
+    state->changed = false;
+    contact_gather( &work, true );
+    const contact_reached reached = contact_expect_ways( &work );
+    const bool is_new = s->is_listed == false || s->is_reset;
+    s->is_listed = is_new == false;
+    s->is_reset = false;
+    // intersections change from substep to substep
+    if ( ( is_new || work.memory->tangled != 0 ) && run_stage( &work, contact_mark_intersections ) == false )
     {
-        find_rows( &work );
+        return;
+    }
+    const bool holds = is_new == false && reached != CONTACT_BEYOND && contact_lists_too_many( &work ) == false;
+    if ( holds || run_stage( &work, contact_search ) )
+    {
+        (void)( run_stage( &work, contact_find_rows ) && run_stage( &work, contact_colour_rows ) );
     }
 }
 
-// What went elsewhere than it was expected to has no rows that could hold it: they are found for where it went. Who is cut then
-// goes elsewhere again, until nobody does.
-static void guard_ways( const contact_work* work )
+// ---- contact.push ----
+
+// Limit displacements. Points that left their tolerance may lack constraints: those are found first, from where the points went. Points
+// that are cut leave their tolerance again, so this repeats until none does.
+static void limit_displacements( const contact_work* work )
 {
     enum
     {
-        MOST_ROUNDS = 8, // two were the most that any test needed
+        MOST_ROUNDS = 8, // two were the most in any test
     };
     contact_reached reached = contact_measure_ways( work );
     for ( int round = 0; round < MOST_ROUNDS; ++round )
     {
-        const bool is_searched = reached != CONTACT_BEYOND || search( work );
-        if ( is_searched == false || ( reached != CONTACT_WITHIN && find_late_rows( work ) == false ) )
+        const bool is_searched = reached != CONTACT_BEYOND || run_stage( work, contact_search );
+        if ( is_searched == false ||
+             ( reached != CONTACT_WITHIN && run_stage( work, contact_find_missed_rows ) == false ) )
         {
             return;
         }
-        const int cut = contact_guard( work );
+        const int cut = contact_limit_displacements( work );
         work->memory->figures.guarded += cut;
         reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
         if ( reached == CONTACT_WITHIN )
@@ -128,46 +137,66 @@ static void guard_ways( const contact_work* work )
     contact_hold( work );
 }
 
+static void end_substep( const contact_work* work, bool sums_impulses )
+{
+    contact_soup* s = work->soup;
+    memset( s->shift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
+    contact_recover( work );
+    contact_untangle( work );
+    if ( sums_impulses )
+    {
+        contact_sum_impulses( work );
+    }
+    if ( work->settings->guard && contact_has_samples( work ) == false )
+    {
+        limit_displacements( work );
+    }
+    else
+    {
+        contact_measure_ways( work );
+    }
+    contact_add_deviation( work );
+}
+
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    contact_state* state = user;
-    const contact_work work = contact_begin_work( frame, span, state );
-    contact_soup* s = &state->soup;
-    if ( s->is_listed == false )
+    const contact_state* state = user;
+    const contact_work work = begin_work( frame, span, user );
+    if ( work.soup->is_listed == false )
     {
-        return; // the step has failed already
+        return; // the step has failed
     }
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
     contact_gather( &work, false );
     contact_project_rows( &work );
     if ( is_end )
     {
-        memset( s->shift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
-        contact_recover( &work );
-        contact_untangle( &work );
-        if ( state->wants_figures )
-        {
-            contact_sum_impulses( &work );
-        }
-        if ( state->world.guard && state->world.features == WISP_CONTACT_EXACT )
-        {
-            guard_ways( &work );
-        }
-        else
-        {
-            contact_measure_ways( &work );
-        }
-        contact_spend_ways( &work );
+        end_substep( &work, state->wants_figures );
     }
     contact_scatter( &work, is_end );
 }
 
+// ---- contact.keep, contact.figures ----
+
 void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
-    const contact_work work = { .state = state, .soup = &state->soup, .frame = frame };
+    const contact_work work = { .soup = &state->soup, .components = &state->components, .frame = frame };
     if ( state->soup.is_listed )
     {
         contact_keep_guest( &work, state->guests + contact_find_guest( state, span->entity ) );
     }
+}
+
+void contact_measure( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const contact_state* state = user;
+    const contact_work work = begin_work( frame, span, user );
+    if ( work.soup->is_listed == false )
+    {
+        return; // the step has failed
+    }
+    contact_gather( &work, false );
+    contact_fill_figures( &work, state->counts_crossings );
+    *(wisp_contact_figures*)wisp_frame_column( frame, span->entity, state->figures, 0 ) = work.memory->figures;
 }

@@ -126,17 +126,17 @@ static void who_cannot_take_part_is_told( void** state )
     run_steps( h->world, 1, 0.01f );
 }
 
-static void figures_that_nobody_asked_for_are_not_there( void** state )
+static void figures_that_were_not_requested_are_not_there( void** state )
 {
     hosted* h = *state;
     wisp_contact_figures f;
     double impulse[3];
     const wisp_entity e = add_small( h->world, 0.0f ), other = add_small( h->world, 1.0f );
     const wisp_contact_def def = wisp_default_contact_def();
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "nobody" );
+    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
     set_contact( h->world, e, &def );
     run_steps( h->world, 1, 0.01f );
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "nobody" );
+    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
     assert_status( h->world, wisp_want_contact_figures( h->world, true, false ), WISP_OK );
     assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "no step" );
     run_steps( h->world, 1, 0.01f );
@@ -146,7 +146,7 @@ static void figures_that_nobody_asked_for_are_not_there( void** state )
     assert_sentence( h->world, wisp_read_contact_impulse( h->world, other, impulse ), WISP_CONFLICT, "no part" );
     assert_status( h->world, wisp_want_contact_figures( h->world, false, false ), WISP_OK );
     run_steps( h->world, 1, 0.01f );
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "nobody" );
+    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
     assert_int_equal( count_passes_named( h->world, "contact.figures" ), 0 );
     // they were asked for before anybody took part
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK );
@@ -262,7 +262,7 @@ int main( void )
         CONTACT_TEST( every_number_of_a_guest_has_its_range ),
         CONTACT_TEST( every_number_of_the_settings_has_its_range ),
         CONTACT_TEST( who_cannot_take_part_is_told ),
-        CONTACT_TEST( figures_that_nobody_asked_for_are_not_there ),
+        CONTACT_TEST( figures_that_were_not_requested_are_not_there ),
         cmocka_unit_test( a_world_without_the_module_says_so ),
         cmocka_unit_test( without_memory_nothing_changes_and_nothing_is_lost ),
         cmocka_unit_test( a_guest_that_goes_wrong_takes_nobody_along ),

@@ -126,9 +126,9 @@ static void swing( wisp_world* world, wisp_entity ball, float t )
     assert_status( world, wisp_move_collider( world, ball, pose ), WISP_OK );
 }
 
-// What is remembered of patches is worth nothing where a snapshot puts points elsewhere, so that all of them are looked at. A
-// scene that is put back into another world in every substep, from one substep on, must go on as one that remembers. The less
-// far pairs are looked for, the more of them are new in a list.
+// Cached bounds of clusters do not hold where a snapshot puts points elsewhere, so all pairs are tested
+// again. A scene that is restored into another world in every substep, from one substep on, must continue as one with cached
+// bounds. The smaller the margin, the more pairs are new in a list.
 static void check_remembered( bool folds, int steps, float seconds )
 {
     hosted h, other;

@@ -1,55 +1,64 @@
-// Nothing crosses. Two convex pieces that stay on their sides of a plane have not met, and their distances to it are linear
-// in time, so it is enough that the plane between a pair separates it at the end as it did at the start. Where it does
-// not, the ways of the pair's points are cut. A cut may bring others together, so it is looked at again, in rounds, until
-// no plane is passed; without any way left nothing can be, so that the rounds end.
-#include "contact_internal.h"
+// Displacement limit: nothing passes through (the role of the step limit in IPC, Li et al. 2020). In: rows, displacements since the
+// intersection-free positions. Out: the fraction of its displacement that each point keeps.
+//
+// Distances to a plane are linear in time. So two convex primitives that end on their sides of the plane between them have not met.
+// Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is less), the displacements of
+// its points are cut. A cut may bring other pairs together, so tests and cuts go on in rounds until no plane is passed. They
+// end, because points without displacement pass nothing. A cut loses momentum. Pinned points are not cut; where they are driven
+// through a surface it is marked as tangled (untangling.c).
+#include "displacement_limit.h"
+
+#include "broad_phase.h"
+#include "clusters.h"
+#include "constraints.h"
+#include "predicted_motion.h"
 
 #include <stdatomic.h>
 
 enum
 {
-    PATIENT_ROUNDS = 16, // then ways are cut to nothing at once
-    MOST_ROUNDS = 64,    // then those of all points
+    PARTIAL_ROUNDS = 16, // then displacements are cut to zero at once
+    MOST_ROUNDS = 64,    // then those of all points are
     POINT_GRAIN = 2048,
     ROW_GRAIN = 128,
 };
 
-// A pair may come this near, of what it should keep; if it is nearer already, of its distance.
-static const float ALMOST = 0.999f;
+// The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
 static const float LEAST_OF_WANTED = 0.1f, LEAST_OF_DISTANCE = 0.98f;
+static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
 {
     contact_soup* soup;
-    bool* has_cuts; // [part of the rows]
+    bool* has_cuts; // [block of rows]
     bool gives_up;
     _Atomic bool is_crossed;
 } guard_loop;
 
-// How far a point is along the normal with a share of its way, about an origin.
+// Return the coordinate of a point along the normal, with a fraction of its displacement, relative to an origin.
 static float place_along( const contact_soup* s, const contact_row* row, int i, float share, const float* origin )
 {
     const size_t at = (size_t)row->point[i] * 4;
     float sum = 0.0f;
     for ( size_t k = 0; k < 3; ++k )
     {
-        const float start = s->safe[at + k] - origin[k];
-        const float way = s->now[at + k] - s->safe[at + k] - s->common[k];
+        const float start = s->intersection_free[at + k] - origin[k];
+        const float way = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
         sum += row->normal[k] * ( start + share * way );
     }
     return sum;
 }
 
-// What is between the two sides: with the shares as they are, or with all that can be cut cut to nothing.
+// Return the distance between the two sides. @param is_cut with all free points back at their start
 static float separation( const contact_soup* s, const contact_row* row, bool is_cut )
 {
-    const float* origin = s->safe + (size_t)row->point[row->count - 1] * 4;
+    const float* origin = s->intersection_free + (size_t)row->point[row->count - 1] * 4;
     float front = INFINITY, back = -INFINITY;
     for ( int i = 0; i < row->count; ++i )
     {
         const int point = row->point[i];
         const bool is_fixed = s->now[(size_t)point * 4 + 3] == 0.0f;
-        const float share = is_cut && is_fixed == false ? 0.0f : s->share[point];
+        const float share = is_cut && is_fixed == false ? 0.0f : s->limit->share[point];
         const float place = place_along( s, row, i, share, origin );
         front = i < row->split ? contact_smaller( front, place ) : front;
         back = i >= row->split ? contact_larger( back, place ) : back;
@@ -59,10 +68,11 @@ static float separation( const contact_soup* s, const contact_row* row, bool is_
 
 static contact_row* row_of( const contact_soup* s, int r )
 {
-    return r < s->row_count ? s->rows + r : s->late_rows + ( r - s->row_count );
+    return r < s->constraints->row_count ? s->constraints->rows + r
+                                         : s->constraints->missed_rows + ( r - s->constraints->row_count );
 }
 
-// @return whether it cuts ways
+// Test a row and compute its cut. @return whether it cuts displacements
 static bool check_row( guard_loop* loop, contact_row* row )
 {
     const contact_soup* s = loop->soup;
@@ -73,7 +83,7 @@ static bool check_row( guard_loop* loop, contact_row* row )
     {
         const float start = separation( s, row, true );
         row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
-        if ( start <= 0.0f ) // what is held by the user went through: nobody can cut that
+        if ( start <= 0.0f ) // pinned points went through, and cannot be cut
         {
             atomic_store( &loop->is_crossed, true );
         }
@@ -93,51 +103,52 @@ static void check_rows( void* context, int begin, int end, int worker )
     loop->has_cuts[begin / ROW_GRAIN] = cuts;
 }
 
-static bool take_cut( contact_soup* s, const contact_row* row )
+static bool apply_cut( contact_soup* s, const contact_row* row )
 {
     bool any = false;
     for ( int i = 0; i < row->count && row->cut < 1.0f; ++i )
     {
         const int point = row->point[i];
-        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->share[point] > 0.0f;
-        // several pairs of a round cut a point one after the other: more than the worst asks for, never less
-        s->share[point] *= can ? row->cut : 1.0f;
-        s->share[point] = s->share[point] < 1e-4f && can ? 0.0f : s->share[point];
+        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->limit->share[point] > 0.0f;
+        // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
+        s->limit->share[point] *= can ? row->cut : 1.0f;
+        s->limit->share[point] = s->limit->share[point] < 1e-4f && can ? 0.0f : s->limit->share[point];
         any = any || can;
     }
     return any;
 }
 
-// One after the other, in the order of rows: they share points, and there are few.
-static bool take_cuts( guard_loop* loop, int count )
+// Apply the cuts serially, in the order of rows: they share points, and are few.
+static bool apply_cuts( guard_loop* loop, int count )
 {
     bool any = false;
     for ( int r = 0; r < count; ++r )
     {
-        any = ( loop->has_cuts[r / ROW_GRAIN] && take_cut( loop->soup, row_of( loop->soup, r ) ) ) || any;
+        any = ( loop->has_cuts[r / ROW_GRAIN] && apply_cut( loop->soup, row_of( loop->soup, r ) ) ) || any;
     }
     return any;
 }
 
-// Where lists cannot reach as far as points go, patches go no farther than lists reach.
+// Start with whole displacements. Where the broad phase had to halve its margins, clusters stay within them.
 static void limit_ways( const contact_work* work )
 {
     contact_soup* s = work->soup;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->share[i] = 1.0f;
+        s->limit->share[i] = 1.0f;
     }
-    for ( int p = 0; p < s->patch_count && s->is_short; ++p )
+    for ( int p = 0; p < s->clusters->count && s->broad_phase->is_short; ++p )
     {
-        const contact_patch* patch = s->patches + p;
-        const float left = ALMOST * ( s->courses[p].reach - s->courses[p].spent );
-        const float way = contact_length_of_way( s, s->ways + p );
+        const contact_cluster* cluster = s->clusters->items + p;
+        const float left = ALMOST * ( s->motion->predicted[p].margin - s->motion->predicted[p].deviation );
+        const float way = contact_length_of_way( s, s->motion->ways + p );
         const float share = way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
-        for ( int i = 0; i < patch->point_count; ++i )
+        for ( int i = 0; i < cluster->point_count; ++i )
         {
-            const int point = s->patch_points[patch->first_point + i] / 4;
+            const int point = s->clusters->points[cluster->first_point + i] / 4;
             const bool is_free = s->now[(size_t)point * 4 + 3] > 0.0f;
-            s->share[point] = is_free ? contact_smaller( s->share[point], share ) : s->share[point];
+            s->limit->share[point] =
+                is_free ? contact_smaller( s->limit->share[point], share ) : s->limit->share[point];
         }
     }
 }
@@ -149,10 +160,10 @@ static void cut_ways( void* context, int begin, int end, int worker )
     contact_soup* s = loop->soup;
     for ( int i = begin; i < end; ++i )
     {
-        const float share = s->share[i];
+        const float share = s->limit->share[i];
         for ( size_t k = 0, at = (size_t)i * 4; k < 3 && share < 1.0f; ++k )
         {
-            const float there = s->safe[at + k] + s->common[k];
+            const float there = s->intersection_free[at + k] + s->motion->common[k];
             s->now[at + k] = there + share * ( s->now[at + k] - there );
             s->shift[at + k] *= share;
         }
@@ -164,7 +175,7 @@ static int count_cut( const contact_soup* s )
     int count = 0;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        count += s->share[i] < 1.0f ? 1 : 0;
+        count += s->limit->share[i] < 1.0f ? 1 : 0;
     }
     return count;
 }
@@ -173,8 +184,15 @@ static void hold_all( contact_soup* s )
 {
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+        s->limit->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
     }
+}
+
+bool contact_reserve_limit( const contact_work* work )
+{
+    contact_limit* limit = work->soup->limit;
+    const size_t bytes = (size_t)work->soup->point_count * sizeof( float );
+    return contact_reserve( work, &limit->buffer, bytes, (void**)&limit->share );
 }
 
 void contact_hold( const contact_work* work )
@@ -187,12 +205,12 @@ void contact_hold( const contact_work* work )
     contact_measure_ways( work );
 }
 
-int contact_guard( const contact_work* work )
+int contact_limit_displacements( const contact_work* work )
 {
     contact_soup* s = work->soup;
     guard_loop loop = { .soup = s };
     atomic_init( &loop.is_crossed, false );
-    const int count = s->row_count + s->late_row_count;
+    const int count = s->constraints->row_count + s->constraints->missed_row_count;
     loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
     if ( loop.has_cuts == NULL )
     {
@@ -203,9 +221,9 @@ int contact_guard( const contact_work* work )
     bool cuts = true;
     for ( int round = 0; round < MOST_ROUNDS && cuts; ++round )
     {
-        loop.gives_up = round >= PATIENT_ROUNDS;
+        loop.gives_up = round >= PARTIAL_ROUNDS;
         wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );
-        cuts = take_cuts( &loop, count );
+        cuts = apply_cuts( &loop, count );
     }
     if ( cuts )
     {

@@ -1,6 +1,21 @@
-// The planes between pairs that may meet in this substep, found where nothing crossed yet. The closest points of two convex
-// pieces have a plane between them that separates the pieces whole, so that whoever stays behind it has not crossed.
-#include "contact_internal.h"
+// Constraints: a separating plane for each active pair. In: active pairs in any order. Out: rows with points, weights, normal, gap, in the
+// order of their primitives.
+//
+// The closest points of two convex primitives have a plane between them that separates the primitives as a whole. It is found at the
+// intersection-free positions, the end of the substep before, and holds for the substep. So a point on the wrong side in the
+// middle of a substep does not turn it round. With weights s_i (those of the second side negative),
+//
+//   C = n . sum s_i x_i - gap >= 0
+//
+// The gap is half the sum of the thicknesses, less where the pair is closer at rest, and never more than the distance at
+// the intersection-free positions: so contact takes away approach and adds no energy.
+#include "constraints.h"
+
+#include "boundary_samples.h"
+#include "closest_points.h"
+#include "narrow_phase.h"
+#include "primitive_pairs.h"
+#include "sample_pairs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -12,15 +27,16 @@ enum
     DIGITS = 1 << DIGIT_BITS,
 };
 
-void contact_set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
+// Set the points of a pair.
+static void set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
     const contact_soup* s = work->soup;
-    if ( work->state->world.features == WISP_CONTACT_SAMPLES )
+    if ( contact_has_samples( work ) )
     {
         row->count = 6;
         row->split = 3;
-        memcpy( row->point, s->sample_parents[c->a], 3 * sizeof( int32_t ) );
-        memcpy( row->point + 3, s->sample_parents[c->b], 3 * sizeof( int32_t ) );
+        memcpy( row->point, s->samples->parents[c->a], 3 * sizeof( int32_t ) );
+        memcpy( row->point + 3, s->samples->parents[c->b], 3 * sizeof( int32_t ) );
         return;
     }
     row->count = 4;
@@ -31,7 +47,23 @@ void contact_set_points( const contact_work* work, const contact_pair* c, bool i
     memcpy( row->point + row->split, b, (size_t)( 4 - row->split ) * sizeof( int32_t ) );
 }
 
-// Closest points of up to a batch of pairs whose rows have their points.
+// Measure two boundary particles: the plane across the line between them.
+static void measure_samples( const contact_soup* s, const contact_pair* pair, contact_row* row )
+{
+    float p[3], q[3];
+    contact_place_sample( s, s->intersection_free, pair->a, p );
+    contact_place_sample( s, s->intersection_free, pair->b, q );
+    const float d[3] = { p[0] - q[0], p[1] - q[1], p[2] - q[2] };
+    row->distance = sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
+    for ( int k = 0; k < 3; ++k )
+    {
+        row->weight[k] = s->samples->weights[pair->a][k];
+        row->weight[3 + k] = -s->samples->weights[pair->b][k];
+        row->normal[k] = row->distance > 0.0f ? d[k] / row->distance : 0.0f;
+    }
+}
+
+// Measure up to a batch of pairs of primitives whose rows have their points.
 static void measure_pieces( const contact_work* work, int count, bool are_edges, contact_row* rows )
 {
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
@@ -42,7 +74,8 @@ static void measure_pieces( const contact_work* work, int count, bool are_edges,
     {
         contact_put_pieces( &pieces, i, rows[i].point );
     }
-    const float* distance = contact_measure_pieces( work, work->soup->safe, &pieces, count, weight, normal );
+    const float* distance =
+        contact_measure_pieces( work, work->soup->intersection_free, &pieces, count, weight, normal );
     for ( int i = 0; i < count; ++i )
     {
         contact_row* row = rows + i;
@@ -58,17 +91,17 @@ static void measure_pieces( const contact_work* work, int count, bool are_edges,
     }
 }
 
-// Points, weights, normals and distances of up to a batch of pairs, all of one kind, where they are safe.
+// Compute points, weights, normals and distances of up to a batch of pairs of one kind.
 static void measure_pairs( const contact_work* work, const contact_pair* pairs, int count, bool are_edges,
                            contact_row* rows )
 {
-    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
+    const bool are_samples = contact_has_samples( work );
     for ( int i = 0; i < count; ++i )
     {
-        contact_set_points( work, pairs + i, are_edges, rows + i );
+        set_points( work, pairs + i, are_edges, rows + i );
         if ( are_samples )
         {
-            contact_measure_samples( work->soup, work->soup->safe, pairs + i, rows + i );
+            measure_samples( work->soup, pairs + i, rows + i );
         }
     }
     if ( are_samples == false )
@@ -85,13 +118,14 @@ static void begin_row( const contact_work* work, const contact_pair* c, contact_
     row->wanted = c->gap;
     row->friction = sqrtf( contact_guest_of( work, row->point[0] )->settings.friction *
                            contact_guest_of( work, row->point[row->split] )->settings.friction );
-    row->pushed = row->rubbed[0] = row->rubbed[1] = row->rubbed[2] = 0.0f;
+    row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
+        row->tangential_correction[2] = 0.0f;
     row->cut = 1.0f;
 }
 
-// ---- rows ----
+// ---- order ----
 
-// By the first side, then by the second.
+// Compare by the first side, then by the second.
 static int order_of( const contact_pair* c, int32_t a, int32_t b )
 {
     const int first = ( c->a > a ) - ( c->a < a );
@@ -118,7 +152,7 @@ static void count_digits( const contact_pair* from, int count, bool by_a, int sh
     }
 }
 
-// Radix sort: no two pairs are equal. @param spare [near->count]
+// Sort pairs by radix. No two are equal. @param spare [near->count] scratch
 static void sort_pairs( contact_near* near, contact_pair* spare )
 {
     contact_pair *from = near->items, *to = spare;
@@ -149,28 +183,32 @@ static void sort_pairs( contact_near* near, contact_pair* spare )
     }
 }
 
-static wisp_status find_sorted( const contact_work* work, bool late_only, wisp_error* error )
+static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    const bool are_samples = work->state->world.features == WISP_CONTACT_SAMPLES;
-    const wisp_status status = are_samples ? contact_find_near_samples( work, late_only, error )
-                                           : contact_find_near( work, late_only, error );
+    const bool are_samples = contact_has_samples( work );
+    const wisp_status status = are_samples ? contact_find_near_samples( work, missed_only, error )
+                                           : contact_find_near( work, missed_only, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    const int most = s->near[0].count > s->near[1].count ? s->near[0].count : s->near[1].count;
+    const int most = s->primitives->near[0].count > s->primitives->near[1].count ? s->primitives->near[0].count
+                                                                                 : s->primitives->near[1].count;
     contact_pair* spare;
-    if ( contact_reserve( work, CONTACT_NEAR_SPARE, (size_t)most * sizeof( *spare ), (void**)&spare ) == false )
+    if ( contact_reserve( work, s->constraints->buffers + CONTACT_CONSTRAINT_SPARE, (size_t)most * sizeof( *spare ),
+                          (void**)&spare ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs that may meet", most );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", most );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        sort_pairs( s->near + kind, spare );
+        sort_pairs( s->primitives->near + kind, spare );
     }
     return WISP_OK;
 }
+
+// ---- rows ----
 
 typedef struct row_loop
 {
@@ -196,16 +234,16 @@ static void fill_rows( void* context, int begin, int end, int worker )
     }
 }
 
-static wisp_status fill_all( const contact_work* work, contact_place place, contact_row** rows, wisp_error* error )
+static wisp_status fill_all( const contact_work* work, wisp_buffer* buffer, contact_row** rows, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    const int split = s->near[CONTACT_POINTS].count, edges = s->near[CONTACT_EDGES].count;
-    if ( contact_reserve( work, place, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
+    const int split = s->primitives->near[CONTACT_POINTS].count, edges = s->primitives->near[CONTACT_EDGES].count;
+    if ( contact_reserve( work, buffer, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs that may meet", split + edges );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", split + edges );
     }
-    row_loop of_points = { work, s->near[CONTACT_POINTS].items, *rows, false },
-             of_edges = { work, s->near[CONTACT_EDGES].items, *rows + split, true };
+    row_loop of_points = { work, s->primitives->near[CONTACT_POINTS].items, *rows, false },
+             of_edges = { work, s->primitives->near[CONTACT_EDGES].items, *rows + split, true };
     wisp_parallel_for( work->parallel, split, ROW_GRAIN, fill_rows, &of_points );
     wisp_parallel_for( work->parallel, edges, ROW_GRAIN, fill_rows, &of_edges );
     return WISP_OK;
@@ -214,24 +252,24 @@ static wisp_status fill_all( const contact_work* work, contact_place place, cont
 wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    s->row_count = s->late_row_count = s->split = 0;
+    s->constraints->row_count = s->constraints->missed_row_count = s->constraints->split = 0;
     wisp_status status = find_sorted( work, false, error );
-    status = status == WISP_OK ? fill_all( work, CONTACT_ROWS, &s->rows, error ) : status;
+    status = status == WISP_OK
+                 ? fill_all( work, s->constraints->buffers + CONTACT_CONSTRAINT_ROWS, &s->constraints->rows, error )
+                 : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    s->split = s->near[CONTACT_POINTS].count;
-    s->row_count = s->split + s->near[CONTACT_EDGES].count;
-    return contact_make_blocks( work )
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %d pairs", s->row_count );
+    s->constraints->split = s->primitives->near[CONTACT_POINTS].count;
+    s->constraints->row_count = s->constraints->split + s->primitives->near[CONTACT_EDGES].count;
+    return WISP_OK;
 }
 
-// ---- late rows ----
+// ---- missed rows ----
 
-// Those that are no rows yet.
-static void keep_missing( contact_near* near, const contact_row* rows, int row_count )
+// Remove pairs that are rows already.
+static void keep_new( contact_near* near, const contact_row* rows, int row_count )
 {
     int kept = 0;
     for ( int i = 0; i < near->count; ++i )
@@ -244,17 +282,20 @@ static void keep_missing( contact_near* near, const contact_row* rows, int row_c
     near->count = kept;
 }
 
-wisp_status contact_find_late_rows( const contact_work* work, wisp_error* error )
+wisp_status contact_find_missed_rows( const contact_work* work, wisp_error* error )
 {
     contact_soup* s = work->soup;
-    s->late_row_count = 0;
+    s->constraints->missed_row_count = 0;
     wisp_status status = find_sorted( work, true, error );
     if ( status == WISP_OK )
     {
-        keep_missing( s->near + CONTACT_POINTS, s->rows, s->split );
-        keep_missing( s->near + CONTACT_EDGES, s->rows + s->split, s->row_count - s->split );
-        status = fill_all( work, CONTACT_LATE_ROWS, &s->late_rows, error );
+        keep_new( s->primitives->near + CONTACT_POINTS, s->constraints->rows, s->constraints->split );
+        keep_new( s->primitives->near + CONTACT_EDGES, s->constraints->rows + s->constraints->split,
+                  s->constraints->row_count - s->constraints->split );
+        status = fill_all( work, s->constraints->buffers + CONTACT_CONSTRAINT_MISSED_ROWS,
+                           &s->constraints->missed_rows, error );
     }
-    s->late_row_count = status == WISP_OK ? s->near[CONTACT_POINTS].count + s->near[CONTACT_EDGES].count : 0;
+    s->constraints->missed_row_count =
+        status == WISP_OK ? s->primitives->near[CONTACT_POINTS].count + s->primitives->near[CONTACT_EDGES].count : 0;
     return status;
 }

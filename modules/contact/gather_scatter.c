@@ -1,5 +1,6 @@
-// Points from the columns of their entities into the soup, and back.
-#include "contact_internal.h"
+// Gather and scatter: positions between the columns of the participants and the contact mesh. In: position, previous position and
+// inverse mass of particles and strands. Out: `now` and `intersection_free` of the mesh; after the projections, the columns.
+#include "gather_scatter.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -11,21 +12,21 @@ enum
 
 // ---- strands ----
 
-// Where vertex i of strands stands: its lane in rows of so many numbers, which are 1 or 3.
+// Return the index of vertex i of a lane in rows of 1 or 3 numbers per vertex.
 static size_t lane_of( const wisp_strand_topology* t, int lane, int i, int numbers )
 {
     const size_t row = (size_t)t->group_row[lane / WISP_LANES] + (size_t)i;
     return row * (size_t)numbers * WISP_LANES + (size_t)( lane % WISP_LANES );
 }
 
-// Places of strands, vertex by vertex.
 typedef struct strand_way
 {
-    float* column;
-    float* quads;
-    bool is_out; // from the quads to the column
+    float* column; // rows of lanes
+    float* quads;  // [point][4]
+    bool is_out;   // from the quads to the column
 } strand_way;
 
+// Copy positions of strands, vertex by vertex.
 // @return whether anything changed
 static bool move_strands( const wisp_strand_topology* t, const contact_guest* guest, strand_way way )
 {
@@ -60,7 +61,7 @@ static void gather_strand_weights( const wisp_strand_topology* t, const contact_
     }
 }
 
-// What moved has moved along with what it came from.
+// Add the shift of each vertex to its previous position, so that it gives no velocity.
 static void shift_strands( const contact_work* work, const contact_guest* guest )
 {
     const contact_soup* s = work->soup;
@@ -86,10 +87,11 @@ typedef struct gather_loop
 {
     const contact_work* work;
     const contact_guest* guest;
-    const float* position;    // quads; null if they are gathered already
-    const float* safe;        // quads, where it was safe by its column; null but at the start of a substep
-    const float* start;       // quads, where it begins; likewise
-    _Atomic bool is_restored; // its column has other bits than the warm copy: it was written from outside
+    const float* position; // [vertex][4]; null if gathered already
+    const float*
+        intersection_free; // [vertex][4], column of intersection-free positions; null except at the start of a substep
+    const float* start;    // [vertex][4], previous positions; likewise
+    _Atomic bool is_restored; // the column differs from the mesh: it was written from outside
     _Atomic bool has_jumped;
 } gather_loop;
 
@@ -99,30 +101,33 @@ static void copy_points( gather_loop* loop, int begin, int end )
     const size_t at = (size_t)( loop->guest->first_point + begin ) * 4, from = (size_t)begin * 4;
     const size_t bytes = (size_t)( end - begin ) * 4 * sizeof( float );
     memcpy( s->now + at, loop->position + from, bytes );
-    if ( loop->safe != NULL && memcmp( s->safe + at, loop->safe + from, bytes ) != 0 )
+    if ( loop->intersection_free != NULL &&
+         memcmp( s->intersection_free + at, loop->intersection_free + from, bytes ) != 0 )
     {
-        memcpy( s->safe + at, loop->safe + from, bytes );
+        memcpy( s->intersection_free + at, loop->intersection_free + from, bytes );
         atomic_store( &loop->is_restored, true );
     }
 }
 
-// What does not begin where it was safe was moved by the user, or put back. What is less than half of a thickness is a way like
-// others; a place that is no number is none to stay at.
-static bool is_elsewhere( const contact_soup* s, const float* start, const float* safe )
+// Return whether a point starts elsewhere than it ended: the user moved it, or its entity was restored. Less than half a thickness
+// counts as ordinary displacement. NaN counts as elsewhere.
+static bool is_elsewhere( const contact_soup* s, const float* start, const float* intersection_free )
 {
     const float most = 0.5f * s->least_thickness;
-    const float x = start[0] - safe[0], y = start[1] - safe[1], z = start[2] - safe[2];
+    const float x = start[0] - intersection_free[0], y = start[1] - intersection_free[1],
+                z = start[2] - intersection_free[2];
     return !( x * x + y * y + z * z <= most * most );
 }
 
-// A number that went wrong is the entity's, which will be halted for it: here the point stands where it was and takes no part.
-static void set_wrong_aside( float* now, const float* safe )
+// Pin a point whose position is not finite at its intersection-free position. The engine halts the entity for it.
+static void pin_not_finite( float* now, const float* intersection_free )
 {
-    static const float FARTHEST = 1e6f; // m, as far as a surface may be from the origin
-    const float x = now[0] - safe[0], y = now[1] - safe[1], z = now[2] - safe[2];
+    static const float FARTHEST = 1e6f; // m, in a substep
+    const float x = now[0] - intersection_free[0], y = now[1] - intersection_free[1],
+                z = now[2] - intersection_free[2];
     if ( !( x * x + y * y + z * z < FARTHEST * FARTHEST ) )
     {
-        memcpy( now, safe, 3 * sizeof( float ) );
+        memcpy( now, intersection_free, 3 * sizeof( float ) );
         now[3] = 0.0f;
     }
 }
@@ -140,9 +145,10 @@ static void gather_points( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const size_t at = (size_t)( loop->guest->first_point + i ) * 4;
-        jumped = jumped || ( loop->start != NULL && is_elsewhere( s, loop->start + (size_t)i * 4, s->safe + at ) );
+        jumped = jumped ||
+                 ( loop->start != NULL && is_elsewhere( s, loop->start + (size_t)i * 4, s->intersection_free + at ) );
         s->now[at + 3] = loop->guest->halted ? 0.0f : s->now[at + 3];
-        set_wrong_aside( s->now + at, s->safe + at );
+        pin_not_finite( s->now + at, s->intersection_free + at );
     }
     if ( jumped )
     {
@@ -150,7 +156,7 @@ static void gather_points( void* context, int begin, int end, int worker )
     }
 }
 
-// One that is halted does not move, and what it came from means nothing.
+// Find the positions at the start of the substep. A halted participant does not move, so its previous positions do not count.
 static const float* find_start( const contact_work* work, const contact_guest* guest )
 {
     const bool is_strands = guest->is_strands;
@@ -163,7 +169,7 @@ static const float* find_start( const contact_work* work, const contact_guest* g
     }
     if ( is_strands )
     {
-        float* quads = work->soup->shift; // not in use yet
+        float* quads = work->soup->shift; // unused until the end of the substep
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
                       ( strand_way ){ start, quads, false } );
         return quads + (size_t)guest->first_point * 4;
@@ -182,8 +188,10 @@ static void gather_strands( gather_loop* loop, bool is_start )
                            work->soup->now );
     if ( is_start )
     {
-        float* safe = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
-        atomic_store( &loop->is_restored, move_strands( t, guest, ( strand_way ){ safe, work->soup->safe, false } ) );
+        float* intersection_free = wisp_frame_column( work->frame, guest->entity, work->components->strand_free, 0 );
+        atomic_store(
+            &loop->is_restored,
+            move_strands( t, guest, ( strand_way ){ intersection_free, work->soup->intersection_free, false } ) );
     }
 }
 
@@ -200,7 +208,8 @@ static void gather_guest( const contact_work* work, const contact_guest* guest, 
     else
     {
         loop.position = wisp_frame_column( work->frame, guest->entity, WISP_PARTICLE_POSITION, 0 );
-        loop.safe = is_start ? wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, 0 ) : NULL;
+        loop.intersection_free =
+            is_start ? wisp_frame_column( work->frame, guest->entity, work->components->particle_free, 0 ) : NULL;
     }
     loop.start = is_start ? find_start( work, guest ) : NULL;
     wisp_parallel_for( work->parallel, guest->point_count, GRAIN, gather_points, &loop );
@@ -209,15 +218,15 @@ static void gather_guest( const contact_work* work, const contact_guest* guest, 
     {
         return;
     }
-    contact_settings* settings = wisp_frame_column( work->frame, guest->entity, work->state->settings, 0 );
-    if ( settings->is_new != 0 || atomic_load( &loop.has_jumped ) ) // it is safe where it begins
+    contact_settings* settings = wisp_frame_column( work->frame, guest->entity, work->components->settings, 0 );
+    if ( settings->is_new != 0 || atomic_load( &loop.has_jumped ) ) // its start counts as intersection-free
     {
         for ( int i = 0; i < guest->point_count; ++i )
         {
-            memcpy( s->safe + (size_t)( guest->first_point + i ) * 4, loop.start + (size_t)i * 4,
+            memcpy( s->intersection_free + (size_t)( guest->first_point + i ) * 4, loop.start + (size_t)i * 4,
                     3 * sizeof( float ) );
         }
-        s->is_anew = true;
+        s->is_reset = true;
         work->memory->tangled = 1;
         gather_guest( work, guest, false );
     }
@@ -226,9 +235,9 @@ static void gather_guest( const contact_work* work, const contact_guest* guest, 
 
 void contact_gather( const contact_work* work, bool is_start )
 {
-    for ( int g = 0; g < work->state->guest_count; ++g )
+    for ( int g = 0; g < work->guest_count; ++g )
     {
-        contact_guest* guest = work->state->guests + g;
+        contact_guest* guest = work->guests + g;
         guest->halted = wisp_frame_is_halted( work->frame, guest->entity );
         gather_guest( work, guest, is_start );
     }
@@ -240,12 +249,12 @@ typedef struct scatter_loop
 {
     contact_soup* soup;
     const contact_guest* guest;
-    float *position, *previous; // quads; null where they stay
+    float *position, *previous; // [vertex][4]; null where they stay
     bool is_end;
 } scatter_loop;
 
-// Weights are the entity's, so a quad's fourth number stays what it is there. What has none here was not moved. What recovery
-// moved has not moved by itself: where it came from goes along.
+// The inverse mass in the fourth place stays the entity's own. Points without inverse mass did not move. The shift of recovery and
+// untangling goes to the previous position too, so that it gives no velocity.
 static void scatter_points( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -256,7 +265,7 @@ static void scatter_points( void* context, int begin, int end, int worker )
         const size_t at = (size_t)( loop->guest->first_point + i ) * 4, to = (size_t)i * 4;
         if ( loop->is_end )
         {
-            memcpy( s->safe + at, s->now + at, 3 * sizeof( float ) );
+            memcpy( s->intersection_free + at, s->now + at, 3 * sizeof( float ) );
         }
         if ( loop->position != NULL && s->now[at + 3] > 0.0f )
         {
@@ -285,9 +294,9 @@ static void scatter_strands( const contact_work* work, const contact_guest* gues
 
 void contact_scatter( const contact_work* work, bool is_end )
 {
-    for ( int g = 0; g < work->state->guest_count; ++g )
+    for ( int g = 0; g < work->guest_count; ++g )
     {
-        const contact_guest* guest = work->state->guests + g;
+        const contact_guest* guest = work->guests + g;
         scatter_loop loop = { .soup = work->soup, .guest = guest, .is_end = is_end };
         if ( guest->is_strands )
         {
@@ -301,7 +310,7 @@ void contact_scatter( const contact_work* work, bool is_end )
                 is_end ? wisp_frame_column( work->frame, guest->entity, WISP_PARTICLE_PREVIOUS, 0 ) : NULL;
         }
         wisp_parallel_for( work->parallel, guest->point_count, GRAIN, scatter_points, &loop );
-        if ( is_end && guest->halted ) // no pass of its own runs
+        if ( is_end && guest->halted ) // its own passes do not run
         {
             contact_keep_guest( work, guest );
         }
@@ -312,11 +321,12 @@ void contact_keep_guest( const contact_work* work, const contact_guest* guest )
 {
     if ( guest->is_strands )
     {
-        float* rows = wisp_frame_column( work->frame, guest->entity, work->state->strand_safe, 0 );
+        float* rows = wisp_frame_column( work->frame, guest->entity, work->components->strand_free, 0 );
         move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, work->soup->safe, true } );
+                      ( strand_way ){ rows, work->soup->intersection_free, true } );
         return;
     }
-    memcpy( wisp_frame_column( work->frame, guest->entity, work->state->particle_safe, 0 ),
-            work->soup->safe + (size_t)guest->first_point * 4, (size_t)guest->point_count * 4 * sizeof( float ) );
+    memcpy( wisp_frame_column( work->frame, guest->entity, work->components->particle_free, 0 ),
+            work->soup->intersection_free + (size_t)guest->first_point * 4,
+            (size_t)guest->point_count * 4 * sizeof( float ) );
 }

@@ -1,6 +1,15 @@
-// Which pairs become rows: those that might come to their gap in this substep, wherever their points go in it. This looks at the
-// state alone, whatever found them.
-#include "contact_internal.h"
+// Active pairs: the last test before a pair of primitives becomes a constraint. In: pairs within reach, from the narrow phase. Out: those
+// that may come to their gap wherever their points go within their tolerance.
+//
+// A pair is active if its distance at the intersection-free positions is less than its gap and the most that two of its points
+// may approach each other. The test looks at the state alone, so results do not depend on what found the pair. Within a
+// participant the gap is at most 0.9 of the distance at rest, so that nothing presses at rest. Pairs around an intersection
+// are dropped, because no side of their plane is right.
+#include "primitive_pairs.h"
+
+#include "closest_points.h"
+#include "intersections.h"
+#include "predicted_motion.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -14,7 +23,7 @@ static void swap_where( bool swapped, int32_t* a, int32_t* b )
     *b = swapped ? was : other;
 }
 
-// Of two edges the one that is called less is the first.
+// Put the edge with the smaller index first.
 static void put_less_first( contact_batch* batch )
 {
     for ( int i = 0; i < batch->count; ++i )
@@ -26,7 +35,7 @@ static void put_less_first( contact_batch* batch )
     }
 }
 
-// To whole eights the last pair repeats.
+// Repeat the last pair up to a multiple of eight.
 static int fill_up( contact_batch* batch, int count )
 {
     for ( ; count % WISP_SLICE != 0; ++count )
@@ -47,7 +56,7 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
         put_less_first( batch );
     }
     const wisp_closest_job job = {
-        .quads = work->soup->safe,
+        .quads = work->soup->intersection_free,
         .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
         .distance = batch->distance,
     };
@@ -55,10 +64,10 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
     ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
 }
 
-// ---- who meets ----
+// ---- the test ----
 
-// Put those that are met behind each other.
-static void close_ranks( contact_batch* batch, int count )
+// Move the pairs in `met` to the front.
+static void compact( contact_batch* batch, int count )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -74,23 +83,23 @@ static void close_ranks( contact_batch* batch, int count )
     }
 }
 
-// Where something is already crossed, the plane has no right side.
+// Return whether both sides have a point of an intersection.
 static bool is_tangled( const contact_soup* s, contact_kind kind, const contact_batch* batch, int i )
 {
     const int split = kind == CONTACT_EDGES ? 2 : 1;
     bool sides[2] = { false, false };
     for ( int k = 0; k < 4; ++k )
     {
-        sides[k >= split] = sides[k >= split] || s->is_tangled[batch->point4[k][i] / 4] != 0;
+        sides[k >= split] = sides[k >= split] || s->intersections->is_tangled[batch->point4[k][i] / 4] != 0;
     }
     return sides[0] && sides[1];
 }
 
-// How much nearer the sides of each pair may come in this substep.
+// Compute the most that the sides of each pair may approach each other in this substep.
 static void find_closings( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
 {
     const wisp_closing_job job = {
-        .ahead = work->soup->ahead,
+        .ahead = work->soup->motion->ahead,
         .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
         .are_edges = kind == CONTACT_EDGES,
         .closing = batch->closing,
@@ -103,9 +112,9 @@ static bool may_meet( const contact_batch* batch, int i )
     return batch->distance[i] > 0.0f && batch->distance[i] < batch->gap[i] + batch->closing[i];
 }
 
-// ---- what is thin at rest ----
+// ---- rest distances ----
 
-// Are the boxes around the two sides of a pair nearer than a distance?
+// Return whether the boxes around the two sides of a pair are nearer than a distance.
 static bool boxes_are_within( const float* quads, const contact_batch* batch, int i, int split, float distance )
 {
     bool within = true;
@@ -123,10 +132,10 @@ static bool boxes_are_within( const float* quads, const contact_batch* batch, in
     return within;
 }
 
-// A guest is not pushed apart where it is thinner at rest.
+// Lower the gap of pairs within a participant that are closer at rest.
 static void thin_gaps( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
 {
-    static const float REST_SHARE = 0.9f; // so that nothing presses at rest
+    static const float REST_SHARE = 0.9f; // of the rest distance
     const contact_soup* s = work->soup;
     contact_pieces pieces;
     pieces.are_edges = kind == CONTACT_EDGES;
@@ -145,7 +154,7 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
                 thin[thin_count++] = next;
             }
         }
-        const float* distance = contact_measure_distances( work, s->rest, &pieces, thin_count );
+        const float* distance = contact_measure_pieces( work, s->rest, &pieces, thin_count, NULL, NULL );
         for ( int i = 0; i < thin_count; ++i )
         {
             batch->gap[thin[i]] = contact_smaller( batch->gap[thin[i]], REST_SHARE * distance[i] );
@@ -153,13 +162,13 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
     }
 }
 
-// ---- what is found ----
+// ---- output ----
 
 bool contact_reserve_near( const contact_work* work, contact_kind kind, int count )
 {
-    contact_near* near = work->soup->near + kind;
-    const bool enough = contact_reserve( work, CONTACT_NEAR + (contact_place)kind,
-                                         (size_t)count * sizeof( *near->items ), (void**)&near->items );
+    contact_near* near = work->soup->primitives->near + kind;
+    const bool enough =
+        contact_reserve( work, &near->buffer, (size_t)count * sizeof( *near->items ), (void**)&near->items );
     near->most = enough ? count : 0;
     return enough;
 }
@@ -167,21 +176,21 @@ bool contact_reserve_near( const contact_work* work, contact_kind kind, int coun
 void contact_meet( const contact_work* work, contact_kind kind, contact_batch* batch, int met, _Atomic int* total )
 {
     const contact_soup* s = work->soup;
-    contact_near* near = work->soup->near + kind;
-    close_ranks( batch, met );
+    contact_near* near = work->soup->primitives->near + kind;
+    compact( batch, met );
     find_closings( work, kind, batch, met );
     int kept = 0;
     for ( int i = 0; i < met; ++i )
     {
         batch->met[kept] = i;
-        const bool is_let_go = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
-        kept += may_meet( batch, i ) && is_let_go == false ? 1 : 0;
+        const bool is_dropped = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
+        kept += may_meet( batch, i ) && is_dropped == false ? 1 : 0;
     }
     for ( int i = 0; i < kept; ++i )
     {
         batch->closing[i] = batch->closing[batch->met[i]];
     }
-    close_ranks( batch, kept );
+    compact( batch, kept );
     thin_gaps( work, kind, batch, kept );
     int count = 0;
     for ( int i = 0; i < kept; ++i )

@@ -1,7 +1,15 @@
-// Pairs pushed apart along their planes, with friction (BND-X4): a plane at the gap, an accumulated push that is never
-// negative, an accumulated displacement across it within the cone. Weights of the two sides sum to zero, so every
-// correction keeps the momentum.
-#include "contact_internal.h"
+// Projection of contact constraints (position based dynamics, Mueller et al. 2007), accumulated and clamped as the impulses of
+// Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
+//
+// - Push: Dx_i = w_i s_i n l with l = -C / sum w_j s_j^2, accumulated in `normal_correction`, which is never negative. The
+//   weights of a row sum to zero, so every correction keeps momentum, and forces on two participants are equal and opposite.
+// - Friction takes back the relative tangential displacement of the closest points since the start of the substep, accumulated in
+//   `tangential_correction`, which is never longer than mu times the push (Coulomb).
+// - Recovery parts pairs that are nearer than their gap at `recovery_speed`. The previous positions move too: no velocity.
+#include "solve.h"
+
+#include "colouring.h"
+#include "constraints.h"
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -22,7 +30,7 @@ static float sum_weights( const contact_soup* s, const contact_row* row )
     return sum;
 }
 
-// Distance of the two sides along the normal. Sides are summed about one of the points, so that no digits are lost.
+// Return the distance of the two sides along the normal. Sums are relative to one of the points, against cancellation.
 static float distance_of( const float* quads, const contact_row* row )
 {
     const float* o = quads + (size_t)row->point[row->count - 1] * 4;
@@ -50,12 +58,12 @@ static void move( float* quads, const float* masses, const contact_row* row, con
     }
 }
 
-static void rub( contact_soup* s, contact_row* row, float inverse )
+static void apply_friction( contact_soup* s, contact_row* row, float inverse )
 {
     float way[3] = { 0.0f, 0.0f, 0.0f };
     for ( int i = 0; i < row->count; ++i )
     {
-        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->safe + (size_t)row->point[i] * 4;
+        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
         for ( int k = 0; k < 3; ++k )
         {
             way[k] += row->weight[i] * ( p[k] - q[k] );
@@ -63,47 +71,47 @@ static void rub( contact_soup* s, contact_row* row, float inverse )
     }
     const float* n = row->normal;
     const float along = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
-    float rubbed[3], squared = 0.0f;
+    float wanted[3], squared = 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        rubbed[k] = row->rubbed[k] - ( way[k] - along * n[k] );
-        squared += rubbed[k] * rubbed[k];
+        wanted[k] = row->tangential_correction[k] - ( way[k] - along * n[k] );
+        squared += wanted[k] * wanted[k];
     }
-    const float most = row->friction * row->pushed;
+    const float most = row->friction * row->normal_correction;
     const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
     float by[3];
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * ( scale * rubbed[k] - row->rubbed[k] );
-        row->rubbed[k] = scale * rubbed[k];
+        by[k] = inverse * ( scale * wanted[k] - row->tangential_correction[k] );
+        row->tangential_correction[k] = scale * wanted[k];
     }
     move( s->now, s->now, row, by );
 }
 
-static void push( const contact_work* work, contact_row* row )
+static void project_row( const contact_work* work, contact_row* row )
 {
     contact_soup* s = work->soup;
     const float short_by = row->gap - distance_of( s->now, row );
-    const float sum = short_by > -row->pushed ? sum_weights( s, row ) : 0.0f;
+    const float sum = short_by > -row->normal_correction ? sum_weights( s, row ) : 0.0f;
     if ( !( sum > 0.0f ) )
     {
         return;
     }
-    const float pushed = contact_larger( 0.0f, row->pushed + short_by );
-    const float length = ( pushed - row->pushed ) / sum;
+    const float correction = contact_larger( 0.0f, row->normal_correction + short_by );
+    const float length = ( correction - row->normal_correction ) / sum;
     const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
-    row->pushed = pushed;
+    row->normal_correction = correction;
     move( s->now, s->now, row, by );
-    if ( row->friction > 0.0f && pushed > 0.0f )
+    if ( row->friction > 0.0f && correction > 0.0f )
     {
-        rub( s, row, 1.0f / sum );
+        apply_friction( s, row, 1.0f / sum );
     }
 }
 
-static void part( const contact_work* work, contact_row* row )
+static void recover_row( const contact_work* work, contact_row* row )
 {
     contact_soup* s = work->soup;
-    const contact_guest* guest = work->state->guests + (int)s->rest[(size_t)row->point[0] * 4 + 3];
+    const contact_guest* guest = work->guests + (int)s->rest[(size_t)row->point[0] * 4 + 3];
     const float step = guest->settings.recovery_speed * work->seconds;
     const float short_by = contact_smaller( row->wanted, row->distance + step ) - distance_of( s->now, row );
     const float sum = short_by > 0.0f ? sum_weights( s, row ) : 0.0f;
@@ -124,21 +132,21 @@ static void run_blocks( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const int block = loop->order[i];
-        for ( int r = s->blocks.begin[block]; r < s->blocks.begin[block + 1]; ++r )
+        for ( int r = s->colouring->begin[block]; r < s->colouring->begin[block + 1]; ++r )
         {
-            loop->run( loop->work, s->rows + r );
+            loop->run( loop->work, s->constraints->rows + r );
         }
     }
 }
 
 static void run_all( const contact_work* work, row_fn* run )
 {
-    const contact_blocks* blocks = &work->soup->blocks;
+    const contact_colouring* blocks = work->soup->colouring;
     for ( int colour = 0; colour < CONTACT_COLOURS; ++colour )
     {
         const int first = blocks->colour[colour], count = blocks->colour[colour + 1] - first;
         project_loop loop = { work, blocks->order + first, run };
-        const int grain = colour + 1 < CONTACT_COLOURS ? 1 : count; // what found no colour runs in order
+        const int grain = colour + 1 < CONTACT_COLOURS ? 1 : count; // the last colour runs serially
         if ( count > 0 )
         {
             wisp_parallel_for( work->parallel, count, grain, run_blocks, &loop );
@@ -148,10 +156,10 @@ static void run_all( const contact_work* work, row_fn* run )
 
 void contact_project_rows( const contact_work* work )
 {
-    run_all( work, push );
+    run_all( work, project_row );
 }
 
 void contact_recover( const contact_work* work )
 {
-    run_all( work, part );
+    run_all( work, recover_row );
 }

@@ -1,0 +1,49 @@
+// Boundary particles that stand for surfaces: vertices, and points on edges and in triangles.
+#pragma once
+
+#include "contact_mesh.h"
+
+#include "wisp/module/box_pairs.h"
+#include "wisp/samples.h"
+
+struct contact_candidate;
+
+enum
+{
+    CONTACT_SAMPLE_PARENTS,
+    CONTACT_SAMPLE_WEIGHTS,
+    CONTACT_SAMPLE_REST,
+    CONTACT_SAMPLE_POSITION,
+    CONTACT_SAMPLE_DEVIATION,
+    CONTACT_SAMPLE_BOXES,
+    CONTACT_SAMPLE_CANDIDATES,
+    CONTACT_SAMPLE_ARRAY_COUNT,
+};
+
+typedef struct contact_samples
+{
+    int count;
+    int32_t ( *parents )[3]; // [sample] points
+    float ( *weights )[3];   // [sample] barycentric
+    float ( *rest )[4];      // [sample] m, rest position; the fourth is the index of the participant
+    float ( *position )[3];  // [sample] m, at the last search
+    float* deviation;        // [sample] m, the most that its clusters may deviate
+    wisp_box* boxes;         // [sample]
+    wisp_samples sampler;
+    wisp_box_pairs overlaps;
+    struct contact_candidate* candidates; // sample_pairs.h
+    int candidate_count;
+    wisp_buffer buffers[CONTACT_SAMPLE_ARRAY_COUNT];
+} contact_samples;
+
+/// Sample all participants at rest.
+wisp_status contact_sample_guests( const contact_work* work );
+
+/// Compute the position of a particle.
+void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] );
+
+/// Return the distance of two particles, m.
+float contact_sample_distance( const contact_soup* s, const float* quads, int a, int b );
+
+/// Return the distance that a pair of particles keeps, m; 0 if they may touch.
+float contact_sample_gap_of( const contact_work* work, int a, int b );

@@ -1,0 +1,173 @@
+// Cached bounds: of each pair of clusters a lower bound of the distance of its primitives, less their gap. In: overlaps of the broad
+// phase; displacements of clusters. Out: the pairs that may reach their gap in this substep, for the narrow phase.
+//
+// A bound that was measured shrinks in each substep by the most that the two clusters approached each other. A pair is active when
+// its bound may be used up in this substep, which in a folded cloth is one pair in eight. Bounds outlive searches. This is
+// temporal coherence in the manner of conservative advancement (Mirtich 1996), with pairs of clusters for pairs of bodies.
+#include "cached_bounds.h"
+
+#include "clusters.h"
+#include "predicted_motion.h"
+
+enum
+{
+    LIST_GRAIN = 64,
+    PAIRS_PER_BLOCK = 1024,
+};
+
+// ---- the list ----
+
+static bool reserve_pairs( const contact_work* work, contact_cluster_pairs* pairs, size_t count )
+{
+    contact_cached_bounds* b = work->soup->bounds;
+    const size_t begins = (size_t)work->soup->clusters->count + 1, most = count + WISP_SLICE,
+                 index = sizeof( int32_t );
+    const size_t blocks = most / PAIRS_PER_BLOCK + 1;
+    wisp_buffer* const list = b->buffers + b->turn;
+    return contact_reserve( work, list + CONTACT_BOUND_BEGIN, begins * index, (void**)&pairs->begin ) &&
+           contact_reserve( work, list + CONTACT_BOUND_CLUSTER, most * index, (void**)&pairs->cluster ) &&
+           contact_reserve( work, list + CONTACT_BOUND_OTHER, most * index, (void**)&pairs->other ) &&
+           contact_reserve( work, list + CONTACT_BOUND_SLACK, most * sizeof( float ), (void**)&pairs->slack ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE, most * index, (void**)&b->active ) &&
+           contact_reserve( work, b->buffers + CONTACT_BOUND_ACTIVE_COUNT, blocks * index, (void**)&b->active_count );
+}
+
+static void put_pair( contact_cluster_pairs* pairs, int at, int32_t cluster, int32_t other, float slack )
+{
+    pairs->cluster[at] = cluster;
+    pairs->other[at] = other;
+    pairs->slack[at] = slack;
+}
+
+// Bounds of a cluster's pairs in the list before, in the order of the other clusters.
+typedef struct known_pairs
+{
+    const contact_cluster_pairs* pairs;
+    int next, end;
+} known_pairs;
+
+// A pair that was listed before keeps its bound; of a new one nothing is known.
+static float bound_of( known_pairs* known, int32_t other )
+{
+    while ( known->next < known->end && known->pairs->other[known->next] < other )
+    {
+        known->next += 1;
+    }
+    const bool is_known = known->next < known->end && known->pairs->other[known->next] == other;
+    return is_known ? known->pairs->slack[known->next] : -INFINITY;
+}
+
+typedef struct list_loop
+{
+    const contact_work* work;
+    const wisp_box_pairs* found;
+    bool is_known;
+} list_loop;
+
+static void list_pairs_of( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const list_loop* loop = context;
+    contact_soup* s = loop->work->soup;
+    const wisp_box_pairs* found = loop->found;
+    for ( int p = begin; p < end; ++p )
+    {
+        known_pairs known = { .pairs = s->bounds->pairs + 1 };
+        if ( loop->is_known )
+        {
+            known.next = known.pairs->begin[p];
+            known.end = known.pairs->begin[p + 1];
+        }
+        int at = s->bounds->pairs[0].begin[p];
+        if ( contact_clusters_may_meet( loop->work, p, p ) )
+        {
+            put_pair( s->bounds->pairs, at++, p, p, bound_of( &known, p ) );
+        }
+        for ( int i = found->begin[p]; i < found->begin[p + 1]; ++i )
+        {
+            const int32_t other = found->item[i];
+            put_pair( s->bounds->pairs, at++, p, other, bound_of( &known, other ) );
+        }
+    }
+}
+
+bool contact_list_cluster_pairs( const contact_work* work, const wisp_box_pairs* found, bool is_known )
+{
+    contact_soup* s = work->soup;
+    const contact_cluster_pairs known = s->bounds->pairs[0];
+    // the buffers of the list before that one are free
+    s->bounds->pairs[0] = s->bounds->pairs[1];
+    s->bounds->pairs[1] = known;
+    s->bounds->turn = 1 - s->bounds->turn;
+    contact_cluster_pairs* pairs = s->bounds->pairs;
+    if ( reserve_pairs( work, pairs, found->pair_count + (size_t)s->clusters->count ) == false )
+    {
+        return false;
+    }
+    pairs->count = 0;
+    for ( int p = 0; p < s->clusters->count; ++p )
+    {
+        pairs->begin[p] = pairs->count;
+        pairs->count += ( contact_clusters_may_meet( work, p, p ) ? 1 : 0 ) + found->begin[p + 1] - found->begin[p];
+    }
+    pairs->begin[s->clusters->count] = pairs->count;
+    list_loop loop = { work, found, is_known };
+    wisp_parallel_for( work->parallel, s->clusters->count, LIST_GRAIN, list_pairs_of, &loop );
+    for ( int i = 0; i < WISP_SLICE; ++i )
+    {
+        put_pair( pairs, pairs->count + i, 0, 0, INFINITY );
+    }
+    return true;
+}
+
+// ---- active pairs ----
+
+typedef struct active_loop
+{
+    const contact_work* work;
+    bool missed_only;
+} active_loop;
+
+// Pairs without a bound are active, and so are those with NaN.
+static void find_active( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const active_loop* loop = context;
+    const contact_soup* s = loop->work->soup;
+    const wisp_slack_job job = {
+        .gone = loop->missed_only ? NULL : s->motion->gone->middle,
+        .ways = s->motion->ways->middle,
+        .first = s->bounds->pairs[0].cluster,
+        .second = s->bounds->pairs[0].other,
+        .slack = s->bounds->pairs[0].slack,
+        .due = s->bounds->active,
+    };
+    s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
+        wisp_frame_kernels( loop->work->frame )->slack_due( &job, begin, end );
+}
+
+// Compact the active pairs of all blocks.
+static int gather_active( const contact_soup* s, bool missed_only )
+{
+    const contact_cluster_pairs* pairs = s->bounds->pairs;
+    const uint8_t* is_missed = s->motion->cluster_is_missed;
+    int32_t* active = s->bounds->active;
+    int count = 0;
+    for ( int first = 0; first < pairs->count; first += PAIRS_PER_BLOCK )
+    {
+        for ( int i = first; i < first + s->bounds->active_count[first / PAIRS_PER_BLOCK]; ++i )
+        {
+            const int32_t pair = active[i];
+            active[count] = pair;
+            count += missed_only == false || ( is_missed[pairs->cluster[pair]] | is_missed[pairs->other[pair]] );
+        }
+    }
+    return count;
+}
+
+int contact_find_active_clusters( const contact_work* work, bool missed_only )
+{
+    active_loop loop = { work, missed_only };
+    wisp_parallel_for( work->parallel, work->soup->bounds->pairs[0].count, PAIRS_PER_BLOCK, find_active, &loop );
+    return gather_active( work->soup, missed_only );
+}

@@ -1,0 +1,439 @@
+// Clusters: the contact mesh cut into groups of eight triangles (of eight segments of a strand), so that culling and bounds work on
+// pairs of clusters. In: rest positions. Out: packs of eight primitives, lists of points, owners of each point. Triangles are
+// cut by recursive bisection at the median of the widest axis, as in a bounding volume hierarchy; meshoptimizer calls such
+// groups clusters.
+#include "clusters.h"
+
+#include <string.h>
+
+enum
+{
+    PLACE_GRAIN = 64,
+    CLUSTER_PIECES = 8, // triangles, or segments, or points without either
+};
+
+// What the loops of this file share.
+typedef struct cutting
+{
+    const contact_work* work;
+    contact_soup* soup;
+    int32_t* cluster_of[3]; // [point], [edge], [triangle]; -1: none yet
+    int32_t* order;         // [triangle] those of a cluster are contiguous
+    float ( *middle )[3];   // [triangle] three times its centre, at rest
+    int cluster_count;
+} cutting;
+
+static const int32_t* points_of( const contact_soup* s, int kind, const int32_t* piece )
+{
+    return kind == 0 ? piece : kind == 1 ? s->edges + 2 * (size_t)*piece : s->triangles + 3 * (size_t)*piece;
+}
+
+// ---- triangles ----
+
+static int widest_axis( const cutting* c, int begin, int end )
+{
+    float width[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        float low = INFINITY, high = -INFINITY;
+        for ( int i = begin; i < end; ++i )
+        {
+            low = contact_smaller( low, c->middle[c->order[i]][k] );
+            high = contact_larger( high, c->middle[c->order[i]][k] );
+        }
+        width[k] = high - low;
+    }
+    const int first = width[1] > width[0] ? 1 : 0;
+    return width[2] > width[first] ? 2 : first;
+}
+
+// Compare centres along an axis. Equal ones go by index, so that the cut is unique.
+static bool is_before( const cutting* c, int axis, int32_t a, int32_t b )
+{
+    const float p = c->middle[a][axis], q = c->middle[b][axis];
+    return p < q || ( p == q && a < b );
+}
+
+// Partition a range so that the smaller triangles come first, in any order (quickselect, Hoare 1961).
+static void partition( const cutting* c, int axis, int begin, int middle, int end )
+{
+    int32_t* order = c->order;
+    while ( end - begin > 1 )
+    {
+        const int32_t pivot = order[begin + ( end - begin ) / 2];
+        int i = begin, k = end - 1;
+        while ( i <= k )
+        {
+            for ( ; is_before( c, axis, order[i], pivot ); ++i )
+            {
+            }
+            for ( ; is_before( c, axis, pivot, order[k] ); --k )
+            {
+            }
+            if ( i <= k )
+            {
+                const int32_t moved = order[i];
+                order[i++] = order[k];
+                order[k--] = moved;
+            }
+        }
+        if ( middle > k && middle < i )
+        {
+            return;
+        }
+        begin = middle >= i ? i : begin;
+        end = middle >= i ? end : k + 1;
+    }
+}
+
+// Bisect at a whole number of clusters, so that all but one are full.
+static void cut_triangles( cutting* c, int begin, int end )
+{
+    const int count = end - begin;
+    if ( count <= CLUSTER_PIECES )
+    {
+        for ( int i = begin; i < end; ++i )
+        {
+            c->cluster_of[2][c->order[i]] = c->cluster_count;
+        }
+        c->cluster_count += 1;
+        return;
+    }
+    const int clusters = ( count + CLUSTER_PIECES - 1 ) / CLUSTER_PIECES,
+              middle = begin + clusters / 2 * CLUSTER_PIECES;
+    partition( c, widest_axis( c, begin, end ), begin, middle, end );
+    cut_triangles( c, begin, middle );
+    cut_triangles( c, middle, end );
+}
+
+static void order_triangles( cutting* c, const contact_guest* guest )
+{
+    const contact_soup* s = c->soup;
+    for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+    {
+        c->order[t] = t;
+        for ( size_t k = 0; k < 3; ++k )
+        {
+            c->middle[t][k] = 0.0f;
+            for ( size_t i = 0; i < 3; ++i )
+            {
+                c->middle[t][k] += s->rest[(size_t)s->triangles[3 * (size_t)t + i] * 4 + k];
+            }
+        }
+    }
+}
+
+// ---- points and edges ----
+
+// Assign points and edges to the first cluster with a triangle that has them.
+static void assign_corners( cutting* c, const contact_guest* guest )
+{
+    const contact_soup* s = c->soup;
+    for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+    {
+        const int32_t* corner = s->triangles + 3 * (size_t)t;
+        for ( int i = 0; i < 3; ++i )
+        {
+            const int a = corner[i], b = corner[( i + 1 ) % 3];
+            const int edge = contact_find_edge( s, guest, a < b ? a : b, a < b ? b : a );
+            c->cluster_of[0][a] = c->cluster_of[0][a] < 0 ? c->cluster_of[2][t] : c->cluster_of[0][a];
+            c->cluster_of[1][edge] = c->cluster_of[1][edge] < 0 ? c->cluster_of[2][t] : c->cluster_of[1][edge];
+        }
+    }
+}
+
+// Cut edges without a triangle into runs of connected segments, and collect the points that are left.
+static void cut_strands( cutting* c, const contact_guest* guest )
+{
+    const contact_soup* s = c->soup;
+    int taken = CLUSTER_PIECES, last = -1;
+    for ( int e = guest->first_edge; e < guest->first_edge + guest->edge_count; ++e )
+    {
+        const int32_t* points = s->edges + 2 * (size_t)e;
+        if ( c->cluster_of[1][e] >= 0 )
+        {
+            continue;
+        }
+        const bool goes_on = taken < CLUSTER_PIECES && points[0] == last;
+        taken = goes_on ? taken + 1 : 1;
+        c->cluster_count += goes_on ? 0 : 1;
+        c->cluster_of[1][e] = c->cluster_count - 1;
+        for ( int i = 0; i < 2; ++i )
+        {
+            int32_t* of = c->cluster_of[0] + points[i];
+            *of = *of < 0 ? c->cluster_count - 1 : *of;
+        }
+        last = points[1];
+    }
+    taken = CLUSTER_PIECES;
+    for ( int p = guest->first_point; p < guest->first_point + guest->point_count; ++p )
+    {
+        if ( c->cluster_of[0][p] < 0 )
+        {
+            taken = taken < CLUSTER_PIECES ? taken + 1 : 1;
+            c->cluster_count += taken == 1 ? 1 : 0;
+            c->cluster_of[0][p] = c->cluster_count - 1;
+        }
+    }
+}
+
+// ---- packs and lists ----
+
+static bool reserve_clusters( const cutting* c )
+{
+    contact_clusters* k = c->soup->clusters;
+    const size_t count = (size_t)k->count;
+    wisp_buffer* const b = k->buffers;
+    return contact_reserve( c->work, b + CONTACT_CLUSTER_ITEMS, count * sizeof( *k->items ), (void**)&k->items ) &&
+           contact_reserve( c->work, b + CONTACT_CLUSTER_IS_PLACED, count, (void**)&k->is_placed ) &&
+           contact_reserve( c->work, b + CONTACT_CLUSTER_TO_PLACE, ( count + 1 ) * sizeof( int32_t ),
+                            (void**)&k->to_place ) &&
+           contact_reserve( c->work, b + CONTACT_CLUSTER_BOXES, count * sizeof( *k->boxes ), (void**)&k->boxes ) &&
+           contact_reserve( c->work, b + CONTACT_CLUSTER_NORMALS, count * 3 * sizeof( float ), (void**)&k->normals );
+}
+
+// Count the primitives of each cluster, first one by one, then as packs of eight. @return the number of packs
+static int count_rows( const cutting* c, const int counts[3] )
+{
+    contact_soup* s = c->soup;
+    memset( s->clusters->items, 0, (size_t)s->clusters->count * sizeof( *s->clusters->items ) );
+    for ( int kind = 0; kind < 3; ++kind )
+    {
+        for ( int i = 0; i < counts[kind]; ++i )
+        {
+            contact_cluster* cluster = s->clusters->items + c->cluster_of[kind][i];
+            cluster->rows[kind] += 1;
+            cluster->point_count += kind + 1; // upper bound
+            cluster->guest = (int32_t)s->rest[(size_t)points_of( s, kind, &i )[0] * 4 + 3];
+        }
+    }
+    int rows = 0, points = 0;
+    for ( int p = 0; p < s->clusters->count; ++p )
+    {
+        contact_cluster* cluster = s->clusters->items + p;
+        cluster->first_point = points;
+        points += ( cluster->point_count + WISP_SLICE - 1 ) / WISP_SLICE * WISP_SLICE;
+        cluster->point_count = 0;
+        for ( int kind = 0; kind < 3; ++kind )
+        {
+            cluster->kind_row[kind] = rows;
+            cluster->rows[kind] = ( cluster->rows[kind] + WISP_SLICE - 1 ) / WISP_SLICE;
+            rows += cluster->rows[kind];
+        }
+    }
+    return rows;
+}
+
+static void add_point( contact_soup* s, contact_cluster* cluster, int32_t point )
+{
+    int32_t* point4 = s->clusters->points + cluster->first_point;
+    for ( int i = 0; i < cluster->point_count; ++i )
+    {
+        if ( point4[i] == point * 4 )
+        {
+            return;
+        }
+    }
+    point4[cluster->point_count++] = point * 4;
+}
+
+static void pad_points( contact_soup* s, contact_cluster* cluster )
+{
+    int32_t* point4 = s->clusters->points + cluster->first_point;
+    const int32_t last = point4[cluster->point_count - 1];
+    while ( cluster->point_count % WISP_SLICE != 0 )
+    {
+        point4[cluster->point_count++] = last;
+    }
+}
+
+static void add_piece( contact_soup* s, contact_cluster* cluster, int kind, int32_t piece )
+{
+    wisp_piece_row* row = s->clusters->pieces + cluster->kind_row[kind];
+    int lane = 0;
+    for ( ; row->item[lane] >= 0; row += lane == WISP_SLICE - 1 ? 1 : 0, lane = ( lane + 1 ) % WISP_SLICE )
+    {
+    }
+    const int32_t* points = points_of( s, kind, &piece );
+    int32_t* const point4[3] = { row->point4[0], row->point4[1], row->third4 };
+    row->item[lane] = piece;
+    for ( int k = 0; k <= kind; ++k )
+    {
+        point4[k][lane] = points[k] * 4;
+        add_point( s, cluster, points[k] );
+    }
+}
+
+// List the clusters of each point. @param most points of all clusters, padding included
+static bool list_owners( const cutting* c, size_t most )
+{
+    contact_soup* s = c->soup;
+    const size_t points = (size_t)s->point_count, number = sizeof( int32_t );
+    if ( contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
+                          (void**)&s->clusters->owners_begin ) == false ||
+         contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_OWNERS, most * number,
+                          (void**)&s->clusters->owners ) == false )
+    {
+        return false;
+    }
+    // a counting sort: counts go two places ahead, so that filling leaves each start in place
+    int32_t* begin = s->clusters->owners_begin;
+    memset( begin, 0, ( points + 2 ) * number );
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int p = 0; p < s->clusters->count; ++p )
+        {
+            const int32_t* point4 = s->clusters->points + s->clusters->items[p].first_point;
+            for ( int i = 0; i < s->clusters->items[p].point_count && ( i == 0 || point4[i] != point4[i - 1] ); ++i )
+            {
+                if ( pass == 0 )
+                {
+                    begin[point4[i] / 4 + 2] += 1;
+                }
+                else
+                {
+                    s->clusters->owners[begin[point4[i] / 4 + 1]++] = p;
+                }
+            }
+        }
+        for ( size_t i = 0; i < points && pass == 0; ++i )
+        {
+            begin[i + 2] += begin[i + 1];
+        }
+    }
+    return true;
+}
+
+static bool fill_clusters( const cutting* c, const int counts[3] )
+{
+    contact_soup* s = c->soup;
+    s->clusters->count = c->cluster_count;
+    if ( reserve_clusters( c ) == false )
+    {
+        return false;
+    }
+    const size_t rows = (size_t)count_rows( c, counts );
+    const size_t points = (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] +
+                          (size_t)WISP_SLICE * (size_t)s->clusters->count;
+    if ( contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_PIECES,
+                          rows * sizeof( *s->clusters->pieces ), (void**)&s->clusters->pieces ) == false ||
+         contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
+                          (void**)&s->clusters->points ) == false )
+    {
+        return false;
+    }
+    memset( s->clusters->pieces, 0, rows * sizeof( *s->clusters->pieces ) );
+    for ( size_t row = 0; row < rows; ++row )
+    {
+        memset( s->clusters->pieces[row].item, -1, sizeof( s->clusters->pieces[row].item ) );
+    }
+    for ( int kind = 0; kind < 3; ++kind )
+    {
+        for ( int i = 0; i < counts[kind]; ++i )
+        {
+            add_piece( s, s->clusters->items + c->cluster_of[kind][i], kind, i );
+        }
+    }
+    for ( int p = 0; p < s->clusters->count; ++p )
+    {
+        pad_points( s, s->clusters->items + p );
+    }
+    return list_owners( c, points );
+}
+
+bool contact_make_clusters( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    const int counts[3] = { s->point_count, s->edge_count, s->triangle_count };
+    const size_t triangles = (size_t)counts[2], numbers = (size_t)counts[1] + 2 * triangles + 1;
+    cutting c = { .work = work, .soup = s };
+    int32_t* scratch = wisp_parallel_scratch( work->parallel, work->worker,
+                                              numbers * sizeof( int32_t ) + triangles * sizeof( *c.middle ) );
+    if ( scratch == NULL ||
+         contact_reserve( work, s->clusters->buffers + CONTACT_CLUSTER_OF_POINT,
+                          (size_t)counts[0] * sizeof( int32_t ), (void**)&s->clusters->of_point ) == false )
+    {
+        return false;
+    }
+    c.cluster_of[0] = s->clusters->of_point;
+    c.cluster_of[1] = scratch;
+    c.cluster_of[2] = scratch + counts[1];
+    c.order = c.cluster_of[2] + triangles;
+    c.middle = ( float( * )[3] )(void*)( c.order + triangles );
+    memset( s->clusters->of_point, -1, (size_t)counts[0] * sizeof( int32_t ) );
+    memset( scratch, -1, numbers * sizeof( int32_t ) );
+    for ( int g = 0; g < work->guest_count; ++g )
+    {
+        const contact_guest* guest = work->guests + g;
+        order_triangles( &c, guest );
+        if ( guest->triangle_count > 0 )
+        {
+            cut_triangles( &c, guest->first_triangle, guest->first_triangle + guest->triangle_count );
+        }
+        assign_corners( &c, guest );
+        cut_strands( &c, guest );
+    }
+    return fill_clusters( &c, counts );
+}
+
+// ---- culling geometry ----
+
+wisp_box contact_box_around( const contact_work* work, const contact_cluster* cluster )
+{
+    const contact_soup* s = work->soup;
+    float low[4], high[4];
+    wisp_box box;
+    wisp_frame_kernels( work->frame )
+        ->quad_range( s->intersection_free, NULL, s->clusters->points + cluster->first_point, cluster->point_count,
+                      low, high );
+    memcpy( box.low, low, sizeof( box.low ) );
+    memcpy( box.high, high, sizeof( box.high ) );
+    return box;
+}
+
+// Sum the normals of the triangles of a cluster; zero without any.
+static void sum_normals( contact_clusters* c, int p )
+{
+    const contact_cluster* cluster = c->items + p;
+    const wisp_piece_row* row = c->pieces + cluster->kind_row[2];
+    float* normal = c->normals + 3 * (size_t)p;
+    normal[0] = normal[1] = normal[2] = 0.0f;
+    for ( int lane = 0; lane < WISP_SLICE && cluster->rows[2] > 0 && row->item[lane] >= 0; ++lane )
+    {
+        for ( int k = 0; k < 3; ++k )
+        {
+            normal[k] += row->normal[k][lane];
+        }
+    }
+}
+
+static void place_clusters( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const contact_work* work = context;
+    contact_clusters* c = work->soup->clusters;
+    const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
+    for ( int i = begin; i < end; ++i )
+    {
+        const int p = c->to_place[i];
+        c->boxes[p] = contact_box_around( work, c->items + p );
+        for ( int kind = 0; kind < 3; ++kind )
+        {
+            const int row = c->items[p].kind_row[kind];
+            kernels->piece_place( work->soup->intersection_free, c->pieces, kind + 1, row,
+                                  row + c->items[p].rows[kind] );
+        }
+        sum_normals( c, p );
+    }
+}
+
+void contact_place_clusters( const contact_work* work, int count )
+{
+    wisp_parallel_for( work->parallel, count, PLACE_GRAIN, place_clusters, (void*)(uintptr_t)work );
+}
+
+bool contact_clusters_may_meet( const contact_work* work, int a, int b )
+{
+    const contact_cluster* clusters = work->soup->clusters->items;
+    return contact_may_meet( work->guests + clusters[a].guest, work->guests + clusters[b].guest );
+}

@@ -1,0 +1,37 @@
+// Colouring of constraints for parallel projection.
+#pragma once
+
+#include "contact_mesh.h"
+
+enum
+{
+    CONTACT_COLOURS = 64,
+};
+
+enum
+{
+    CONTACT_COLOURING_BEGIN,
+    CONTACT_COLOURING_COLOUR_OF,
+    CONTACT_COLOURING_ORDER,
+    CONTACT_COLOURING_OF_POINT,
+    CONTACT_COLOURING_ARRAY_COUNT,
+};
+
+/// Fixed blocks of constraints, each of one kind. Blocks of one colour share no point.
+typedef struct contact_colouring
+{
+    int count;
+    int32_t* begin;                      // [count + 1] first row
+    int32_t* colour_of;                  // [count]
+    int32_t* order;                      // [count] blocks by colour
+    int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
+    uint64_t* of_point;                  // [point] a bit for each colour that has it
+    wisp_buffer buffers[CONTACT_COLOURING_ARRAY_COUNT];
+} contact_colouring;
+
+/// Make room for the points of the contact mesh.
+/// @return false without memory
+bool contact_reserve_colouring( const contact_work* work );
+
+/// Cut the constraints into blocks and colour them.
+wisp_status contact_colour_rows( const contact_work* work, wisp_error* error );

@@ -1,0 +1,46 @@
+// Constraints: a separating plane for each active pair.
+#pragma once
+
+#include "contact_mesh.h"
+
+/// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated corrections. The
+/// distance along the normal is linear in the points; the first `split` of them are one side.
+typedef struct contact_row
+{
+    int32_t a, b; // the primitives
+    int32_t count, split;
+    int32_t point[CONTACT_MAX_POINTS];
+    float weight[CONTACT_MAX_POINTS]; // barycentric, of the second side negative
+    float normal[3];                  // unit, from the second side to the first
+    float gap;                        // m, to keep in this substep: the smaller of `wanted` and `distance`
+    float distance;                   // m, at the intersection-free positions
+    float wanted;                     // m, half the sum of the thicknesses, or less where the pair is closer at rest
+    float friction;
+    float normal_correction;        // m, accumulated, >= 0: the normal impulse
+    float tangential_correction[3]; // m, accumulated: the friction impulse
+    float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
+} contact_row;
+
+enum
+{
+    CONTACT_CONSTRAINT_SPARE,
+    CONTACT_CONSTRAINT_ROWS,
+    CONTACT_CONSTRAINT_MISSED_ROWS,
+    CONTACT_CONSTRAINT_ARRAY_COUNT,
+};
+
+typedef struct contact_constraints
+{
+    contact_row* rows; // points and triangles, or particles; then edges. In the order of their primitives
+    int split;         // first row of two edges
+    int row_count;
+    contact_row* missed_rows; // limit displacements, but are not projected
+    int missed_row_count;
+    wisp_buffer buffers[CONTACT_CONSTRAINT_ARRAY_COUNT];
+} contact_constraints;
+
+/// Build the constraints of all active pairs, in an order that does not depend on the search.
+wisp_status contact_find_rows( const contact_work* work, wisp_error* error );
+
+/// Build the constraints that are missing because points left their tolerance.
+wisp_status contact_find_missed_rows( const contact_work* work, wisp_error* error );

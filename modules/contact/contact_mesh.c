@@ -1,0 +1,158 @@
+// The contact mesh: one numbering for the points, edges and triangles of all participants. In: topology and rest shape of cloth,
+// balloons and strands. Out: the arrays of contact_soup; positions are gathered each substep (gather_scatter.c).
+#include "contact_mesh.h"
+
+#include <string.h>
+
+bool contact_reserve( const contact_work* work, wisp_buffer* buffer, size_t bytes, void** out )
+{
+    enum
+    {
+        SPARE = 128, // no array is empty, and kernels may touch up to eight float[4] behind the end
+    };
+    const bool enough = wisp_buffer_reserve( buffer, wisp_parallel_allocator( work->parallel ), bytes + SPARE );
+    *out = buffer->data;
+    return enough;
+}
+
+// ---- building ----
+
+static void count_guest( const contact_work* work, contact_guest* guest, int counts[3] )
+{
+    guest->first_point = counts[0];
+    guest->first_edge = counts[1];
+    guest->first_triangle = counts[2];
+    if ( guest->is_strands )
+    {
+        const wisp_strand_topology* t = wisp_frame_strands( work->frame, guest->entity );
+        guest->point_count = t->vertex_count;
+        guest->edge_count = 0;
+        for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+        {
+            guest->edge_count += t->lane_count[lane] > 1 ? t->lane_count[lane] - 1 : 0;
+        }
+        guest->triangle_count = 0;
+    }
+    else
+    {
+        const wisp_fabric* f = wisp_frame_fabric( work->frame, guest->entity );
+        guest->point_count = f->vertex_count;
+        guest->edge_count = f->edge_count;
+        guest->triangle_count = f->triangle_count;
+    }
+    counts[0] += guest->point_count;
+    counts[1] += guest->edge_count;
+    counts[2] += guest->triangle_count;
+}
+
+static bool reserve_mesh( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    const size_t quads = (size_t)s->point_count * 4 * sizeof( float ), index = sizeof( int32_t );
+    const size_t edges = (size_t)s->edge_count * 2 * index, triangles = (size_t)s->triangle_count * 3 * index;
+    wisp_buffer* const b = s->buffers;
+    return contact_reserve( work, b + CONTACT_MESH_NOW, quads, (void**)&s->now ) &&
+           contact_reserve( work, b + CONTACT_MESH_INTERSECTION_FREE, quads, (void**)&s->intersection_free ) &&
+           contact_reserve( work, b + CONTACT_MESH_REST, quads, (void**)&s->rest ) &&
+           contact_reserve( work, b + CONTACT_MESH_SHIFT, quads, (void**)&s->shift ) &&
+           contact_reserve( work, b + CONTACT_MESH_EDGES, edges, (void**)&s->edges ) &&
+           contact_reserve( work, b + CONTACT_MESH_TRIANGLES, triangles, (void**)&s->triangles );
+}
+
+static void fill_surface( const contact_work* work, const contact_guest* guest, int number )
+{
+    contact_soup* s = work->soup;
+    const wisp_fabric* f = wisp_frame_fabric( work->frame, guest->entity );
+    for ( int i = 0; i < guest->point_count; ++i )
+    {
+        float* rest = s->rest + (size_t)( guest->first_point + i ) * 4;
+        rest[0] = f->rest[i].x;
+        rest[1] = f->rest[i].y;
+        rest[2] = f->rest[i].z;
+        rest[3] = (float)number;
+    }
+    for ( int i = 0; i < 2 * guest->edge_count; ++i )
+    {
+        s->edges[2 * guest->first_edge + i] = guest->first_point + f->edges[i];
+    }
+    for ( int i = 0; i < 3 * guest->triangle_count; ++i )
+    {
+        s->triangles[3 * guest->first_triangle + i] = guest->first_point + f->triangles[i];
+    }
+}
+
+static void fill_strands( const contact_work* work, const contact_guest* guest, int number )
+{
+    contact_soup* s = work->soup;
+    const wisp_strand_topology* t = wisp_frame_strands( work->frame, guest->entity );
+    int32_t* edge = s->edges + 2 * (size_t)guest->first_edge;
+    for ( int i = 0; i < guest->point_count; ++i )
+    {
+        memset( s->rest + (size_t)( guest->first_point + i ) * 4, 0, 4 * sizeof( float ) );
+        s->rest[(size_t)( guest->first_point + i ) * 4 + 3] = (float)number;
+    }
+    for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
+    {
+        for ( int i = 1; i < t->lane_count[lane]; ++i, edge += 2 )
+        {
+            edge[1] = guest->first_point + t->offsets[t->lane_strand[lane]] + i;
+            edge[0] = edge[1] - 1;
+        }
+    }
+}
+
+bool contact_build_soup( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    int counts[3] = { 0 };
+    s->least_thickness = INFINITY;
+    for ( int g = 0; g < work->guest_count; ++g )
+    {
+        contact_guest* guest = work->guests + g;
+        guest->settings =
+            *(contact_settings*)wisp_frame_column( work->frame, guest->entity, work->components->settings, 0 );
+        count_guest( work, guest, counts );
+        s->least_thickness = fminf( s->least_thickness, guest->settings.thickness );
+    }
+    s->point_count = counts[0];
+    s->edge_count = counts[1];
+    s->triangle_count = counts[2];
+    s->is_listed = s->is_reset = false;
+    if ( reserve_mesh( work ) == false )
+    {
+        return false;
+    }
+    for ( int g = 0; g < work->guest_count; ++g )
+    {
+        const contact_guest* guest = work->guests + g;
+        guest->is_strands ? fill_strands( work, guest, g ) : fill_surface( work, guest, g );
+    }
+    return true;
+}
+
+// ---- queries ----
+
+// Edges of a participant rise by their first point, then by their second.
+int contact_find_edge( const contact_soup* s, const contact_guest* guest, int a, int b )
+{
+    int low = guest->first_edge, high = guest->first_edge + guest->edge_count - 1;
+    while ( low < high )
+    {
+        const int middle = low + ( high - low ) / 2;
+        const int32_t* e = s->edges + 2 * (size_t)middle;
+        const bool is_before = e[0] < a || ( e[0] == a && e[1] < b );
+        low = is_before ? middle + 1 : low;
+        high = is_before ? high : middle;
+    }
+    return low;
+}
+
+bool contact_may_meet( const contact_guest* a, const contact_guest* b )
+{
+    if ( a == b )
+    {
+        return a->settings.self != 0;
+    }
+    return ( a->settings.layers & b->settings.mask ) != 0 && ( b->settings.layers & a->settings.mask ) != 0 &&
+           ( a->is_strands && b->is_strands ) == false;
+}

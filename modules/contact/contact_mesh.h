@@ -1,0 +1,157 @@
+// The contact mesh: points, edges and triangles of all participants in one numbering, and what the stages of contact share.
+//
+// Each stage keeps its data in a struct of its own, which is defined in the header of the stage. A file includes the headers of
+// the stages that it uses. Includes go one way, in the order in which a substep runs.
+#pragma once
+
+#include "contact.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
+#include <math.h>
+
+enum
+{
+    CONTACT_BATCH = 128,   // pairs whose distances are measured together
+    CONTACT_MAX_POINTS = 6 // of a pair: two boundary particles, each between three points
+};
+
+/// The definition of a participant with the defaults filled in.
+typedef struct contact_settings
+{
+    float thickness, friction, recovery_speed;
+    uint32_t layers, mask;
+    int32_t self;
+    int32_t is_new; // its column of intersection-free positions has no values yet
+} contact_settings;
+
+/// State of contact from step to step, in a column, so that a snapshot has it.
+typedef struct contact_memory
+{
+    int32_t tangled; // edges may pass through triangles: pairs there are not constrained but drawn apart
+    int32_t unused;  // rows of columns have no padding inside
+    wisp_contact_figures figures;
+} contact_memory;
+
+/// A participant's part of the contact mesh.
+typedef struct contact_guest
+{
+    wisp_entity entity;
+    bool is_strands, halted;
+    int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
+    contact_settings settings;
+    double impulse[3]; // N s, of this step
+} contact_guest;
+
+/// Arrays of the contact mesh.
+enum
+{
+    CONTACT_MESH_NOW,
+    CONTACT_MESH_INTERSECTION_FREE,
+    CONTACT_MESH_REST,
+    CONTACT_MESH_SHIFT,
+    CONTACT_MESH_EDGES,
+    CONTACT_MESH_TRIANGLES,
+    CONTACT_MESH_ARRAY_COUNT,
+};
+
+/// The contact mesh. It is a function of the columns of the participants, built again after those changed from outside. Which
+/// pairs are in the lists of the stages depends on the past; which pairs become constraints does not.
+typedef struct contact_soup
+{
+    int point_count, edge_count, triangle_count;
+    float* now;               // [point][4] m, inverse mass: position in this substep
+    float* intersection_free; // [point][4] m: position at the end of the substep before, where nothing intersected
+    float* rest;              // [point][4] m: rest position; the fourth is the index of the participant
+    float* shift;             // [point][4] m: displacement of this substep that gives no velocity
+    int32_t* edges;           // [edge][2]
+    int32_t* triangles;       // [triangle][3]
+    float least_thickness;    // m, of the participants
+    bool is_listed;           // the pair lists of the broad phase hold for these positions
+    bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
+    wisp_buffer buffers[CONTACT_MESH_ARRAY_COUNT];
+
+    struct contact_clusters* clusters;           // clusters.h
+    struct contact_motion* motion;               // predicted_motion.h
+    struct contact_cached_bounds* bounds;        // cached_bounds.h
+    struct contact_broad_phase* broad_phase;     // broad_phase.h
+    struct contact_intersections* intersections; // intersections.h
+    struct contact_primitive_pairs* primitives;  // primitive_pairs.h
+    struct contact_samples* samples;             // boundary_samples.h
+    struct contact_constraints* constraints;     // constraints.h
+    struct contact_colouring* colouring;         // colouring.h
+    struct contact_limit* limit;                 // displacement_limit.h
+    struct contact_untangling* untangling;       // untangling.h
+} contact_soup;
+
+/// Components that participants have.
+typedef struct contact_components
+{
+    wisp_component settings;      // contact_settings
+    wisp_component particle_free; // intersection-free positions of particles, [4]
+    wisp_component strand_free;   // the same of strands
+} contact_components;
+
+/// What the loops of a substep share.
+typedef struct contact_work
+{
+    contact_soup* soup;
+    contact_memory* memory;
+    contact_guest* guests;
+    int guest_count;
+    const wisp_contact_settings* settings; // of the world
+    const contact_components* components;
+    const wisp_parallel* parallel;
+    wisp_frame* frame;
+    float seconds; // s, of the substep
+    int worker;
+} contact_work;
+
+/// Number the points, edges and triangles of all participants and copy their rest shapes.
+/// @return false without memory
+bool contact_build_soup( const contact_work* work );
+
+/// Make room for an array, and a little more: kernels read and write whole groups of eight.
+/// @return false without memory
+bool contact_reserve( const contact_work* work, wisp_buffer* buffer, size_t bytes, void** out );
+
+/// Find the edge between two points of a participant, a < b.
+int contact_find_edge( const contact_soup* s, const contact_guest* guest, int a, int b );
+
+/// Return whether two participants, or a participant and itself, are kept apart.
+bool contact_may_meet( const contact_guest* a, const contact_guest* b );
+
+/// Return whether particles stand for the surfaces.
+static inline bool contact_has_samples( const contact_work* work )
+{
+    return work->settings->features == WISP_CONTACT_SAMPLES;
+}
+
+/// Return the participant that a point belongs to.
+static inline contact_guest* contact_guest_of( const contact_work* work, int point )
+{
+    return work->guests + (int)work->soup->rest[(size_t)point * 4 + 3];
+}
+
+/// Return the distance that two participants keep, m.
+static inline float contact_gap_between( const contact_guest* a, const contact_guest* b )
+{
+    return 0.5f * ( a->settings.thickness + b->settings.thickness );
+}
+
+static inline float contact_distance( const float a[3], const float b[3] )
+{
+    const float x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return sqrtf( x * x + y * y + z * z );
+}
+
+static inline float contact_larger( float a, float b )
+{
+    return a > b ? a : b;
+}
+
+static inline float contact_smaller( float a, float b )
+{
+    return a < b ? a : b;
+}

@@ -1,0 +1,60 @@
+// State of the module, and its passes.
+#pragma once
+
+#include "boundary_samples.h"
+#include "broad_phase.h"
+#include "cached_bounds.h"
+#include "clusters.h"
+#include "colouring.h"
+#include "constraints.h"
+#include "contact_mesh.h"
+#include "displacement_limit.h"
+#include "intersections.h"
+#include "predicted_motion.h"
+#include "primitive_pairs.h"
+#include "untangling.h"
+
+typedef struct contact_state
+{
+    contact_components components;
+    wisp_component active;  // contact_memory, of the entity `meeting`, while there are participants
+    wisp_component touches; // of `meeting`: strands take part
+    wisp_component pairs;   // written by contact.find, read by contact.push
+    wisp_component result;  // requested of `meeting`
+    wisp_component figures; // wisp_contact_figures, on request
+    wisp_entity meeting;    // the entity whose passes work on the contact mesh
+    contact_guest* guests;
+    int guest_count, guest_capacity;
+    wisp_contact_settings world;
+    bool changed; // participants or settings: the contact mesh is to be built again
+    bool wants_figures, counts_crossings;
+
+    contact_soup soup;
+    contact_clusters clusters;
+    contact_motion motion;
+    contact_cached_bounds bounds;
+    contact_broad_phase broad_phase;
+    contact_intersections intersections;
+    contact_primitive_pairs primitives;
+    contact_samples samples;
+    contact_constraints constraints;
+    contact_colouring colouring;
+    contact_limit limit;
+    contact_untangling untangling;
+} contact_state;
+
+// contact_passes.c
+void contact_find( wisp_frame* frame, const wisp_span* span, void* user );
+void contact_project( wisp_frame* frame, const wisp_span* span, void* user );
+void contact_keep( wisp_frame* frame, const wisp_span* span, void* user );
+void contact_measure( wisp_frame* frame, const wisp_span* span, void* user );
+
+// contact_participants.c
+/// Find a participant. @return its index, or -1
+int contact_find_guest( const contact_state* state, wisp_entity entity );
+/// Remove a participant. Only takes away, so it cannot fail.
+void contact_forget_guest( wisp_world* world, contact_state* state, int number );
+/// Find the state of the module. @return WISP_CONFLICT the module is not registered
+wisp_status contact_find_state( wisp_world* world, contact_state** out );
+/// Refuse a setting out of range, by name.
+wisp_status contact_check_range( wisp_world* world, const char* name, float value, float low, float high );

@@ -1,0 +1,77 @@
+// Intersections: edges that pass through triangles, found exactly (wisp/crossings.h). In: positions. Out: the list of intersections; the
+// points of those between participants that are kept apart are marked. Constraints between marked points are dropped, because
+// their plane would have no right side, and untangling.c draws them apart.
+#include "intersections.h"
+
+#include <string.h>
+
+bool contact_reserve_intersections( const contact_work* work )
+{
+    contact_intersections* x = work->soup->intersections;
+    const size_t points = (size_t)work->soup->point_count;
+    const bool enough = contact_reserve( work, &x->buffer, points, (void**)&x->is_tangled );
+    if ( enough )
+    {
+        memset( x->is_tangled, 0, points );
+    }
+    return enough;
+}
+
+wisp_status contact_find_crossings( const contact_work* work, const float* quads, wisp_error* error )
+{
+    const contact_soup* s = work->soup;
+    const wisp_crossing_job job = {
+        .quads = quads,
+        .edges = s->edges,
+        .edge_count = s->edge_count,
+        .triangles = s->triangles,
+        .triangle_count = s->triangle_count,
+        .search = work->settings->search,
+    };
+    return wisp_crossings_find( &s->intersections->crossings, work->parallel, &job, error );
+}
+
+bool contact_is_forbidden( const contact_work* work, const wisp_crossing* crossing )
+{
+    const contact_soup* s = work->soup;
+    return contact_may_meet( contact_guest_of( work, s->edges[2 * (size_t)crossing->edge] ),
+                             contact_guest_of( work, s->triangles[3 * (size_t)crossing->triangle] ) );
+}
+
+static void mark( contact_soup* s, const wisp_crossing* crossing )
+{
+    uint8_t* is_tangled = s->intersections->is_tangled;
+    for ( size_t i = 0; i < 2; ++i )
+    {
+        is_tangled[s->edges[2 * (size_t)crossing->edge + i]] = 1;
+    }
+    for ( size_t i = 0; i < 3; ++i )
+    {
+        is_tangled[s->triangles[3 * (size_t)crossing->triangle + i]] = 1;
+    }
+}
+
+wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error )
+{
+    contact_soup* s = work->soup;
+    const wisp_crossings* crossings = &s->intersections->crossings;
+    memset( s->intersections->is_tangled, 0, (size_t)s->point_count );
+    if ( work->memory->tangled == 0 || contact_has_samples( work ) )
+    {
+        work->memory->tangled = 0; // boundary particles have no intersections
+        return WISP_OK;
+    }
+    const wisp_status status = contact_find_crossings( work, s->intersection_free, error );
+    int count = 0;
+    for ( int c = 0; c < crossings->count && status == WISP_OK; ++c )
+    {
+        if ( contact_is_forbidden( work, crossings->list + c ) )
+        {
+            mark( s, crossings->list + c );
+            count += 1;
+        }
+    }
+    work->memory->figures.tangled = count;
+    work->memory->tangled = status == WISP_OK && count == 0 ? 0 : 1;
+    return status;
+}

@@ -1,0 +1,363 @@
+// Untangling: surfaces that intersect are drawn apart. In: intersections, positions. Out: a step of their points that gives no velocity.
+//
+// - Where the intersecting edges cut a surface in two, the smaller part went through. Its edges are drawn back to the side of the
+//   larger part (after Baraff, Witkin and Kass 2003, "Untangling cloth").
+// - Elsewhere edge and triangle move in the direction in which the line of intersection shrinks (Volino and Magnenat-Thalmann
+//   2006, "Resolving surface collisions through intersection contour minimization").
+//
+// Each intersection asks for a quarter of the thickness per substep, and a point moves by one thickness at most. Points that are drawn
+// go on with their common mean velocity.
+#include "untangling.h"
+
+#include "intersections.h"
+
+#include <string.h>
+
+// In thicknesses per substep, of an intersection and of a point.
+static const float STEP = 0.25f, MOST_STEP = 1.0f;
+
+// ---- the triangles of an edge ----
+
+static bool find_faces( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    const size_t bytes = (size_t)s->edge_count * sizeof( *s->untangling->faces );
+    if ( s->untangling->has_faces )
+    {
+        return true;
+    }
+    if ( contact_reserve( work, &s->untangling->buffer, bytes, (void**)&s->untangling->faces ) == false )
+    {
+        return false;
+    }
+    memset( s->untangling->faces, -1, bytes );
+    for ( int g = 0; g < work->guest_count; ++g )
+    {
+        const contact_guest* guest = work->guests + g;
+        for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+        {
+            const int32_t* corner = s->triangles + 3 * (size_t)t;
+            for ( int side = 0; side < 3; ++side )
+            {
+                const int a = corner[side], b = corner[( side + 1 ) % 3];
+                int32_t* faces = s->untangling->faces[contact_find_edge( s, guest, a < b ? a : b, a < b ? b : a )];
+                faces[faces[0] >= 0 ? 1 : 0] = t;
+            }
+        }
+    }
+    s->untangling->has_faces = true;
+    return true;
+}
+
+// ---- vectors ----
+
+typedef struct vector
+{
+    double x, y, z;
+} vector;
+
+static vector between( const float* a, const float* b )
+{
+    return ( vector ){ (double)b[0] - (double)a[0], (double)b[1] - (double)a[1], (double)b[2] - (double)a[2] };
+}
+
+static double dot( vector a, vector b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vector cross( vector a, vector b )
+{
+    return ( vector ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+}
+
+static vector scaled( vector a, double s )
+{
+    return ( vector ){ s * a.x, s * a.y, s * a.z };
+}
+
+static vector sum( vector a, vector b )
+{
+    return ( vector ){ a.x + b.x, a.y + b.y, a.z + b.z };
+}
+
+static vector unit( vector a )
+{
+    const double length = sqrt( dot( a, a ) );
+    return length > 0.0 ? scaled( a, 1.0 / length ) : a;
+}
+
+static const float* point_at( const contact_soup* s, int point )
+{
+    return s->intersection_free + (size_t)point * 4;
+}
+
+static vector normal_of( const contact_soup* s, const int32_t* t )
+{
+    const float* a = point_at( s, t[0] );
+    return unit( cross( between( a, point_at( s, t[1] ) ), between( a, point_at( s, t[2] ) ) ) );
+}
+
+// Return the corner of a triangle that an edge does not have.
+static int opposite( const int32_t* t, const int32_t* edge )
+{
+    for ( int i = 0; i < 3; ++i )
+    {
+        if ( t[i] != edge[0] && t[i] != edge[1] )
+        {
+            return t[i];
+        }
+    }
+    return t[0];
+}
+
+// ---- directions ----
+
+// Return the direction in which the line of intersection shrinks (Volino and Magnenat-Thalmann 2006).
+static vector direction_of( const contact_soup* s, const wisp_crossing* crossing )
+{
+    const int32_t* edge = s->edges + 2 * (size_t)crossing->edge;
+    const vector along = unit( between( point_at( s, edge[0] ), point_at( s, edge[1] ) ) );
+    const vector normal = normal_of( s, s->triangles + 3 * (size_t)crossing->triangle );
+    const double slope = dot( along, normal );
+    vector out = { 0.0, 0.0, 0.0 };
+    for ( int i = 0; i < 2 && fabs( slope ) > 1e-6; ++i )
+    {
+        const int32_t face = s->untangling->faces[crossing->edge][i];
+        if ( face < 0 )
+        {
+            continue;
+        }
+        const int32_t* t = s->triangles + 3 * (size_t)face;
+        const vector inward = between( point_at( s, edge[0] ), point_at( s, opposite( t, edge ) ) );
+        vector line = unit( cross( normal_of( s, t ), normal ) );
+        // into the triangle: away from its edge, towards the third corner
+        const vector across = sum( inward, scaled( along, -dot( inward, along ) ) );
+        line = dot( line, across ) < 0.0 ? scaled( line, -1.0 ) : line;
+        out = sum( out, sum( line, scaled( normal, -2.0 * dot( along, line ) / slope ) ) );
+    }
+    return out;
+}
+
+// The points of an intersection, with barycentric weights: of the edge first, those of the triangle negative.
+typedef struct weighted_points
+{
+    int32_t point[5];
+    float weight[5];
+} weighted_points;
+
+static weighted_points weigh( const contact_soup* s, const wisp_crossing* crossing )
+{
+    const int32_t *edge = s->edges + 2 * (size_t)crossing->edge, *t = s->triangles + 3 * (size_t)crossing->triangle;
+    const vector normal = normal_of( s, t );
+    const double p = dot( normal, between( point_at( s, t[0] ), point_at( s, edge[0] ) ) );
+    const double q = dot( normal, between( point_at( s, t[0] ), point_at( s, edge[1] ) ) );
+    const float at = p != q ? (float)( p / ( p - q ) ) : 0.5f;
+    const float third = 1.0f / 3.0f; // where in the triangle the edge passes hardly matters
+    return ( weighted_points ){
+        .point = { edge[0], edge[1], t[0], t[1], t[2] },
+        .weight = { 1.0f - at, at, -third, -third, -third },
+    };
+}
+
+// ---- steps of points ----
+
+// Sum of the steps that all intersections of a point ask for, m. It is bounded by MOST_STEP: many together would throw the point.
+typedef struct point_step
+{
+    float way[3];
+} point_step;
+
+// Add the step of an intersection to its points, distributed so that momentum is kept.
+static void add_step( contact_soup* s, point_step* steps, const wisp_crossing* crossing, vector direction )
+{
+    const double length = sqrt( dot( direction, direction ) );
+    const weighted_points row = weigh( s, crossing );
+    float weights = 0.0f;
+    for ( int i = 0; i < 5; ++i )
+    {
+        weights += s->now[(size_t)row.point[i] * 4 + 3] * row.weight[i] * row.weight[i];
+    }
+    if ( !( length > 0.0 ) || !( weights > 0.0f ) )
+    {
+        return;
+    }
+    const double step = (double)( STEP * s->least_thickness ) * ( length < 1.0 ? length : 1.0 );
+    const vector by = scaled( direction, step / ( length * (double)weights ) );
+    for ( int i = 0; i < 5; ++i )
+    {
+        point_step* a = steps + row.point[i];
+        const float share = s->now[(size_t)row.point[i] * 4 + 3] * row.weight[i];
+        a->way[0] += share * (float)by.x;
+        a->way[1] += share * (float)by.y;
+        a->way[2] += share * (float)by.z;
+    }
+}
+
+static bool has_step( const contact_soup* s, const point_step* steps, int i )
+{
+    const float* way = steps[i].way;
+    return s->now[(size_t)i * 4 + 3] > 0.0f && ( way[0] != 0.0f || way[1] != 0.0f || way[2] != 0.0f );
+}
+
+// Compute the mean displacement in this substep of all points with a step, weighted by mass.
+static void find_mean_way( const contact_soup* s, const point_step* steps, float mean[3] )
+{
+    double sum[3] = { 0.0, 0.0, 0.0 }, mass = 0.0;
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        const float* now = s->now + (size_t)i * 4;
+        const double m = has_step( s, steps, i ) ? 1.0 / (double)now[3] : 0.0;
+        mass += m;
+        for ( int k = 0; k < 3; ++k )
+        {
+            const size_t at = (size_t)i * 4 + (size_t)k;
+            sum[k] += m * (double)( now[k] - s->intersection_free[at] - s->shift[at] );
+        }
+    }
+    for ( int k = 0; k < 3; ++k )
+    {
+        mean[k] = mass > 0.0 ? (float)( sum[k] / mass ) : 0.0f;
+    }
+}
+
+// Apply the steps. Points with a step get their mean velocity, which keeps momentum: a velocity of each would oscillate with the
+// constraints between them.
+static void apply_steps( contact_soup* s, const point_step* steps )
+{
+    const float most = MOST_STEP * s->least_thickness;
+    float mean[3];
+    find_mean_way( s, steps, mean );
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        const float* way = steps[i].way;
+        const float length = sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
+        const float share = length > most ? most / length : 1.0f;
+        for ( size_t k = 0, at = (size_t)i * 4; k < 3 && has_step( s, steps, i ); ++k )
+        {
+            s->now[at + k] += share * way[k];
+            s->shift[at + k] = s->now[at + k] - s->intersection_free[at + k] - mean[k];
+        }
+    }
+}
+
+// ---- parts of a surface ----
+
+// Find the root of a point, with path halving (union-find).
+static int32_t root_of( int32_t* parent, int32_t point )
+{
+    while ( parent[point] != point )
+    {
+        parent[point] = parent[parent[point]];
+        point = parent[point];
+    }
+    return point;
+}
+
+// Unite two sets. The lower index becomes the root, whatever the order of calls.
+static void unite( int32_t* parent, int32_t a, int32_t b )
+{
+    a = root_of( parent, a );
+    b = root_of( parent, b );
+    parent[a < b ? b : a] = a < b ? a : b;
+}
+
+typedef struct parts
+{
+    int32_t *whole, *cut;  // [point] roots: of a connected surface, and of its parts without intersecting edges
+    int32_t *size, *major; // [point] of a cut root: points; of a whole root: its largest part
+} parts;
+
+// Find the parts into which intersecting edges cut each surface, and the largest of each.
+static bool find_parts( const contact_work* work, parts* p )
+{
+    const contact_soup* s = work->soup;
+    const size_t count = (size_t)s->point_count;
+    int32_t* numbers = wisp_parallel_scratch( work->parallel, work->worker, 4 * count * sizeof( int32_t ) );
+    if ( numbers == NULL )
+    {
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory for the parts of %d points", s->point_count );
+        return false;
+    }
+    *p = ( parts ){ numbers, numbers + count, numbers + 2 * count, numbers + 3 * count };
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        p->whole[i] = p->cut[i] = i;
+        p->size[i] = 0;
+        p->major[i] = -1;
+    }
+    int next = 0; // intersections come in the order of edges
+    for ( int e = 0; e < s->edge_count; ++e )
+    {
+        const int32_t* ends = s->edges + 2 * (size_t)e;
+        bool is_crossed = false;
+        for ( ; next < s->intersections->crossings.count && s->intersections->crossings.list[next].edge == e; ++next )
+        {
+            is_crossed = is_crossed || contact_is_forbidden( work, s->intersections->crossings.list + next );
+        }
+        unite( p->whole, ends[0], ends[1] );
+        if ( is_crossed == false )
+        {
+            unite( p->cut, ends[0], ends[1] );
+        }
+    }
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        p->size[root_of( p->cut, i )] += 1;
+    }
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        const int32_t whole = root_of( p->whole, i );
+        const bool is_larger = p->major[whole] < 0 || p->size[i] > p->size[p->major[whole]];
+        p->major[whole] = is_larger ? i : p->major[whole];
+    }
+    return true;
+}
+
+static bool is_minor( const parts* p, int point )
+{
+    return root_of( p->cut, point ) != p->major[root_of( p->whole, point )];
+}
+
+// Return the direction of the edge relative to the triangle: towards the larger part, if the edge connects two parts; none if the
+// triangle does, because its own edges move; else the one that shrinks the line of intersection.
+static vector way_back( const contact_soup* s, const parts* p, const wisp_crossing* crossing )
+{
+    const int32_t *edge = s->edges + 2 * (size_t)crossing->edge, *t = s->triangles + 3 * (size_t)crossing->triangle;
+    const bool first = is_minor( p, edge[0] ), second = is_minor( p, edge[1] );
+    if ( first != second )
+    {
+        const vector normal = normal_of( s, t );
+        const double side = dot( normal, between( point_at( s, t[0] ), point_at( s, edge[first ? 1 : 0] ) ) );
+        return scaled( normal, side < 0.0 ? -1.0 : 1.0 );
+    }
+    const bool a = is_minor( p, t[0] ), b = is_minor( p, t[1] ), c = is_minor( p, t[2] );
+    return a == b && b == c ? direction_of( s, crossing ) : ( vector ){ 0.0, 0.0, 0.0 };
+}
+
+void contact_untangle( const contact_work* work )
+{
+    contact_soup* s = work->soup;
+    parts p;
+    if ( work->memory->tangled == 0 || find_parts( work, &p ) == false )
+    {
+        return;
+    }
+    const size_t bytes = (size_t)s->point_count * sizeof( point_step );
+    point_step* steps = wisp_parallel_scratch( work->parallel, work->worker, bytes );
+    if ( steps == NULL || find_faces( work ) == false )
+    {
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to untangle %d edges", s->edge_count );
+        return;
+    }
+    memset( steps, 0, bytes );
+    for ( int c = 0; c < s->intersections->crossings.count; ++c )
+    {
+        if ( contact_is_forbidden( work, s->intersections->crossings.list + c ) )
+        {
+            add_step( s, steps, s->intersections->crossings.list + c,
+                      way_back( s, &p, s->intersections->crossings.list + c ) );
+        }
+    }
+    apply_steps( s, steps );
+}
