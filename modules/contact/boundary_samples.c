@@ -1,6 +1,6 @@
-// Boundary particles: vertices, and points on edges and in triangles with barycentric weights. In: rest shapes. Out: parents, weights and
-// rest positions. Balls around them stand for the surface. That is several times cheaper than primitives, and lets pass what
-// is finer than their spacing.
+// Boundary particles: vertices, and points on edges and in triangles with barycentric weights. In: rest shapes. Out:
+// parents, weights and rest positions. Balls around them stand for the surface. That is several times cheaper than
+// primitives, and lets pass what is finer than their spacing.
 #include "boundary_samples.h"
 
 #include <string.h>

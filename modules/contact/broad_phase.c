@@ -1,10 +1,11 @@
-// Broad phase: which clusters (or boundary particles) may come near each other before the next search. In: intersection-free
-// positions and predicted motions. Out: the list of pairs with their cached bounds, or of pairs of particles.
+// Broad phase: which clusters (or boundary particles) may come near each other before the next search. In:
+// intersection-free positions and predicted motions. Out: the list of pairs with their cached bounds, or of pairs of
+// particles.
 //
-// The box of a cluster holds it as long as it keeps to its predicted motion within its margin, in a frame that moves with the mean
-// of all points. Pairs are the overlaps of such boxes, found by a grid or a tree (wisp/box_pairs.h). With too many overlaps
-// the margins are halved until the list fits; displacements must then stay within them (displacement_limit.c). A cloth that
-// folds is searched about twice per step; a thousand clusters cost 0.3 ms.
+// The box of a cluster holds it as long as it keeps to its predicted motion within its margin, in a frame that moves
+// with the mean of all points. Pairs are the overlaps of such boxes, found by a grid or a tree (wisp/box_pairs.h).
+// With too many overlaps the margins are halved until the list fits; displacements must then stay within them
+// (displacement_limit.c). A cloth that folds is searched about twice per step; a thousand clusters cost 0.3 ms.
 #include "broad_phase.h"
 
 #include "cached_bounds.h"

@@ -1,9 +1,11 @@
-// Cached bounds: of each pair of clusters a lower bound of the distance of its primitives, less their gap. In: overlaps of the broad
-// phase; displacements of clusters. Out: the pairs that may reach their gap in this substep, for the narrow phase.
+// Cached bounds: of each pair of clusters a lower bound of the distance of its primitives, less their gap. In:
+// overlaps of the broad phase; displacements of clusters. Out: the pairs that may reach their gap in this substep,
+// for the narrow phase.
 //
-// A bound that was measured shrinks in each substep by the most that the two clusters approached each other. A pair is active when
-// its bound may be used up in this substep, which in a folded cloth is one pair in eight. Bounds outlive searches. This is
-// temporal coherence in the manner of conservative advancement (Mirtich 1996), with pairs of clusters for pairs of bodies.
+// A bound that was measured shrinks in each substep by the most that the two clusters approached each other. A pair
+// is active when its bound may be used up in this substep, which in a folded cloth is one pair in eight. Bounds
+// outlive searches. This is temporal coherence in the manner of conservative advancement (Mirtich 1996), with pairs
+// of clusters for pairs of bodies.
 #include "cached_bounds.h"
 
 #include "clusters.h"

@@ -5,7 +5,8 @@
 
 #include "wisp/module/box_pairs.h"
 
-/// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in rising order.
+/// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in
+/// rising order.
 typedef struct contact_cluster_pairs
 {
     int32_t* begin;   // [cluster + 1]

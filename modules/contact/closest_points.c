@@ -1,6 +1,6 @@
-// Closest points of a point and a triangle, or of two edges, eight pairs per kernel call. In: positions and the points of pairs. Out:
-// distances, barycentric weights of the closest points, and the unit vector between them. The kernels
-// closest_triangle and closest_segments do the work (engine/kernels).
+// Closest points of a point and a triangle, or of two edges, eight pairs per kernel call. In: positions and the
+// points of pairs. Out: distances, barycentric weights of the closest points, and the unit vector between them. The
+// kernels closest_triangle and closest_segments do the work (engine/kernels).
 #include "closest_points.h"
 
 const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,

@@ -1,7 +1,7 @@
-// Clusters: the contact mesh cut into groups of eight triangles (of eight segments of a strand), so that culling and bounds work on
-// pairs of clusters. In: rest positions. Out: packs of eight primitives, lists of points, owners of each point. Triangles are
-// cut by recursive bisection at the median of the widest axis, as in a bounding volume hierarchy; meshoptimizer calls such
-// groups clusters.
+// Clusters: the contact mesh cut into groups of eight triangles (of eight segments of a strand), so that culling and
+// bounds work on pairs of clusters. In: rest positions. Out: packs of eight primitives, lists of points, owners of
+// each point. Triangles are cut by recursive bisection at the median of the widest axis, as in a bounding volume
+// hierarchy; meshoptimizer calls such groups clusters.
 #include "clusters.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
-// Colouring: constraints in blocks of 64 that one worker projects from first to last, coloured greedily so that blocks of one colour
-// share no point. In: rows. Out: blocks in the order of their colours. Blocks do not depend on the number of workers.
+// Colouring: constraints in blocks of 64 that one worker projects from first to last, coloured greedily so that
+// blocks of one colour share no point. In: rows. Out: blocks in the order of their colours. Blocks do not depend on
+// the number of workers.
 #include "colouring.h"
 
 #include "constraints.h"
@@ -34,7 +35,8 @@ static void clear_colours( contact_soup* s )
     }
 }
 
-// Take the lowest colour that no point of the block has yet. Blocks without one get the last colour, which runs serially.
+// Take the lowest colour that no point of the block has yet. Blocks without one get the last colour, which runs
+// serially.
 static int colour_block( contact_soup* s, int begin, int end )
 {
     uint64_t taken = 0;

@@ -1,14 +1,15 @@
-// Constraints: a separating plane for each active pair. In: active pairs in any order. Out: rows with points, weights, normal, gap, in the
-// order of their primitives.
+// Constraints: a separating plane for each active pair. In: active pairs in any order. Out: rows with points,
+// weights, normal, gap, in the order of their primitives.
 //
-// The closest points of two convex primitives have a plane between them that separates the primitives as a whole. It is found at the
-// intersection-free positions, the end of the substep before, and holds for the substep. So a point on the wrong side in the
-// middle of a substep does not turn it round. With weights s_i (those of the second side negative),
+// The closest points of two convex primitives have a plane between them that separates the primitives as a whole. It
+// is found at the intersection-free positions, the end of the substep before, and holds for the substep. So a point
+// on the wrong side in the middle of a substep does not turn it round. With weights s_i (those of the second side
+// negative),
 //
 //   C = n . sum s_i x_i - gap >= 0
 //
-// The gap is half the sum of the thicknesses, less where the pair is closer at rest, and never more than the distance at
-// the intersection-free positions: so contact takes away approach and adds no energy.
+// The gap is half the sum of the thicknesses, less where the pair is closer at rest, and never more than the distance
+// at the intersection-free positions: so contact takes away approach and adds no energy.
 #include "constraints.h"
 
 #include "boundary_samples.h"

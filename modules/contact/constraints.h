@@ -3,8 +3,8 @@
 
 #include "contact_mesh.h"
 
-/// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated corrections. The
-/// distance along the normal is linear in the points; the first `split` of them are one side.
+/// A constraint in a substep: the plane between a pair at its intersection-free positions, and the accumulated
+/// corrections. The distance along the normal is linear in the points; the first `split` of them are one side.
 typedef struct contact_row
 {
     int32_t a, b; // the primitives

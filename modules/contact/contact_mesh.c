@@ -1,5 +1,6 @@
-// The contact mesh: one numbering for the points, edges and triangles of all participants. In: topology and rest shape of cloth,
-// balloons and strands. Out: the arrays of contact_soup; positions are gathered each substep (gather_scatter.c).
+// The contact mesh: one numbering for the points, edges and triangles of all participants. In: topology and rest
+// shape of cloth, balloons and strands. Out: the arrays of contact_soup; positions are gathered each substep
+// (gather_scatter.c).
 #include "contact_mesh.h"
 
 #include <string.h>

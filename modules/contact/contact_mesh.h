@@ -1,7 +1,8 @@
-// The contact mesh: points, edges and triangles of all participants in one numbering, and what the stages of contact share.
+// The contact mesh: points, edges and triangles of all participants in one numbering, and what the stages of contact
+// share.
 //
-// Each stage keeps its data in a struct of its own, which is defined in the header of the stage. A file includes the headers of
-// the stages that it uses. Includes go one way, in the order in which a substep runs.
+// Each stage keeps its data in a struct of its own, which is defined in the header of the stage. A file includes the
+// headers of the stages that it uses. Includes go one way, in the order in which a substep runs.
 #pragma once
 
 #include "contact.h"
@@ -56,8 +57,8 @@ enum
     CONTACT_MESH_ARRAY_COUNT,
 };
 
-/// The contact mesh. It is a function of the columns of the participants, built again after those changed from outside. Which
-/// pairs are in the lists of the stages depends on the past; which pairs become constraints does not.
+/// The contact mesh. It is a function of the columns of the participants, built again after those changed from
+/// outside. Which pairs are in the lists of the stages depends on the past; which pairs become constraints does not.
 typedef struct contact_soup
 {
     int point_count, edge_count, triangle_count;

@@ -93,7 +93,8 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
     return s->figures != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
-// Declare each pass twice: with strands it also waits for the passes of strands, which then leave their own loop over groups.
+// Declare each pass twice: with strands it also waits for the passes of strands, which then leave their own loop over
+// groups.
 static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool strands )
 {
     const wisp_component beside = strands ? WISP_STRAND_POSITION : 0, before = strands ? WISP_STRAND_PREVIOUS : 0;
@@ -231,8 +232,8 @@ wisp_status wisp_want_contact_figures( wisp_world* world, bool wanted, bool coun
     wisp_status status = contact_find_state( world, &state );
     if ( status == WISP_OK && state->guest_count > 0 )
     {
-        status = wanted ? wisp_want( world, state->meeting, state->figures )
-                        : wisp_unwant( world, state->meeting, state->figures );
+        status = wanted ? wisp_want( world, state->mesh_entity, state->figures )
+                        : wisp_unwant( world, state->mesh_entity, state->figures );
     }
     if ( status == WISP_OK )
     {
@@ -249,8 +250,8 @@ static wisp_status find_figures( wisp_world* world, contact_state** state, const
     {
         return status;
     }
-    *out =
-        ( *state )->guest_count > 0 ? wisp_world_column( world, ( *state )->meeting, ( *state )->figures, 0 ) : NULL;
+    *out = ( *state )->guest_count > 0 ? wisp_world_column( world, ( *state )->mesh_entity, ( *state )->figures, 0 )
+                                       : NULL;
     return *out != NULL && ( *out )->guests > 0
                ? WISP_OK
                : wisp_world_fail(

@@ -1,5 +1,6 @@
-// Participants: which entities take part in contact, and how. In: wisp_contact_def. Out: components of the entity, its row in
-// `guests`. All participants meet at one entity of their own, whose passes work on the contact mesh. It exists while there are any.
+// Participants: which entities take part in contact, and how. In: wisp_contact_def. Out: components of the entity,
+// its row in `guests`. All participants meet at one entity of their own, whose passes work on the contact mesh. It
+// exists while there are any.
 #include "contact_state.h"
 
 #include <string.h>
@@ -51,13 +52,13 @@ void contact_forget_guest( wisp_world* world, contact_state* state, int number )
     state->changed = true;
     if ( has_strands( state ) == false )
     {
-        wisp_world_detach( world, state->meeting, state->touches );
+        wisp_world_detach( world, state->mesh_entity, state->touches );
     }
     if ( state->guest_count == 0 )
     {
-        wisp_unwant( world, state->meeting, state->result );
-        wisp_unwant( world, state->meeting, state->figures );
-        wisp_world_detach( world, state->meeting, state->active );
+        wisp_unwant( world, state->mesh_entity, state->result );
+        wisp_unwant( world, state->mesh_entity, state->figures );
+        wisp_world_detach( world, state->mesh_entity, state->active );
     }
 }
 
@@ -161,29 +162,30 @@ static bool make_room( wisp_world* world, contact_state* state )
 }
 
 // Make sure that there is an entity whose passes work on the contact mesh.
-static wisp_status open_meeting( wisp_world* world, contact_state* state, bool strands )
+static wisp_status add_mesh_entity( wisp_world* world, contact_state* state, bool strands )
 {
     wisp_status status = WISP_OK;
-    if ( wisp_is_alive( world, state->meeting ) == false )
+    if ( wisp_is_alive( world, state->mesh_entity ) == false )
     {
-        status = wisp_world_add_plain( world, &state->meeting );
+        status = wisp_world_add_plain( world, &state->mesh_entity );
     }
-    status = status == WISP_OK ? wisp_world_attach( world, state->meeting, state->active ) : status;
-    status = status == WISP_OK && strands ? wisp_world_attach( world, state->meeting, state->touches ) : status;
-    status = status == WISP_OK ? wisp_want( world, state->meeting, state->result ) : status;
-    return status == WISP_OK && state->wants_figures ? wisp_want( world, state->meeting, state->figures ) : status;
+    status = status == WISP_OK ? wisp_world_attach( world, state->mesh_entity, state->active ) : status;
+    status = status == WISP_OK && strands ? wisp_world_attach( world, state->mesh_entity, state->touches ) : status;
+    status = status == WISP_OK ? wisp_want( world, state->mesh_entity, state->result ) : status;
+    return status == WISP_OK && state->wants_figures ? wisp_want( world, state->mesh_entity, state->figures )
+                                                     : status;
 }
 
-// Undo open_meeting() after a failure, unless others take part.
-static void close_meeting( wisp_world* world, contact_state* state )
+// Undo add_mesh_entity() after a failure, unless others take part.
+static void remove_mesh_entity( wisp_world* world, contact_state* state )
 {
-    if ( has_strands( state ) == false && wisp_is_alive( world, state->meeting ) )
+    if ( has_strands( state ) == false && wisp_is_alive( world, state->mesh_entity ) )
     {
-        wisp_world_detach( world, state->meeting, state->touches );
+        wisp_world_detach( world, state->mesh_entity, state->touches );
     }
-    if ( state->guest_count == 0 && wisp_is_alive( world, state->meeting ) )
+    if ( state->guest_count == 0 && wisp_is_alive( world, state->mesh_entity ) )
     {
-        wisp_remove( world, state->meeting );
+        wisp_remove( world, state->mesh_entity );
     }
 }
 
@@ -205,13 +207,13 @@ static wisp_status add_guest( wisp_world* world, contact_state* state, wisp_enti
                                 state->guest_count + 1 );
     }
     wisp_status status = attach_components( world, state, guest, positions );
-    status = status == WISP_OK ? open_meeting( world, state, strands ) : status;
+    status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )
     {
         wisp_unwant( world, guest, positions );
         wisp_world_detach( world, guest, positions );
         wisp_world_detach( world, guest, state->components.settings );
-        close_meeting( world, state );
+        remove_mesh_entity( world, state );
         return status;
     }
     state->guests[state->guest_count++] = ( contact_guest ){ .entity = guest, .is_strands = strands };

@@ -1,9 +1,9 @@
 // The passes of contact: the order of the stages in a substep.
 //
-//   contact.find   gather; predict displacements; mark intersections after a reset; broad phase when the lists do not hold; narrow
-//                  phase; constraints; colouring
-//   contact.push   gather; project; in the last iteration recover, untangle, limit displacements; scatter
-//   contact.keep   store what a participant needs for the next substep
+//   contact.find     gather; predict displacements; mark intersections after a reset; broad phase when the lists do
+//                    not hold; narrow phase; constraints; colouring
+//   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
+//   contact.keep     store the intersection-free positions of a participant
 //   contact.figures  statistics, on request
 #include "contact_state.h"
 
@@ -100,7 +100,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const bool holds = is_new == false && reached != CONTACT_BEYOND && contact_lists_too_many( &work ) == false;
+    const bool holds = is_new == false && reached != CONTACT_BEYOND && contact_margins_are_wide( &work ) == false;
     if ( holds || run_stage( &work, contact_search ) )
     {
         (void)( run_stage( &work, contact_find_rows ) && run_stage( &work, contact_colour_rows ) );
@@ -109,8 +109,8 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- contact.push ----
 
-// Limit displacements. Points that left their tolerance may lack constraints: those are found first, from where the points went. Points
-// that are cut leave their tolerance again, so this repeats until none does.
+// Limit displacements. Points that left their tolerance may lack constraints: those are found first, from where the
+// points went. Points that are cut leave their tolerance again, so this repeats until none does.
 static void limit_displacements( const contact_work* work )
 {
     enum

@@ -17,12 +17,12 @@
 typedef struct contact_state
 {
     contact_components components;
-    wisp_component active;  // contact_memory, of the entity `meeting`, while there are participants
-    wisp_component touches; // of `meeting`: strands take part
-    wisp_component pairs;   // written by contact.find, read by contact.push
-    wisp_component result;  // requested of `meeting`
-    wisp_component figures; // wisp_contact_figures, on request
-    wisp_entity meeting;    // the entity whose passes work on the contact mesh
+    wisp_component active;   // contact_memory, of the entity `mesh_entity`, while there are participants
+    wisp_component touches;  // of `mesh_entity`: strands take part
+    wisp_component pairs;    // written by contact.find, read by contact.push
+    wisp_component result;   // requested of `mesh_entity`
+    wisp_component figures;  // wisp_contact_figures, on request
+    wisp_entity mesh_entity; // the entity whose passes work on the contact mesh
     contact_guest* guests;
     int guest_count, guest_capacity;
     wisp_contact_settings world;

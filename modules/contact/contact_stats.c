@@ -1,5 +1,5 @@
-// Statistics. In: the rows of a substep, positions at the end of a step. Out: wisp_contact_figures. They are requested rarely, so these are
-// scalar loops in double precision, in the order of the rows.
+// Statistics. In: the rows of a substep, positions at the end of a step. Out: wisp_contact_figures. They are
+// requested rarely, so these are scalar loops in double precision, in the order of the rows.
 #include "contact_stats.h"
 
 #include "boundary_samples.h"
@@ -9,7 +9,8 @@
 
 #include <string.h>
 
-// Add the impulse of a row: its accumulated corrections, divided by the sum of weighted inverse masses and by the time.
+// Add the impulse of a row: its accumulated corrections, divided by the sum of weighted inverse masses and by the
+// time.
 static void add_row( const contact_work* work, const contact_row* row, double* sum )
 {
     const contact_soup* s = work->soup;
@@ -68,7 +69,8 @@ static float distance_now( const contact_work* work, const contact_row* row )
     return sqrtf( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
 }
 
-// Return the smallest distance at the end, in gaps, over the rows of the last substep: all other pairs are farther than their gap.
+// Return the smallest distance at the end, in gaps, over the rows of the last substep: all other pairs are farther
+// than their gap.
 static float least_gap( const contact_work* work )
 {
     const contact_soup* s = work->soup;

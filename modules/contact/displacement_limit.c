@@ -1,11 +1,11 @@
-// Displacement limit: nothing passes through (the role of the step limit in IPC, Li et al. 2020). In: rows, displacements since the
-// intersection-free positions. Out: the fraction of its displacement that each point keeps.
+// Displacement limit: nothing passes through (the role of the step limit in IPC, Li et al. 2020). In: rows,
+// displacements since the intersection-free positions. Out: the fraction of its displacement that each point keeps.
 //
-// Distances to a plane are linear in time. So two convex primitives that end on their sides of the plane between them have not met.
-// Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is less), the displacements of
-// its points are cut. A cut may bring other pairs together, so tests and cuts go on in rounds until no plane is passed. They
-// end, because points without displacement pass nothing. A cut loses momentum. Pinned points are not cut; where they are driven
-// through a surface it is marked as tangled (untangling.c).
+// Distances to a plane are linear in time. So two convex primitives that end on their sides of the plane between them
+// have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is
+// less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
+// rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
+// Pinned points are not cut; where they are driven through a surface it is marked as tangled (untangling.c).
 #include "displacement_limit.h"
 
 #include "broad_phase.h"

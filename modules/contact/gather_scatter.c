@@ -1,5 +1,6 @@
-// Gather and scatter: positions between the columns of the participants and the contact mesh. In: position, previous position and
-// inverse mass of particles and strands. Out: `now` and `intersection_free` of the mesh; after the projections, the columns.
+// Gather and scatter: positions between the columns of the participants and the contact mesh. In: position, previous
+// position and inverse mass of particles and strands. Out: `now` and `intersection_free` of the mesh; after the
+// projections, the columns.
 #include "gather_scatter.h"
 
 #include <stdatomic.h>
@@ -87,11 +88,10 @@ typedef struct gather_loop
 {
     const contact_work* work;
     const contact_guest* guest;
-    const float* position; // [vertex][4]; null if gathered already
-    const float*
-        intersection_free; // [vertex][4], column of intersection-free positions; null except at the start of a substep
-    const float* start;    // [vertex][4], previous positions; likewise
-    _Atomic bool is_restored; // the column differs from the mesh: it was written from outside
+    const float* position;          // [vertex][4]; null if gathered already
+    const float* intersection_free; // [vertex][4], of its column; null except at the start of a substep
+    const float* start;             // [vertex][4], previous positions; likewise
+    _Atomic bool is_restored;       // the column differs from the mesh: it was written from outside
     _Atomic bool has_jumped;
 } gather_loop;
 
@@ -109,8 +109,8 @@ static void copy_points( gather_loop* loop, int begin, int end )
     }
 }
 
-// Return whether a point starts elsewhere than it ended: the user moved it, or its entity was restored. Less than half a thickness
-// counts as ordinary displacement. NaN counts as elsewhere.
+// Return whether a point starts elsewhere than it ended: the user moved it, or its entity was restored. Less than
+// half a thickness counts as ordinary displacement. NaN counts as elsewhere.
 static bool is_elsewhere( const contact_soup* s, const float* start, const float* intersection_free )
 {
     const float most = 0.5f * s->least_thickness;
@@ -156,7 +156,8 @@ static void gather_points( void* context, int begin, int end, int worker )
     }
 }
 
-// Find the positions at the start of the substep. A halted participant does not move, so its previous positions do not count.
+// Find the positions at the start of the substep. A halted participant does not move, so its previous positions do
+// not count.
 static const float* find_start( const contact_work* work, const contact_guest* guest )
 {
     const bool is_strands = guest->is_strands;
@@ -253,8 +254,8 @@ typedef struct scatter_loop
     bool is_end;
 } scatter_loop;
 
-// The inverse mass in the fourth place stays the entity's own. Points without inverse mass did not move. The shift of recovery and
-// untangling goes to the previous position too, so that it gives no velocity.
+// The inverse mass in the fourth place stays the entity's own. Points without inverse mass did not move. The shift of
+// recovery and untangling goes to the previous position too, so that it gives no velocity.
 static void scatter_points( void* context, int begin, int end, int worker )
 {
     (void)worker;

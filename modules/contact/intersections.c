@@ -1,6 +1,6 @@
-// Intersections: edges that pass through triangles, found exactly (wisp/crossings.h). In: positions. Out: the list of intersections; the
-// points of those between participants that are kept apart are marked. Constraints between marked points are dropped, because
-// their plane would have no right side, and untangling.c draws them apart.
+// Intersections: edges that pass through triangles, found exactly (wisp/crossings.h). In: positions. Out: the list of
+// intersections; the points of those between participants that are kept apart are marked. Constraints between marked
+// points are dropped, because their plane would have no right side, and untangling.c draws them apart.
 #include "intersections.h"
 
 #include <string.h>

@@ -1,10 +1,10 @@
-// Narrow phase: which primitives of two clusters may reach their gap in this substep. In: active pairs of clusters. Out: active pairs of
-// primitives, and a new bound for each pair of clusters.
+// Narrow phase: which primitives of two clusters may reach their gap in this substep. In: active pairs of clusters.
+// Out: active pairs of primitives, and a new bound for each pair of clusters.
 //
-// - Two clusters that a plane separates widely enough need no more: a plane across the line between their boxes, or across the
-//   normal of either.
-// - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across the line
-//   between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly.
+// - Two clusters that a plane separates widely enough need no more: a plane across the line between their boxes, or
+//   across the normal of either.
+// - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across
+//   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly.
 // - The smallest distance or separation seen, less the gap, is the new bound (cached_bounds.c).
 #include "narrow_phase.h"
 
@@ -21,9 +21,9 @@ enum
     PAIRS_PER_TASK = 16, // pairs of clusters
 };
 
-// All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives. Primitives nearer
-// than MEASURED are measured: the wider, the longer a bound holds. Farther ones have a separating plane for a bound; beyond
-// SEEN from the other cluster's box they are skipped.
+// All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives.
+// Primitives nearer than MEASURED are measured: the wider, the longer a bound holds. Farther ones have a separating
+// plane for a bound; beyond SEEN from the other cluster's box they are skipped.
 static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SEEN_GAPS = 1.5f;
 
 typedef struct near_loop
@@ -83,7 +83,7 @@ static void measure( narrow_task* task, contact_kind kind )
 {
     contact_batch* batch = task->batches + kind;
     contact_measure_batch( task->loop->work, kind, batch );
-    int met = 0;
+    int selected = 0;
     for ( int i = 0; i < batch->count; )
     {
         const int number = batch->of[i];
@@ -95,16 +95,17 @@ static void measure( narrow_task* task, contact_kind kind )
             const float distance = batch->distance[i];
             nearest = contact_smaller( distance, nearest );
             batch->gap[i] = gap;
-            batch->met[met] = i;
-            met += distance < limit ? 1 : 0;
+            batch->selected[selected] = i;
+            selected += distance < limit ? 1 : 0;
         }
         test->bound = contact_smaller( nearest - 1.001f * gap, test->bound );
     }
-    contact_meet( task->loop->work, kind, batch, met, task->loop->total + kind );
+    contact_select_active( task->loop->work, kind, batch, selected, task->loop->total + kind );
     batch->count = 0;
 }
 
-// Test primitives of one kind in one cluster against those of another kind in the other. @param asker which of the two clusters
+// Test primitives of one kind in one cluster against those of another kind in the other. @param asker which of the
+// two clusters
 static void find_pairs( narrow_task* task, const int* numbers, int count, int asker, const int kinds[2],
                         contact_kind kind )
 {

@@ -1,10 +1,12 @@
-// Displacements in a substep, and the predicted motion of clusters. In: intersection-free and current positions. Out: for each point
-// its displacement and a tolerance, for each cluster the range of its displacements, its predicted motion and its deviation.
+// Displacements in a substep, and the predicted motion of clusters. In: intersection-free and current positions. Out:
+// for each point its displacement and a tolerance, for each cluster the range of its displacements, its predicted
+// motion and its deviation.
 //
-// - A point's tolerance is a quarter of its displacement relative to the mean, and a twentieth of the thickness. Points that
-//   leave it are marked missed. Which pairs become constraints follows from this alone, so searches do not change results.
-// - A search assumes that each cluster goes on for five substeps as it does, within a margin. It holds as long as no deviation
-//   exceeds its margin (as in a Verlet list).
+// - A point's tolerance is a quarter of its displacement relative to the mean, and a twentieth of the thickness.
+//   Points that leave it are marked missed. Which pairs become constraints follows from this alone, so searches do
+//   not change results.
+// - A search assumes that each cluster goes on for five substeps as it does, within a margin. It holds as long as no
+//   deviation exceeds its margin (as in a Verlet list).
 #include "predicted_motion.h"
 
 #include "clusters.h"
@@ -22,8 +24,8 @@ enum
 
 // Longer displacements are numerical failures, as NaN is.
 static const float FARTHEST = 1e6f; // m
-// Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A missed point has
-// a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
+// Projections change the displacement that was predicted: tolerance as a fraction of it, and of the thickness. A
+// missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
 static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
 // Margin of a cluster, as a multiple of its deviation in one substep.
 static const float MARGIN_SUBSTEPS = 4.0f;
@@ -323,7 +325,7 @@ void contact_predict_motion( const contact_work* work )
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, predict_clusters, (void*)(uintptr_t)work );
 }
 
-bool contact_lists_too_many( const contact_work* work )
+bool contact_margins_are_wide( const contact_work* work )
 {
     static const float TOO_FAR = 2.0f;
     const contact_soup* s = work->soup;

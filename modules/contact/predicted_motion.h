@@ -69,7 +69,7 @@ void contact_add_deviation( const contact_work* work );
 float contact_length_of_way( const contact_soup* s, const contact_way* way );
 
 /// Return whether margins of boundary particles are so much wider than needed that a new search pays.
-bool contact_lists_too_many( const contact_work* work );
+bool contact_margins_are_wide( const contact_work* work );
 
 /// Return the number of substeps for which clusters are predicted to drift.
 int contact_drift_substeps( const contact_work* work );

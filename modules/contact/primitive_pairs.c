@@ -1,10 +1,10 @@
-// Active pairs: the last test before a pair of primitives becomes a constraint. In: pairs within reach, from the narrow phase. Out: those
-// that may come to their gap wherever their points go within their tolerance.
+// Active pairs: the last test before a pair of primitives becomes a constraint. In: pairs within reach, from the
+// narrow phase. Out: those that may come to their gap wherever their points go within their tolerance.
 //
-// A pair is active if its distance at the intersection-free positions is less than its gap and the most that two of its points
-// may approach each other. The test looks at the state alone, so results do not depend on what found the pair. Within a
-// participant the gap is at most 0.9 of the distance at rest, so that nothing presses at rest. Pairs around an intersection
-// are dropped, because no side of their plane is right.
+// A pair is active if its distance at the intersection-free positions is less than its gap and the most that two of
+// its points may approach each other. The test looks at the state alone, so results do not depend on what found the
+// pair. Within a participant the gap is at most 0.9 of the distance at rest, so that nothing presses at rest. Pairs
+// around an intersection are dropped, because no side of their plane is right.
 #include "primitive_pairs.h"
 
 #include "closest_points.h"
@@ -36,7 +36,7 @@ static void put_less_first( contact_batch* batch )
 }
 
 // Repeat the last pair up to a multiple of eight.
-static int fill_up( contact_batch* batch, int count )
+static int pad_to_eight( contact_batch* batch, int count )
 {
     for ( ; count % WISP_SLICE != 0; ++count )
     {
@@ -60,18 +60,18 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
         .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
         .distance = batch->distance,
     };
-    const int groups = fill_up( batch, batch->count ) / WISP_SLICE;
+    const int groups = pad_to_eight( batch, batch->count ) / WISP_SLICE;
     ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
 }
 
 // ---- the test ----
 
-// Move the pairs in `met` to the front.
+// Move the pairs in `selected` to the front.
 static void compact( contact_batch* batch, int count )
 {
     for ( int i = 0; i < count; ++i )
     {
-        const int from = batch->met[i];
+        const int from = batch->selected[i];
         batch->first[i] = batch->first[from];
         batch->second[i] = batch->second[from];
         batch->gap[i] = batch->gap[from];
@@ -104,7 +104,7 @@ static void find_closings( const contact_work* work, contact_kind kind, contact_
         .are_edges = kind == CONTACT_EDGES,
         .closing = batch->closing,
     };
-    wisp_frame_kernels( work->frame )->closing( &job, 0, fill_up( batch, count ) );
+    wisp_frame_kernels( work->frame )->closing( &job, 0, pad_to_eight( batch, count ) );
 }
 
 static bool may_meet( const contact_batch* batch, int i )
@@ -173,22 +173,23 @@ bool contact_reserve_near( const contact_work* work, contact_kind kind, int coun
     return enough;
 }
 
-void contact_meet( const contact_work* work, contact_kind kind, contact_batch* batch, int met, _Atomic int* total )
+void contact_select_active( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
+                            _Atomic int* total )
 {
     const contact_soup* s = work->soup;
     contact_near* near = work->soup->primitives->near + kind;
-    compact( batch, met );
-    find_closings( work, kind, batch, met );
+    compact( batch, selected );
+    find_closings( work, kind, batch, selected );
     int kept = 0;
-    for ( int i = 0; i < met; ++i )
+    for ( int i = 0; i < selected; ++i )
     {
-        batch->met[kept] = i;
+        batch->selected[kept] = i;
         const bool is_dropped = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
         kept += may_meet( batch, i ) && is_dropped == false ? 1 : 0;
     }
     for ( int i = 0; i < kept; ++i )
     {
-        batch->closing[i] = batch->closing[batch->met[i]];
+        batch->closing[i] = batch->closing[batch->selected[i]];
     }
     compact( batch, kept );
     thin_gaps( work, kind, batch, kept );

@@ -47,7 +47,7 @@ typedef struct contact_batch
     int count;
     int32_t first[CONTACT_ROOM], second[CONTACT_ROOM], point4[4][CONTACT_ROOM];
     int32_t of[CONTACT_ROOM];                                               // the pair of clusters
-    int32_t met[CONTACT_ROOM];                                              // indices of those that pass a test
+    int32_t selected[CONTACT_ROOM];                                         // indices of those that pass a test
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
     contact_pair found[CONTACT_ROOM];
 } contact_batch;
@@ -73,9 +73,10 @@ static inline bool contact_has_room( const contact_batch* batch )
 /// Measure all pairs of a batch at the intersection-free positions.
 void contact_measure_batch( const contact_work* work, contact_kind kind, contact_batch* batch );
 
-/// Append the active ones of the pairs in `met` to `near`, as far as it has room.
+/// Append the active ones of the pairs in `selected` to `near`, as far as it has room.
 /// @param total counts all of them
-void contact_meet( const contact_work* work, contact_kind kind, contact_batch* batch, int met, _Atomic int* total );
+void contact_select_active( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
+                            _Atomic int* total );
 
 /// Make room in `near`.
 /// @return false without memory

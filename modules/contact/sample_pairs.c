@@ -1,5 +1,6 @@
-// Pairs of boundary particles. In: particles and the predicted motion of clusters. Out: candidate pairs after a search; active pairs each
-// substep. The broad phase has a box per particle; the test of a pair is cached as the deviation at which it may become active.
+// Pairs of boundary particles. In: particles and the predicted motion of clusters. Out: candidate pairs after a
+// search; active pairs each substep. The broad phase has a box per particle; the test of a pair is cached as the
+// deviation at which it may become active.
 #include "sample_pairs.h"
 
 #include "boundary_samples.h"

@@ -1,11 +1,13 @@
-// Projection of contact constraints (position based dynamics, Mueller et al. 2007), accumulated and clamped as the impulses of
-// Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
+// Projection of contact constraints (position based dynamics, Mueller et al. 2007), accumulated and clamped as the
+// impulses of Catto 2005. In: rows by colour. Out: moved points, accumulated corrections.
 //
-// - Push: Dx_i = w_i s_i n l with l = -C / sum w_j s_j^2, accumulated in `normal_correction`, which is never negative. The
-//   weights of a row sum to zero, so every correction keeps momentum, and forces on two participants are equal and opposite.
-// - Friction takes back the relative tangential displacement of the closest points since the start of the substep, accumulated in
-//   `tangential_correction`, which is never longer than mu times the push (Coulomb).
-// - Recovery parts pairs that are nearer than their gap at `recovery_speed`. The previous positions move too: no velocity.
+// - Push: Dx_i = w_i s_i n l with l = -C / sum w_j s_j^2, accumulated in `normal_correction`, which is never
+//   negative. The weights of a row sum to zero, so every correction keeps momentum, and forces on two participants
+//   are equal and opposite.
+// - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
+//   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
+// - Recovery parts pairs that are nearer than their gap at `recovery_speed`. The previous positions move too: no
+//   velocity.
 #include "solve.h"
 
 #include "colouring.h"
@@ -30,7 +32,8 @@ static float sum_weights( const contact_soup* s, const contact_row* row )
     return sum;
 }
 
-// Return the distance of the two sides along the normal. Sums are relative to one of the points, against cancellation.
+// Return the distance of the two sides along the normal. Sums are relative to one of the points, against
+// cancellation.
 static float distance_of( const float* quads, const contact_row* row )
 {
     const float* o = quads + (size_t)row->point[row->count - 1] * 4;

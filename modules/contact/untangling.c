@@ -1,12 +1,13 @@
-// Untangling: surfaces that intersect are drawn apart. In: intersections, positions. Out: a step of their points that gives no velocity.
+// Untangling: surfaces that intersect are drawn apart. In: intersections, positions. Out: a step of their points that
+// gives no velocity.
 //
-// - Where the intersecting edges cut a surface in two, the smaller part went through. Its edges are drawn back to the side of the
-//   larger part (after Baraff, Witkin and Kass 2003, "Untangling cloth").
-// - Elsewhere edge and triangle move in the direction in which the line of intersection shrinks (Volino and Magnenat-Thalmann
-//   2006, "Resolving surface collisions through intersection contour minimization").
+// - Where the intersecting edges cut a surface in two, the smaller part went through. Its edges are drawn back to the
+//   side of the larger part (after Baraff, Witkin and Kass 2003, "Untangling cloth").
+// - Elsewhere edge and triangle move in the direction in which the line of intersection shrinks (Volino and
+//   Magnenat-Thalmann 2006, "Resolving surface collisions through intersection contour minimization").
 //
-// Each intersection asks for a quarter of the thickness per substep, and a point moves by one thickness at most. Points that are drawn
-// go on with their common mean velocity.
+// Each intersection asks for a quarter of the thickness per substep, and a point moves by one thickness at most.
+// Points that are drawn go on with their common mean velocity.
 #include "untangling.h"
 
 #include "intersections.h"
@@ -162,7 +163,8 @@ static weighted_points weigh( const contact_soup* s, const wisp_crossing* crossi
 
 // ---- steps of points ----
 
-// Sum of the steps that all intersections of a point ask for, m. It is bounded by MOST_STEP: many together would throw the point.
+// Sum of the steps that all intersections of a point ask for, m. It is bounded by MOST_STEP: many together would
+// throw the point.
 typedef struct point_step
 {
     float way[3];
@@ -221,8 +223,8 @@ static void find_mean_way( const contact_soup* s, const point_step* steps, float
     }
 }
 
-// Apply the steps. Points with a step get their mean velocity, which keeps momentum: a velocity of each would oscillate with the
-// constraints between them.
+// Apply the steps. Points with a step get their mean velocity, which keeps momentum: a velocity of each would
+// oscillate with the constraints between them.
 static void apply_steps( contact_soup* s, const point_step* steps )
 {
     const float most = MOST_STEP * s->least_thickness;
@@ -319,8 +321,8 @@ static bool is_minor( const parts* p, int point )
     return root_of( p->cut, point ) != p->major[root_of( p->whole, point )];
 }
 
-// Return the direction of the edge relative to the triangle: towards the larger part, if the edge connects two parts; none if the
-// triangle does, because its own edges move; else the one that shrinks the line of intersection.
+// Return the direction of the edge relative to the triangle: towards the larger part, if the edge connects two parts;
+// none if the triangle does, because its own edges move; else the one that shrinks the line of intersection.
 static vector way_back( const contact_soup* s, const parts* p, const wisp_crossing* crossing )
 {
     const int32_t *edge = s->edges + 2 * (size_t)crossing->edge, *t = s->triangles + 3 * (size_t)crossing->triangle;
