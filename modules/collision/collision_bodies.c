@@ -1,5 +1,13 @@
-// Bodies: what they are made from, where they are, and how they are carried.
-#include "collision_internal.h"
+// Bodies. In: wisp_collider_def, poses from the host. Out: the list of bodies with their shapes or meshes, and their
+// poses in a substep.
+//
+// A mesh is a solid body or a double-sided sheet. A solid one must be closed and face outwards, because its inside is
+// what it keeps free. A sheet keeps each particle on the side from which it comes.
+#include "collision_bodies.h"
+
+#include "collision_participants.h"
+#include "collision_passes.h"
+#include "collision_vectors.h"
 
 #include <math.h>
 #include <string.h>
@@ -56,7 +64,7 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     return WISP_OK;
 }
 
-static bool is_place( wisp_vec3 p )
+static bool is_in_range( wisp_vec3 p )
 {
     return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
 }
@@ -64,7 +72,7 @@ static bool is_place( wisp_vec3 p )
 static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
 {
     const wisp_vec3 p = pose.translation;
-    if ( is_place( p ) == false )
+    if ( is_in_range( p ) == false )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "collider: (%g, %g, %g) is not a place within 1e6 m of the origin", (double)p.x,
@@ -85,7 +93,7 @@ static wisp_status check_points( wisp_world* world, const wisp_collider_def* d )
     for ( int v = 0; v < d->point_count && d->points != NULL; ++v )
     {
         const wisp_vec3 p = d->points[v];
-        if ( is_place( p ) == false )
+        if ( is_in_range( p ) == false )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
                                     "collider: point %d, (%g, %g, %g), is not within 1e6 m of the origin", v,
@@ -97,7 +105,7 @@ static wisp_status check_points( wisp_world* world, const wisp_collider_def* d )
 
 // ---- meshes ----
 
-// Six times the volume, about the first point.
+// Return six times the volume, relative to the first point.
 static double signed_volume( const wisp_collider_def* d )
 {
     const wisp_vec3 o = d->points[d->triangles[0]];
@@ -128,7 +136,7 @@ static void measure_mesh( const wisp_collider_def* d, collision_body* body )
         low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
         high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
     }
-    // a little more than it is, for the rounding of the sums
+    // slightly larger, against rounding of the sums
     const float most = 0.50001f;
     body->half = ( wisp_vec3 ){ most * ( high.x - low.x ), most * ( high.y - low.y ), most * ( high.z - low.z ) };
     body->centre = ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
@@ -222,9 +230,9 @@ static void fill_collider( collision_collider* to, const wisp_collider_def* d )
     *to = ( collision_collider ){ pose, pose, d->static_friction, d->kinetic_friction, d->thickness, d->layers };
 }
 
-// From here on the body is known by its entity, so taking that away takes back everything.
-static wisp_status enter_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
-                               collision_body* body )
+// Add a body to the list. On failure removing its entity undoes everything.
+static wisp_status append_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
+                                collision_body* body )
 {
     wisp_status status = wisp_world_add_plain( world, &body->entity );
     if ( status != WISP_OK )
@@ -233,12 +241,12 @@ static wisp_status enter_body( wisp_world* world, collision_state* state, const 
     }
     const wisp_entity entity = body->entity;
     state->bodies[state->body_count++] = *body;
-    body->tree = NULL; // the list has it now
+    body->tree = NULL; // the list owns it
     status = wisp_world_attach( world, entity, state->collider );
     if ( status == WISP_OK )
     {
         fill_collider( wisp_world_column( world, entity, state->collider, 0 ), d );
-        status = collision_dress_guests( world, state );
+        status = collision_update_components( world, state );
     }
     if ( status != WISP_OK )
     {
@@ -266,7 +274,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
     }
     collision_body body;
     status = make_body( world, def, &body );
-    status = status == WISP_OK ? enter_body( world, state, def, &body ) : status;
+    status = status == WISP_OK ? append_body( world, state, def, &body ) : status;
     if ( status != WISP_OK )
     {
         wisp_mesh_tree_release( body.tree );
@@ -319,9 +327,9 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
     collider->to = *target;
 }
 
-// A body that stands still does so to the last bit, which an interpolated pose would not.
-static void place( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
-                   collision_view* view )
+// Compute the poses of a substep. A body that stands still keeps its pose exactly, which interpolation would not.
+static void set_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
+                       collision_view* view )
 {
     if ( memcmp( &collider->from, &collider->to, sizeof( wisp_rigid ) ) == 0 )
     {
@@ -344,7 +352,7 @@ bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_s
         if ( ( collider->layers & settings->mask ) != 0 )
         {
             out->body = body;
-            place( frame, span, collider, out );
+            set_poses( frame, span, collider, out );
             out->thickness = settings->thickness + collider->thickness;
             out->static_friction = settings->friction * collider->static_friction;
             out->kinetic_friction = settings->friction * collider->kinetic_friction;

@@ -1,8 +1,10 @@
-/// Contacts found as they once were: particle by particle and body by body, each asked for its closest point behind a
-/// single test of the body's box. What is written is what the blocks of the module must write, bit for bit.
+/// Reference for contact generation: particle by particle and body by body, a closest point query after a test of the body's
+/// box. The module, which works on blocks, must write the same bits.
 #pragma once
 
-#include "collision_internal.h"
+#include "block_culling.h"
+#include "body_queries.h"
+#include "contact_generation.h"
 
 typedef struct find_one
 {
@@ -44,11 +46,11 @@ static inline void one_keeps( const find_one* one, const collision_contact* c )
     all[place] = *c;
 }
 
-static inline void one_moves_out( const find_one* one, wisp_vec3 normal, float healed, float calmed )
+static inline void one_moves_out( const find_one* one, wisp_vec3 normal, float recovered, float absorbed )
 {
     float *p = one->job->position + (size_t)one->slot * 4, *old = one->job->previous + (size_t)one->slot * 4;
-    collision_store( p, collision_add_scaled( collision_load( p ), healed, normal ) );
-    collision_store( old, collision_add_scaled( collision_load( old ), healed + calmed, normal ) );
+    collision_store( p, collision_add_scaled( collision_load( p ), recovered, normal ) );
+    collision_store( old, collision_add_scaled( collision_load( old ), recovered + absorbed, normal ) );
 }
 
 static inline void one_touches( const find_one* one, const wisp_surface_point* nearest )
@@ -64,22 +66,22 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
         return;
     }
     float start = collision_start_gap( view, &plane, one->from, swept );
-    float outward = fmaxf( 0.0f, now - view->thickness - start ), healed = 0.0f;
+    float outward = fmaxf( 0.0f, now - view->thickness - start ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {
-        healed = fminf( -start - outward, fmaxf( 0.0f, one->job->recovery - outward ) );
+        recovered = fminf( -start - outward, fmaxf( 0.0f, one->job->recovery - outward ) );
     }
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
     const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );
     collision_contact c = {
-        .gap = start < 0.0f ? view->thickness + start + healed : view->thickness,
+        .gap = start < 0.0f ? view->thickness + start + recovered : view->thickness,
         .static_friction = view->static_friction,
         .kinetic_friction = view->kinetic_friction,
     };
     collision_store( c.point, point );
     collision_store( c.normal, normal );
     collision_store( c.motion, collision_sub( point, wisp_rigid_to_world( view->before, plane.point ) ) );
-    one_moves_out( one, normal, healed, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
+    one_moves_out( one, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
     one_keeps( one, &c );
 }
 

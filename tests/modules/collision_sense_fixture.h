@@ -4,7 +4,8 @@
 
 #include "collision_fixture.h"
 
-#include "collision_internal.h"
+#include "collision_state.h"
+#include "collision_vectors.h"
 
 static const float DT = 1.0f / 60.0f;
 static const float MARGIN = 0.02f;

@@ -195,9 +195,9 @@ static int find_in_blocks( const meeting* m, particles* p, int first_body, int s
         collision_begin_block( &job, begin, begin + size < PARTICLES ? begin + size : PARTICLES, &block );
         for ( int b = first_body; b < BODIES; ++b )
         {
-            block.asked_count = 0;
+            block.candidate_count = 0;
             collision_meet( &job, m->views + b, &block );
-            spared += block.count - block.asked_count;
+            spared += block.count - block.candidate_count;
         }
         collision_end_block( &job, &block );
     }

@@ -1,9 +1,10 @@
-// One question for closed forms and meshes: what is near, and what is in the way.
-#include "collision_internal.h"
+// Queries on bodies. In: points or paths in the frame of a body. Out: closest points and first hits. Closed forms are
+// answered by wisp/shapes.h, meshes by a tree or voxels (wisp/mesh_tree.h), which give the same bits.
+#include "body_queries.h"
 
 #include <string.h>
 
-// Both sides of a sheet are outside: the normal turns to where the point is.
+// Both sides of a sheet are outside: the normal points to the side of the query.
 static void turn_to_point( wisp_surface_point* nearest )
 {
     if ( nearest->distance < 0.0f )
@@ -20,7 +21,7 @@ static float apart( float low, float high, float other_low, float other_high )
 
 float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high )
 {
-    // seen from a body that turns, what stands still runs along a chord, which may cut through the ball
+    // in the frame of a turning body a fixed point moves along a chord, which may cut through the ball
     if ( memcmp( &view->before.rotation, &view->after.rotation, sizeof( wisp_quat ) ) != 0 )
     {
         return 0.0f;
@@ -35,8 +36,8 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_v
     return collision_length( d ) - view->body->ball_radius;
 }
 
-// The first face on the way out of the box tells: from within a body it is seen from behind. A ray costs a tenth of
-// looking for a surface that may be far away.
+// Cast a ray out of the box: from inside, the first triangle is hit from behind. A ray costs a tenth of an unbounded
+// closest point query.
 static bool is_inside( const collision_body* body, wisp_vec3 p )
 {
     if ( body->sheet || collision_box_distance( body, p ) > 0.0f )
@@ -50,7 +51,7 @@ static bool is_inside( const collision_body* body, wisp_vec3 p )
     return hit.triangle >= 0 && hit.side < 0.0f;
 }
 
-// A quick look nearby; only who is deep inside has to look as far as it takes.
+// Query within the radius first; only points deep inside need an unbounded query.
 static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* queries, int count,
                              wisp_surface_point* nearest, bool* found )
 {
@@ -81,7 +82,7 @@ static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* 
     }
 }
 
-// As wisp_shape_closest() has it, without a call for each of the many that are above a ground.
+// As wisp_shape_closest(), but without a call per point, because most points are above a ground plane.
 static void closest_on_plane( const wisp_mesh_query* queries, int count, wisp_surface_point* nearest, bool* found )
 {
     for ( int i = 0; i < count; ++i )

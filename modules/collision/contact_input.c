@@ -1,17 +1,22 @@
-// Once a substep, for who solves for velocities: which bodies each particle may touch, as half spaces that move.
+// Contact input of an external solver (a module that solves for velocities, such as implicit cloth). In: positions
+// and velocities at the start of a substep, poses of the bodies. Out: component particle.touch, up to two moving half
+// spaces per particle. Nothing is moved here; the solver holds a particle within the margin, which is the thickness
+// of participant and body.
 //
-// Everything is seen from the body: a particle is at b0 while the body is at its old pose, and would get to b1, where
-// gravity alone takes it, while the body gets to its new one. Nothing is moved here; what counts is what the solver must
-// not walk into. So the half space is
-//
-//   the tangent plane where the path enters the body,
-//   else the plane of the closest point to b0, if that is within the margin or behind the surface,
-//   else, the path passing by, a plane between the path and the body: the solver takes a half space for the body,
-//   and would stop at the plane of the closest point to b0 what only goes round the corner.
-//
-// The gap is that of b0 from the plane. The solver holds what is nearer than the margin, so a particle that is not must
-// never be told of a gap below it, although the plane where a flat path enters may be that near.
-#include "collision_internal.h"
+// - Everything is computed in the frame of the body. The path goes from b0, seen from the old pose, to b1, where
+//   gravity alone takes the particle, seen from the new one. A body counts if its surface is within margin and path
+//   of b0.
+// - The half space is the tangent plane where the path enters the body; else the plane of the closest point to b0, if
+//   that is within the margin or inside; else, for a path that passes by, a plane between path and body. The solver
+//   takes the half space for the body, so the plane of the closest point would stop a particle that only goes round a
+//   corner.
+// - The gap is the distance of b0 from the plane. The solver holds what is nearer than the margin, so a particle that
+//   is not gets no gap below it: the plane where a flat path enters is turned until its gap is the margin.
+// - The two nearest are kept, by the nearer end of the path less the margin; of equals the body that was added first.
+//   A third is not answered for in this substep.
+// - Rows keep the index and generation of the body, by which the solver recognises a contact of the step before.
+#include "body_queries.h"
+#include "collision_passes.h"
 
 #include <float.h>
 #include <math.h>
@@ -22,15 +27,15 @@ enum
     CHUNK = WISP_PARTICLE_BLOCK,
 };
 
-// One half space of one particle.
-typedef struct sense_touch
+// A half space of a particle.
+typedef struct input_touch
 {
     float rank; // m, how near the path comes, less the margin: the lowest are kept
     int32_t body;
     float plane[4], motion[4], friction[3]; // as in the columns
-} sense_touch;
+} input_touch;
 
-typedef struct sense_loop
+typedef struct input_loop
 {
     const float *position, *velocity;
     wisp_vec3 gravity; // m/s^2
@@ -43,21 +48,21 @@ typedef struct sense_loop
     int begin;
     wisp_vec3 low, high;          // m, of all paths
     float longest;                // m, of all paths
-    int slots[CHUNK], slot_count; // that move, and are finite
+    int slots[CHUNK], slot_count; // of particles that move and are finite
     wisp_vec3 start[CHUNK];       // m, of each of them
     wisp_vec3 end[CHUNK];         // m, of each of them
     int count[CHUNK];             // touches of each particle of the chunk
-    sense_touch touch[CHUNK][WISP_TOUCHES];
+    input_touch touch[CHUNK][WISP_TOUCHES];
     // of one body
-    int asked_count;
-    int asked[CHUNK]; // particles of the chunk
+    int candidate_count;
+    int candidates[CHUNK]; // particles of the chunk
     wisp_vec3 to[CHUNK];
-    wisp_mesh_query queries[CHUNK]; // from where the path begins
+    wisp_mesh_query queries[CHUNK]; // at the start of the path
     wisp_surface_point nearest[CHUNK];
     bool is_near[CHUNK];
-} sense_loop;
+} input_loop;
 
-static void begin_chunk( sense_loop* loop, int begin, int end )
+static void begin_chunk( input_loop* loop, int begin, int end )
 {
     loop->begin = begin;
     loop->slot_count = 0;
@@ -85,10 +90,10 @@ static void begin_chunk( sense_loop* loop, int begin, int end )
     }
 }
 
-// ---- what is too far away ----
+// ---- culling ----
 
-// Is the body beyond the margin and the path of every particle, as the body sees it?
-static bool is_far( const sense_loop* loop, const collision_view* view )
+// Return whether the body is beyond the margin and path of every particle, in its own frame.
+static bool is_far( const input_loop* loop, const collision_view* view )
 {
     const wisp_vec3 carried = collision_sub( wisp_rigid_to_world( view->after, view->body->centre ),
                                              wisp_rigid_to_world( view->before, view->body->centre ) );
@@ -96,9 +101,9 @@ static bool is_far( const sense_loop* loop, const collision_view* view )
     return collision_ball_distance( view, loop->low, loop->high ) > reach;
 }
 
-static void ask( sense_loop* loop, const collision_view* view )
+static void query_candidates( input_loop* loop, const collision_view* view )
 {
-    loop->asked_count = 0;
+    loop->candidate_count = 0;
     for ( int i = 0; i < loop->slot_count; ++i )
     {
         const wisp_vec3 from = wisp_rigid_to_body( view->before, loop->start[i] );
@@ -106,31 +111,32 @@ static void ask( sense_loop* loop, const collision_view* view )
         const float reach = view->thickness + collision_length( collision_sub( to, from ) );
         if ( collision_box_distance( view->body, from ) <= reach )
         {
-            const int n = loop->asked_count++;
-            loop->asked[n] = loop->slots[i] - loop->begin;
+            const int n = loop->candidate_count++;
+            loop->candidates[n] = loop->slots[i] - loop->begin;
             loop->to[n] = to;
             loop->queries[n] = ( wisp_mesh_query ){ from, reach };
         }
     }
-    collision_closest( view->body, loop->queries, loop->asked_count, loop->nearest, loop->is_near );
+    collision_closest( view->body, loop->queries, loop->candidate_count, loop->nearest, loop->is_near );
 }
 
-// ---- which half space ----
+// ---- planes ----
 
-// How far in front of a plane a point is.
+// Return the signed distance of a point from a plane.
 static float in_front( const wisp_surface_point* plane, wisp_vec3 p )
 {
     return collision_dot( plane->normal, collision_sub( p, plane->point ) );
 }
 
-// The plane of the closest point to where the path is nearest to the body has both ends of it in front, and a convex
-// body behind it. Distance along a path falls and then rises, so the place is found by halving; most often an end will do.
-// @return false if there is none to be found: the path is free, but winds through a body that is not convex
+// Find a plane between a path and a body. The plane of the closest point to the place where the path is nearest to
+// the body has both ends of the path in front, and a convex body behind it. The distance along the path falls and
+// then rises, so bisection finds the place; most often an end is enough.
+// @return false if there is none: the path is free, but winds through a body that is not convex
 static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* plane )
 {
     enum
     {
-        HALVINGS = 12, // what comes nearer than 2^-12 of its path is left to the next substep
+        HALVINGS = 12, // closer than 2^-12 of the path is left to the next substep
     };
     const wisp_vec3 way = collision_sub( to, from );
     const float radius = plane->distance + collision_length( way );
@@ -155,8 +161,8 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
     return is_between;
 }
 
-// Turn a plane about a point of it, as little as it takes, so that a place farther from the point than the margin is a
-// margin in front.
+// Turn a plane about its point, by the smallest angle for which `from` is a margin in front. `from` is farther than
+// the margin from that point.
 static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 {
     const wisp_vec3 way = collision_sub( from, plane->point );
@@ -190,17 +196,17 @@ static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to
 
 // ---- one particle, one body ----
 
-// Stays from step to step, is not 0, and differs between a million entities.
-static int32_t name_of( wisp_entity entity )
+// Return a number for a body that stays from step to step, is not 0, and differs between a million entities.
+static int32_t id_of( wisp_entity entity )
 {
     const uint32_t name = ( entity.index + ( entity.generation << 20 ) ) & INT32_MAX;
     return name != 0 ? (int32_t)name : 1;
 }
 
-// Of equals the body that was added first goes first.
-static void keep( sense_loop* loop, int particle, const sense_touch* found )
+// Insert a half space in rising order of rank. Equal ones stay in the order of bodies.
+static void insert( input_loop* loop, int particle, const input_touch* found )
 {
-    sense_touch* all = loop->touch[particle];
+    input_touch* all = loop->touch[particle];
     int place = loop->count[particle];
     while ( place > 0 && found->rank < all[place - 1].rank )
     {
@@ -218,7 +224,7 @@ static void keep( sense_loop* loop, int particle, const sense_touch* found )
     all[place] = *found;
 }
 
-static void touch( sense_loop* loop, const collision_view* view, int i )
+static void add_touch( input_loop* loop, const collision_view* view, int i )
 {
     const wisp_vec3 from = loop->queries[i].point, to = loop->to[i];
     wisp_surface_point plane = loop->nearest[i];
@@ -227,27 +233,27 @@ static void touch( sense_loop* loop, const collision_view* view, int i )
         return;
     }
     const float end = plane.distance + collision_dot( plane.normal, collision_sub( to, from ) );
-    sense_touch found = {
+    input_touch found = {
         .rank = collision_smaller( plane.distance, end ) - view->thickness,
-        .body = name_of( view->body->entity ),
+        .body = id_of( view->body->entity ),
         .friction = { view->static_friction, view->kinetic_friction, loop->recovery },
     };
     collision_store( found.plane, wisp_quat_turn( view->before.rotation, plane.normal ) );
     found.plane[3] = plane.distance;
     collision_store( found.motion, wisp_rigid_velocity( view->before, view->after, loop->seconds, plane.point ) );
     found.motion[3] = view->thickness;
-    keep( loop, loop->asked[i], &found );
+    insert( loop, loop->candidates[i], &found );
 }
 
 // ---- the pass ----
 
-static void write_rows( const sense_loop* loop, int end )
+static void write_rows( const input_loop* loop, int end )
 {
     for ( int slot = loop->begin; slot < end; ++slot )
     {
         for ( int k = 0; k < WISP_TOUCHES; ++k )
         {
-            const sense_touch* t = &loop->touch[slot - loop->begin][k];
+            const input_touch* t = &loop->touch[slot - loop->begin][k];
             loop->body[slot][k] = t->body;
             memcpy( loop->plane[slot] + 4 * k, t->plane, sizeof( t->plane ) );
             memcpy( loop->motion[slot] + 4 * k, t->motion, sizeof( t->motion ) );
@@ -256,7 +262,7 @@ static void write_rows( const sense_loop* loop, int end )
     }
 }
 
-static void sense_chunk( wisp_frame* frame, const wisp_span* span, const collision_state* state, sense_loop* loop )
+static void find_touches( wisp_frame* frame, const wisp_span* span, const collision_state* state, input_loop* loop )
 {
     collision_view view;
     for ( int next = 0; loop->slot_count > 0 && collision_next( frame, span, state, &next, &view ); )
@@ -265,12 +271,12 @@ static void sense_chunk( wisp_frame* frame, const wisp_span* span, const collisi
         {
             continue;
         }
-        ask( loop, &view );
-        for ( int i = 0; i < loop->asked_count; ++i )
+        query_candidates( loop, &view );
+        for ( int i = 0; i < loop->candidate_count; ++i )
         {
             if ( loop->is_near[i] )
             {
-                touch( loop, &view, i );
+                add_touch( loop, &view, i );
             }
         }
     }
@@ -281,7 +287,7 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
-    sense_loop loop;
+    input_loop loop;
     loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     loop.velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     loop.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
@@ -296,7 +302,7 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     {
         const int end = particles.end - begin < CHUNK ? particles.end : begin + CHUNK;
         begin_chunk( &loop, begin, end );
-        sense_chunk( frame, span, state, &loop );
+        find_touches( frame, span, state, &loop );
         write_rows( &loop, end );
     }
 }

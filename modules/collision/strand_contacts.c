@@ -1,33 +1,47 @@
-// Strands: out of bodies and rubbed, once an iteration, in front of the constraints that restore their lengths.
+// Contacts of strands, once per iteration, before the constraints that restore lengths. In: positions, previous
+// positions. Out: both, and per vertex the depth that the next iteration may keep.
 //
-// Nothing is looked for in advance: a vertex meets what it is in. Closed forms are asked sixteen strands at a time (kernel
-// strand_contact, which tells the law). Meshes, and closed forms that pass so fast that the end of a path may lie behind
-// the middle of the body, are asked vertex by vertex, with the path as well as its end.
-//
-// How deep a vertex may be is kept from substep to substep: it started inside and is being moved out, or it did not.
-#include "collision_internal.h"
+// - Nothing is found in advance and no contact is stored, so the pass stays in the item loop of strands. The kernel
+//   strand_contact answers closed forms for sixteen strands at once and has the contact law. A group whose box is
+//   away from the ball around a body costs one test.
+// - Meshes are queried vertex by vertex with the whole path, and so are closed forms that move so fast (more than the
+//   smallest of their half sizes in a substep) that the end of a path may lie behind the middle of the body.
+// - The depth of a vertex is kept from substep to substep. A vertex that starts inside is moved out at the recovery
+//   speed with its previous position. A vertex that restored lengths pulled in is pushed out at once, with the
+//   velocity that undoes the pull: else a strand under tension sinks into a head faster than it recovers (links on a
+//   shaking head: 0.37 of a segment, now 0.08). A depth of more than one thickness counts as a start inside.
+// - Friction is Coulomb's for the push of each iteration.
+// - Lengths come last, so a vertex may end too near: on a shaking head of 0.1 m (segments of 1 cm, 10 substeps) by
+//   0.04 of a segment, with 2 iterations 0.02, with links 0.08, on a mesh of 2 048 triangles 0.05, at rest below
+//   0.01. The thickness is 0.25.
+// - The nearest face decides. A strand put right through a box, whose ends have different nearest faces, stays
+//   speared. Vertices near a sharp edge creep by 0.02 of the thickness per substep.
+// - Cost per vertex, iteration and substep (one worker of a busy Zen 3): 330 ns on a mesh of 2 048 triangles, 3 to 10
+//   ns on a closed form, 3 ns away from all bodies.
+#include "body_queries.h"
+#include "collision_passes.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct strand_loop
 {
-    wisp_strand_contact_job job; // but for the body
+    wisp_strand_contact_job job; // without the body
     int group;
     wisp_strand_reach reach; // of the group
 } strand_loop;
 
 static const size_t ROW = 3 * WISP_LANES;
 
-// ---- which bodies, and how ----
+// ---- culling ----
 
 static bool is_still( const collision_view* view )
 {
     return memcmp( &view->before, &view->after, sizeof( wisp_rigid ) ) == 0;
 }
 
-// The longest path of a vertex of the group as the body sees it, at most. What a rigid motion does to a box is largest at
-// one of its corners.
+// Return an upper bound of the path of a vertex in the frame of the body. A rigid motion moves a box most at one of
+// its corners.
 static float path_seen( const strand_loop* loop, const collision_view* view )
 {
     float most = 0.0f;
@@ -49,7 +63,7 @@ static float beside( float x, float low, float high )
     return fmaxf( 0.0f, fmaxf( low - x, x - high ) );
 }
 
-// How far the group's box at least is from the ball around the body at a pose.
+// Return a lower bound of the distance of the group's box from the ball around the body at a pose, m.
 static float apart_at( const strand_loop* loop, const collision_body* body, wisp_rigid pose )
 {
     const wisp_vec3 c = wisp_rigid_to_world( pose, body->centre );
@@ -63,9 +77,13 @@ static float apart_at( const strand_loop* loop, const collision_body* body, wisp
 
 typedef struct strand_way
 {
-    float out, healed, calmed, left; // m, as in the kernel
+    float out;       // m, outward displacement of the position
+    float recovered; // m, the part of it that gives no velocity
+    float absorbed;  // m, own outward displacement that gives none either
+    float left;      // m, depth that stays
 } strand_way;
 
+// Compute the displacement of a vertex, as the kernel strand_contact does.
 static strand_way find_way( const strand_loop* loop, float thickness, float start, float now, float depth )
 {
     const float began = fmaxf( 0.0f, thickness - start );
@@ -73,14 +91,15 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
     strand_way way;
-    way.healed = fminf( left, fmaxf( 0.0f, loop->job.recovery - outward ) );
-    way.left = left - way.healed;
+    way.recovered = fminf( left, fmaxf( 0.0f, loop->job.recovery - outward ) );
+    way.left = left - way.recovered;
     way.out = fmaxf( 0.0f, thickness - way.left - now );
-    way.calmed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
+    way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
     return way;
 }
 
-static wisp_vec3 rubbed( const collision_view* view, wisp_vec3 u, wisp_vec3 normal, float push )
+// Return the friction displacement.
+static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3 normal, float push )
 {
     const wisp_vec3 across = collision_add_scaled( u, -collision_dot( normal, u ), normal );
     const float length = collision_length( across );
@@ -88,8 +107,8 @@ static wisp_vec3 rubbed( const collision_view* view, wisp_vec3 u, wisp_vec3 norm
     return ( wisp_vec3 ){ share * across.x, share * across.y, share * across.z };
 }
 
-static void touch( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from, wisp_vec3 to,
-                   const wisp_surface_point* nearest )
+static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
+                         wisp_vec3 to, const wisp_surface_point* nearest )
 {
     const float path = collision_length( collision_sub( to, from ) );
     wisp_surface_point plane;
@@ -106,18 +125,19 @@ static void touch( strand_loop* loop, const collision_view* view, int row, int l
     const strand_way way = find_way( loop, view->thickness, start, now, loop->job.depth[i] );
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
-    const wisp_vec3 previous = collision_add_scaled( collision_load_lane( was ), way.healed + way.calmed, normal );
+    const wisp_vec3 previous =
+        collision_add_scaled( collision_load_lane( was ), way.recovered + way.absorbed, normal );
     const wisp_vec3 motion = collision_sub( wisp_rigid_to_world( view->after, plane.point ),
                                             wisp_rigid_to_world( view->before, plane.point ) );
-    const float push = fmaxf( 0.0f, way.out - way.healed );
+    const float push = fmaxf( 0.0f, way.out - way.recovered );
     const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
-    collision_store_lane( at, collision_sub( p, rubbed( view, u, normal, push ) ) );
+    collision_store_lane( at, collision_sub( p, friction_of( view, u, normal, push ) ) );
     collision_store_lane( was, previous );
     loop->job.pushed[i] += push;
     loop->job.left[i] = fmaxf( loop->job.left[i], way.left );
 }
 
-static void touch_row( strand_loop* loop, const collision_view* view, int row )
+static void push_row( strand_loop* loop, const collision_view* view, int row )
 {
     int lanes[WISP_LANES], n = 0;
     wisp_vec3 from[WISP_LANES];
@@ -134,7 +154,7 @@ static void touch_row( strand_loop* loop, const collision_view* view, int row )
         from[n] = wisp_rigid_to_body( view->before, collision_load_lane( loop->job.previous + at ) );
         const wisp_vec3 to = wisp_rigid_to_body( view->after, collision_load_lane( loop->job.position + at ) );
         const float reach = view->thickness + collision_length( collision_sub( to, from[n] ) );
-        // also false for what is no number
+        // false for NaN too
         if ( collision_box_distance( view->body, to ) <= reach )
         {
             lanes[n] = l;
@@ -146,14 +166,14 @@ static void touch_row( strand_loop* loop, const collision_view* view, int row )
     {
         if ( is_near[i] )
         {
-            touch( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i );
+            push_vertex( loop, view, row, lanes[i], from[i], queries[i].point, nearest + i );
         }
     }
 }
 
 // ---- the pass ----
 
-static void touch_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view )
+static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view )
 {
     wisp_strand_contact_job job = loop->job;
     job.shape = view->body->shape;
@@ -165,13 +185,13 @@ static void touch_lanes( wisp_frame* frame, const strand_loop* loop, const colli
     wisp_frame_kernels( frame )->strand_contact( &job, loop->group, loop->group + 1 );
 }
 
-static void meet( wisp_frame* frame, strand_loop* loop, const collision_view* view )
+static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view )
 {
     const collision_body* body = view->body;
     const bool round_about = body->inner < INFINITY;
     const float path = round_about ? path_seen( loop, view ) : 0.0f;
     const bool slow = body->tree == NULL && path <= body->inner;
-    // both ends of a chord may be farther away than its middle, by no more than half of it
+    // the middle of a chord may be nearer than both ends, by at most half of it
     const float then = slow ? INFINITY : apart_at( loop, body, view->before );
     const float apart = fminf( then, apart_at( loop, body, view->after ) ) - ( slow ? 0.0f : 0.5f * path );
     if ( apart > view->thickness )
@@ -180,12 +200,12 @@ static void meet( wisp_frame* frame, strand_loop* loop, const collision_view* vi
     }
     if ( slow )
     {
-        touch_lanes( frame, loop, view );
+        push_lanes( frame, loop, view );
         return;
     }
     for ( int row = loop->job.group_row[loop->group]; row < loop->job.group_row[loop->group + 1]; ++row )
     {
-        touch_row( loop, view, row );
+        push_row( loop, view, row );
     }
 }
 
@@ -212,7 +232,7 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         collision_view view;
         for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
         {
-            meet( frame, &loop, &view );
+            push_group( frame, &loop, &view );
         }
     }
 }

@@ -1,14 +1,18 @@
-// How deep a surface or strands are in bodies when the step is done. Measured afresh, so it also sees what the contacts
-// missed. Workers measure blocks of their own; of equally deep vertices the lowest number counts, so that it does not
-// matter who measured which.
-#include "collision_internal.h"
+// Statistics: depth and contacts of a participant at the end of a step. In: positions, bodies. Out:
+// wisp_collision_figures. Depths are measured again from the positions, so they include what the contacts missed.
+// Each worker measures blocks of its own; of equally deep vertices the lowest index counts, so that results do not
+// depend on the workers.
+#include "body_queries.h"
+#include "collision_participants.h"
+#include "collision_passes.h"
+#include "particle_contacts.h"
 
 #include <math.h>
 
 enum
 {
     CHUNK = WISP_PARTICLE_BLOCK,
-    GROUPS = 4, // of strands, that a worker takes at once
+    GROUPS = 4, // of strands per task
 };
 
 static const wisp_collision_figures NOTHING = { .vertex = -1 };
@@ -18,11 +22,11 @@ typedef struct measure_loop
     wisp_frame* frame;
     const wisp_span* span;
     const collision_state* state;
-    bool carried; // strands without what moves them
+    bool carried; // strands without dynamics
     wisp_collision_figures figures[WISP_MAX_WORKERS];
 } measure_loop;
 
-static void take_depth( wisp_collision_figures* f, float depth, float thickness, int vertex )
+static void add_depth( wisp_collision_figures* f, float depth, float thickness, int vertex )
 {
     if ( depth > f->penetration || ( depth == f->penetration && depth > 0.0f && vertex < f->vertex ) )
     {
@@ -34,7 +38,7 @@ static void take_depth( wisp_collision_figures* f, float depth, float thickness,
 
 typedef struct measure_batch
 {
-    int vertices[CHUNK]; // the user's numbers
+    int vertices[CHUNK]; // in the user's order
     wisp_mesh_query queries[CHUNK];
     wisp_surface_point nearest[CHUNK];
     bool is_near[CHUNK];
@@ -53,7 +57,7 @@ static void measure_batch_of( measure_batch* batch, const collision_view* view, 
     for ( int i = 0; i < batch->count; ++i )
     {
         const float depth = batch->is_near[i] ? view->thickness - batch->nearest[i].distance : 0.0f;
-        take_depth( f, depth, view->thickness, batch->vertices[i] );
+        add_depth( f, depth, view->thickness, batch->vertices[i] );
     }
     batch->count = 0;
 }
@@ -71,7 +75,7 @@ static void count_contacts( const measure_loop* loop, int begin, int end, wisp_c
         bool pressed = false;
         for ( int i = 0; i < used; ++i )
         {
-            pressed = pressed || contact[slot][i].pushed > 0.0f;
+            pressed = pressed || contact[slot][i].normal_correction > 0.0f;
         }
         f->contacts += pressed ? 1 : 0;
         f->dropped += count[slot] - used;
@@ -107,9 +111,9 @@ static void measure_slots( void* context, int begin, int end, int worker )
     count_contacts( loop, begin, end, loop->figures + worker );
 }
 
-// ---- surfaces that are solved for ----
+// ---- surfaces of an external solver ----
 
-// They are held within the thickness, so that is no depth: only what is behind the surface itself.
+// The solver holds vertices within the thickness, so only what is behind the surface itself is depth.
 static void measure_touches_of( measure_batch* batch, const collision_view* view, bool* touches,
                                 wisp_collision_figures* f )
 {
@@ -117,7 +121,7 @@ static void measure_touches_of( measure_batch* batch, const collision_view* view
     for ( int i = 0; i < batch->count; ++i )
     {
         const float distance = batch->is_near[i] ? batch->nearest[i].distance : INFINITY;
-        take_depth( f, -distance, view->thickness, batch->vertices[i] );
+        add_depth( f, -distance, view->thickness, batch->vertices[i] );
         touches[i] = touches[i] || distance < view->thickness;
     }
     batch->count = 0;
@@ -129,7 +133,7 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
     const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
     const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
     wisp_collision_figures* f = loop->figures + worker;
-    bool touches[CHUNK] = { false }; // by the free vertices of the chunk
+    bool touches[CHUNK] = { false }; // [free vertex of the chunk]
     measure_batch batch;
     batch.count = 0;
     collision_view view;
@@ -149,11 +153,11 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
 typedef struct measure_rows
 {
     const wisp_strand_topology* strands;
-    const float *position, *weight, *pushed; // of strands that are carried the place alone
-    const uint32_t* moved;                   // of those
+    const float *position, *weight, *pushed; // without dynamics only positions
+    const uint32_t* moved;                   // without dynamics
 } measure_rows;
 
-// Strands that are carried have no weights: it is their roots that stay.
+// Return whether a vertex may move. Strands without dynamics have no masses; their roots stay.
 static bool is_free( const measure_rows* rows, int group, int row, int lane )
 {
     const int i = row - rows->strands->group_row[group];
@@ -239,7 +243,7 @@ static void measure( measure_loop loop, int count, int grain, wisp_range_fn* run
     for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
     {
         const wisp_collision_figures* f = loop.figures + w;
-        take_depth( all, f->penetration, f->thickness, f->vertex );
+        add_depth( all, f->penetration, f->thickness, f->vertex );
         all->contacts += f->contacts;
         all->dropped += f->dropped;
     }
@@ -273,7 +277,7 @@ void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* 
              GROUPS, measure_groups );
 }
 
-// ---- the public face ----
+// ---- reading ----
 
 static wisp_status find_settings( wisp_world* world, wisp_entity guest, collision_state** state,
                                   collision_settings** out )
@@ -299,7 +303,7 @@ wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity guest, b
     }
     int32_t before = settings->figures;
     settings->figures = wanted ? 1 : 0;
-    status = collision_dress_guests( world, state );
+    status = collision_update_components( world, state );
     if ( status != WISP_OK )
     {
         settings->figures = before;

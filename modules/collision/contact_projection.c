@@ -1,18 +1,20 @@
-// Contact and friction, behind all other constraints of an iteration.
+// Projection of contacts and friction, after all other constraints of an iteration. In: contacts of the substep. Out:
+// positions.
 //
-// A contact is a push along the normal that only ever adds up to something positive, and friction is a displacement
-// across it that lies in Coulomb's cone of that sum. Both sums start at 0 with the substep and are corrected by each
-// iteration, so several iterations count nothing twice: the answer is that of projected Gauss-Seidel.
+// The normal correction accumulates and never gets negative; friction is a tangential displacement within Coulomb's
+// cone of it. Both start at 0 with the substep and each iteration corrects them, which is projected Gauss-Seidel
+// (accumulated and clamped as the impulses of Catto 2005). With a the normal and b the tangential correction,
 //
-//   pushed <- max( 0, pushed + gap - n (p - q) )
-//   u = tangential part of (p - previous) - motion, without what friction has done so far
-//   rubbed <- -u if |u| <= mu_s pushed, else -mu_k pushed u / |u|
+//   a <- max( 0, a + gap - n (p - q) )
+//   u = tangential part of (p - previous) - motion, without b
+//   b <- -u if |u| <= mu_s a, else -mu_k a u / |u|
 //
-// Who has one contact, and that is nearly everybody, goes to the kernel half_space, which does the same to the last bit.
-//
-// The push stands for an impulse m pushed / dt and friction for m rubbed / dt, so that with mu_s = mu_k the two are
-// exactly Coulomb's law over the substep, and no velocity relative to the body is ever turned round.
-#include "collision_internal.h"
+// They stand for the impulses m a / dt and m b / dt. So with mu_s = mu_k the two are exactly Coulomb's law over the
+// substep, and no velocity relative to the body is reversed. Particles with one contact, which are nearly all, go to
+// the kernel half_space, which computes the same bits.
+#include "body_queries.h"
+#include "collision_passes.h"
+#include "particle_contacts.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -25,22 +27,22 @@ enum
 static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previous )
 {
     const wisp_vec3 n = collision_load( c->normal );
-    float lacks = c->gap - collision_dot( n, collision_sub( *p, collision_load( c->point ) ) );
-    float pushed = collision_larger( c->pushed + lacks, 0.0f );
-    *p = collision_add_scaled( *p, pushed - c->pushed, n );
-    c->pushed = pushed;
-    const wisp_vec3 rubbed = collision_load( c->rubbed );
+    float missing = c->gap - collision_dot( n, collision_sub( *p, collision_load( c->point ) ) );
+    float normal = collision_larger( c->normal_correction + missing, 0.0f );
+    *p = collision_add_scaled( *p, normal - c->normal_correction, n );
+    c->normal_correction = normal;
+    const wisp_vec3 before = collision_load( c->tangential_correction );
     wisp_vec3 u = collision_sub( collision_sub( *p, previous ), collision_load( c->motion ) );
     u = collision_add_scaled( u, -collision_dot( n, u ), n );
-    u = collision_sub( u, rubbed );
+    u = collision_sub( u, before );
     float length = collision_length( u );
-    float share = length <= c->static_friction * pushed ? 1.0f : c->kinetic_friction * pushed / length;
+    float share = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
     const wisp_vec3 now = { -share * u.x, -share * u.y, -share * u.z };
-    *p = collision_add_scaled( *p, 1.0f, collision_sub( now, rubbed ) );
-    collision_store( c->rubbed, now );
+    *p = collision_add_scaled( *p, 1.0f, collision_sub( now, before ) );
+    collision_store( c->tangential_correction, now );
 }
 
-// What pushes out of one half space may push into another, so several are gone through a few times.
+// Sweep several contacts: pushing out of one half space may push into another.
 static void project_contacts( collision_contact* contacts, int count, wisp_vec3* p, wisp_vec3 previous )
 {
     enum
@@ -58,9 +60,9 @@ static void project_contacts( collision_contact* contacts, int count, wisp_vec3*
 
 // ---- the end of the substep ----
 
-// The particle was carried out of where it is known that it meets nothing. If its path enters a body after all, it
-// stays where it enters; if that is behind something else, it rides along with the body instead.
-static void catch_at( const collision_view* view, wisp_vec3* p, wisp_vec3 previous )
+// Sweep a particle that moved farther than the distance that is clear. If its path enters a body, it stops where it
+// enters. If the way there is blocked as well, it keeps its old place in the frame of the body.
+static void stop_at_entry( const collision_view* view, wisp_vec3* p, wisp_vec3 previous )
 {
     const wisp_vec3 from = wisp_rigid_to_body( view->before, previous );
     wisp_vec3 to = wisp_rigid_to_body( view->after, *p );
@@ -69,7 +71,7 @@ static void catch_at( const collision_view* view, wisp_vec3* p, wisp_vec3 previo
     {
         return;
     }
-    // no farther from the body than it was: coming nearer must not end in going away
+    // no farther from the body than it was: an approach must not become a separation
     float height = collision_dot( hit.normal, collision_sub( from, hit.point ) );
     to = collision_add_scaled( hit.point, fminf( view->thickness, fmaxf( 0.0f, height ) ), hit.normal );
     to = collision_sweep( view->body, from, to, &hit ) ? from : to;
@@ -83,42 +85,43 @@ typedef struct project_loop
     const int32_t* count;
     const float* found;
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
-    int32_t strays[CHUNK]; // slots that left the place that is known
-    int stray_count;
+    int32_t displaced[CHUNK]; // slots that left the distance that is clear
+    int displaced_count;
 } project_loop;
 
-static void catch_strays( wisp_frame* frame, const wisp_span* span, const collision_state* state, project_loop* loop )
+static void stop_displaced( wisp_frame* frame, const wisp_span* span, const collision_state* state,
+                            project_loop* loop )
 {
     wisp_vec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
-    for ( int i = 0; i < loop->stray_count; ++i )
+    for ( int i = 0; i < loop->displaced_count; ++i )
     {
-        size_t quad = (size_t)loop->strays[i] * 4;
+        size_t quad = (size_t)loop->displaced[i] * 4;
         collision_widen( &low, &high, collision_load( loop->position + quad ) );
         collision_widen( &low, &high, collision_load( loop->previous + quad ) );
     }
     collision_view view;
-    for ( int next = 0; loop->stray_count > 0 && collision_next( frame, span, state, &next, &view ); )
+    for ( int next = 0; loop->displaced_count > 0 && collision_next( frame, span, state, &next, &view ); )
     {
-        // a particle that a body has moved may be in the way of the next
+        // a particle that one body moved may touch the next
         const bool near = collision_ball_distance( &view, low, high ) <= 2.0f * view.thickness;
-        for ( int i = 0; i < loop->stray_count && near; ++i )
+        for ( int i = 0; i < loop->displaced_count && near; ++i )
         {
-            size_t quad = (size_t)loop->strays[i] * 4;
+            size_t quad = (size_t)loop->displaced[i] * 4;
             wisp_vec3 p = collision_load( loop->position + quad );
-            catch_at( &view, &p, collision_load( loop->previous + quad ) );
+            stop_at_entry( &view, &p, collision_load( loop->previous + quad ) );
             collision_store( loop->position + quad, p );
             collision_widen( &low, &high, p );
         }
     }
 }
 
-// A contact is a row of the kernel.
+// The layout of a contact is that of a row of the kernel.
 _Static_assert( sizeof( collision_contact ) == 16 * sizeof( float ), "a row of half_space" );
-_Static_assert( offsetof( collision_contact, gap ) == 9 * sizeof( float ), "where half_space has it" );
-_Static_assert( offsetof( collision_contact, rubbed ) == 11 * sizeof( float ), "where half_space has it" );
-_Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( float ), "where half_space has it" );
+_Static_assert( offsetof( collision_contact, gap ) == 9 * sizeof( float ), "as in half_space" );
+_Static_assert( offsetof( collision_contact, tangential_correction ) == 11 * sizeof( float ), "as in half_space" );
+_Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( float ), "as in half_space" );
 
-// Particles with one contact each, of the block that begins at `begin`.
+// Project the particles with one contact, of the block that begins at `begin`.
 static void project_singles( const wisp_kernels* kernels, project_loop* loop, int begin, int end )
 {
     int32_t particle4[CHUNK], row16[CHUNK];
@@ -129,7 +132,7 @@ static void project_singles( const wisp_kernels* kernels, project_loop* loop, in
         row16[n] = 16 * WISP_COLLISION_CONTACTS * ( slot - begin );
         n += loop->count[slot] == 1 ? 1 : 0;
     }
-    // the last group is filled with its last particle
+    // the last group is padded with its last particle
     const int padded = ( n + 7 ) / 8 * 8;
     for ( int i = n; i < padded; ++i )
     {
@@ -146,7 +149,7 @@ static void project_singles( const wisp_kernels* kernels, project_loop* loop, in
     kernels->half_space( &job, 0, padded );
 }
 
-static void project_crowded( project_loop* loop, int begin, int end )
+static void project_several( project_loop* loop, int begin, int end )
 {
     for ( int slot = begin; slot < end; ++slot )
     {
@@ -179,11 +182,11 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
     {
         const int end = s.end - begin < CHUNK ? s.end : begin + CHUNK;
         project_singles( kernels, &loop, begin, end );
-        project_crowded( &loop, begin, end );
+        project_several( &loop, begin, end );
         if ( last )
         {
-            loop.stray_count = kernels->swarm_stray( loop.position, loop.found, begin, end, loop.strays );
-            catch_strays( frame, span, state, &loop );
+            loop.displaced_count = kernels->swarm_stray( loop.position, loop.found, begin, end, loop.displaced );
+            stop_displaced( frame, span, state, &loop );
         }
     }
 }

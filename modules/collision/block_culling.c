@@ -1,6 +1,9 @@
-// A block of particles seen from a body: who may be within reach of it? Most particles are far from most bodies, so kernels
-// ask. Nobody is left out by numbers that the closest point would not have left it out by.
-#include "collision_internal.h"
+// Culling of particles. In: a block of particles, a body. Out: the particles that may be within reach of the body.
+// Most particles are far from most bodies, so kernels do this for a block at once. A particle is culled only where
+// its closest point query would have found nothing either, so results do not depend on it.
+#include "block_culling.h"
+
+#include "collision_vectors.h"
 
 #include <string.h>
 
@@ -40,7 +43,7 @@ static wisp_swarm_bound bound_of( const collision_body* body )
     return body->shape.kind == WISP_SHAPE_PLANE ? WISP_SWARM_HALF_SPACE : WISP_SWARM_ROUND;
 }
 
-void collision_see_block( const wisp_kernels* kernels, const collision_view* view, collision_block* block )
+void collision_cull_block( const wisp_kernels* kernels, const collision_view* view, collision_block* block )
 {
     const collision_body* body = view->body;
     const wisp_swarm_sight sight = {
@@ -58,7 +61,7 @@ void collision_see_block( const wisp_kernels* kernels, const collision_view* vie
         .path = block->path,
         .reach = block->reach,
         .clear = block->clear,
-        .asked = block->asked,
+        .asked = block->candidates,
     };
-    block->asked_count = kernels->swarm_see( &sight, block->count );
+    block->candidate_count = kernels->swarm_see( &sight, block->count );
 }

@@ -1,15 +1,23 @@
-// Once a substep: which half space each particle must stay in, for each body that is near.
+// Contact generation: once per substep, the half spaces that each particle must stay in. In: positions and previous
+// positions of a participant, poses of the bodies. Out: up to three contacts per particle, and the distance within
+// which nothing else is met.
 //
-// Everything is seen from the body: the particle goes from b0, where it was when the body was at its old pose, to b1. A
-// path that enters the body gets the tangent plane where it enters; else the plane at the closest point counts. Within
-// 2 h + |b1 - b0| of b1 nothing is missed, h the thickness: that is room for the constraints to move the particle in,
-// and what it moves farther is looked after when the substep ends (collision_project.c).
-//
-// A particle that was nearer than h when the substep began is not thrown out: it must not come nearer, and is moved
-// out at the recovery speed together with its previous position, so that the correction is never read as velocity. What
-// it moves outward by itself is not kept as velocity either while it is deeper than shallow: links between particles
-// that are moved out in different directions would pump it up.
-#include "collision_internal.h"
+// - Everything is computed in the frame of the body: the particle moves from b0, seen from the old pose, to b1. So a
+//   body at 100 m/s is the same as a particle at 100 m/s, and the path decides. (Speculative contacts, as in Jolt and
+//   Bullet.)
+// - A path that enters the body gets the tangent plane where it enters; any other the plane at the closest point to
+//   b1. Bodies farther from b1 than 2 h + |b1 - b0| are skipped, with h the thickness. That leaves room for the
+//   constraints to move the particle; what moves farther is swept at the end of the substep (contact_projection.c).
+// - A particle that starts nearer than h is moved out at the recovery speed, together with its previous position, so
+//   that the correction gives no velocity. While it is deeper than COLLISION_SHALLOW, its own outward motion gives
+//   none either: links between particles that are moved out in different directions would gain energy.
+// - Lengths come from the participant (thickness a quarter of its mean edge), so a scene at 1/100 or 100 times its
+//   size behaves the same.
+#include "contact_generation.h"
+
+#include "block_culling.h"
+#include "body_queries.h"
+#include "collision_passes.h"
 
 #include <math.h>
 
@@ -25,7 +33,7 @@ static float contact_gap( const collision_contact* c, wisp_vec3 p )
     return gap_at( p, collision_load( c->point ), collision_load( c->normal ), c->gap );
 }
 
-// Room for one more, or the place of the farthest if it is farther than the new one, else null.
+// Return room for one more contact, or the farthest if it is farther than the new one, else null.
 static collision_contact* find_room( const collision_find_job* job, int slot, wisp_vec3 p, float gap )
 {
     collision_contact* all = job->contact[slot];
@@ -59,18 +67,20 @@ static void lower_clear( collision_block* block, int i, float clear )
     block->clear[i] = clear < block->clear[i] ? clear : block->clear[i];
 }
 
-// In the block too: the next body meets the particle where it is now.
-static void move_out( const collision_find_job* job, collision_block* block, int i, wisp_vec3 normal, float healed,
-                      float calmed )
+// Move a particle out, in the block too, because later bodies see its new position.
+// @param recovered m, of position and previous position @param absorbed m, outward displacement that shall give no
+// velocity
+static void move_out( const collision_find_job* job, collision_block* block, int i, wisp_vec3 normal, float recovered,
+                      float absorbed )
 {
     const size_t quad = (size_t)block->slot[i] * 4;
-    store_one( block->now, i, collision_add_scaled( load_one( block->now, i ), healed, normal ) );
-    store_one( block->old, i, collision_add_scaled( load_one( block->old, i ), healed + calmed, normal ) );
+    store_one( block->now, i, collision_add_scaled( load_one( block->now, i ), recovered, normal ) );
+    store_one( block->old, i, collision_add_scaled( load_one( block->old, i ), recovered + absorbed, normal ) );
     collision_store( job->position + quad, load_one( block->now, i ) );
     collision_store( job->previous + quad, load_one( block->old, i ) );
 }
 
-// Number by number: a copy of a whole contact would wait for all of them to be written.
+// Store field by field: copying a whole contact stalls on store forwarding.
 static void fill_contact( collision_contact* c, const collision_view* view, wisp_vec3 point, wisp_vec3 normal,
                           wisp_vec3 motion, float gap )
 {
@@ -78,14 +88,14 @@ static void fill_contact( collision_contact* c, const collision_view* view, wisp
     collision_store( c->normal, normal );
     collision_store( c->motion, motion );
     c->gap = gap;
-    c->pushed = 0.0f;
-    collision_store( c->rubbed, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    c->normal_correction = 0.0f;
+    collision_store( c->tangential_correction, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     c->static_friction = view->static_friction;
     c->kinetic_friction = view->kinetic_friction;
 }
 
-static void touch( const collision_find_job* job, const collision_view* view, collision_block* block, int i,
-                   const wisp_surface_point* nearest )
+static void add_contact( const collision_find_job* job, const collision_view* view, collision_block* block, int i,
+                         const wisp_surface_point* nearest )
 {
     const wisp_vec3 from = load_one( block->from, i ), to = load_one( block->to, i );
     float path = block->path[i];
@@ -99,17 +109,17 @@ static void touch( const collision_find_job* job, const collision_view* view, co
         return;
     }
     float start = collision_start_gap( view, &plane, from, swept );
-    float outward = collision_larger( now - view->thickness - start, 0.0f ), healed = 0.0f;
+    float outward = collision_larger( now - view->thickness - start, 0.0f ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {
-        healed = collision_smaller( -start - outward, collision_larger( job->recovery - outward, 0.0f ) );
+        recovered = collision_smaller( -start - outward, collision_larger( job->recovery - outward, 0.0f ) );
     }
     const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
     const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );
     const wisp_vec3 was = wisp_rigid_to_world( view->before, plane.point );
-    move_out( job, block, i, normal, healed, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
+    move_out( job, block, i, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
 
-    const float gap = start < 0.0f ? view->thickness + start + healed : view->thickness;
+    const float gap = start < 0.0f ? view->thickness + start + recovered : view->thickness;
     const wisp_vec3 p = load_one( block->now, i );
     collision_contact* c = find_room( job, block->slot[i], p, gap_at( p, point, normal, gap ) );
     if ( c != NULL )
@@ -120,23 +130,23 @@ static void touch( const collision_find_job* job, const collision_view* view, co
 
 // ---- a block and its bodies ----
 
-static void ask( const collision_find_job* job, const collision_view* view, collision_block* block )
+static void query_candidates( const collision_find_job* job, const collision_view* view, collision_block* block )
 {
     wisp_mesh_query queries[COLLISION_BLOCK];
     wisp_surface_point nearest[COLLISION_BLOCK];
     bool is_near[COLLISION_BLOCK];
-    for ( int n = 0; n < block->asked_count; ++n )
+    for ( int n = 0; n < block->candidate_count; ++n )
     {
-        const int i = block->asked[n];
+        const int i = block->candidates[n];
         queries[n] = ( wisp_mesh_query ){ load_one( block->to, i ), block->reach[i] };
     }
-    collision_closest( view->body, queries, block->asked_count, nearest, is_near );
-    for ( int n = 0; n < block->asked_count; ++n )
+    collision_closest( view->body, queries, block->candidate_count, nearest, is_near );
+    for ( int n = 0; n < block->candidate_count; ++n )
     {
-        const int i = block->asked[n];
+        const int i = block->candidates[n];
         if ( is_near[n] )
         {
-            touch( job, view, block, i, nearest + n );
+            add_contact( job, view, block, i, nearest + n );
         }
         else
         {
@@ -156,8 +166,8 @@ void collision_meet( const collision_find_job* job, const collision_view* view, 
         }
         return;
     }
-    collision_see_block( job->kernels, view, block );
-    ask( job, view, block );
+    collision_cull_block( job->kernels, view, block );
+    query_candidates( job, view, block );
 }
 
 void collision_end_block( const collision_find_job* job, const collision_block* block )

@@ -1,0 +1,47 @@
+// Queries on bodies, the same for closed forms and meshes, in the frame of the body.
+#pragma once
+
+#include "collision_bodies.h"
+#include "collision_vectors.h"
+
+/// Fraction of the thickness: a start that is less deep counts as on the surface.
+static const float COLLISION_SHALLOW = 0.1f;
+
+/// Return a lower bound of the distance in the substep of a box in the world from the ball around the body, m; 0 for
+/// a body that turns.
+float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high );
+
+/// Find the closest surface point of each query. `found` is false where nothing is within the radius, or the point is
+/// not finite. Inside a body there always is one. A sheet has its normal towards the point and no negative distance.
+void collision_closest( const collision_body* body, const wisp_mesh_query* queries, int count,
+                        wisp_surface_point* nearest, bool* found );
+
+/// Find the first time a path enters the body, or passes the sheet from either side. @return whether it does
+bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
+
+/// Return the signed distance of a point less the thickness, but no less than `gap`, m.
+float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );
+
+/// Return the signed distance at the start of a path whose end meets a plane, less the thickness. Near the surface
+/// the plane is good enough. Farther away the surface may be curved between start and end, so the closest point is
+/// queried.
+static inline float collision_start_gap( const collision_view* view, const wisp_surface_point* plane, wisp_vec3 from,
+                                         bool swept )
+{
+    const float gap = collision_dot( plane->normal, collision_sub( from, plane->point ) ) - view->thickness;
+    const bool is_exact = swept || gap >= -COLLISION_SHALLOW * view->thickness;
+    return is_exact ? gap : collision_exact_gap( view, from, gap );
+}
+
+static inline float collision_outside( float distance, float half )
+{
+    return collision_larger( fabsf( distance ) - half, 0.0f );
+}
+
+/// Return the distance of a point from the box around the body, m; 0 inside.
+static inline float collision_box_distance( const collision_body* body, wisp_vec3 p )
+{
+    const wisp_vec3 d = collision_sub( p, body->centre ), half = body->half;
+    return collision_length( ( wisp_vec3 ){ collision_outside( d.x, half.x ), collision_outside( d.y, half.y ),
+                                            collision_outside( d.z, half.z ) } );
+}

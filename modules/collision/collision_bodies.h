@@ -1,0 +1,21 @@
+// Bodies: their list, and their poses in a substep.
+#pragma once
+
+#include "collision_state.h"
+
+/// A body in one substep, with the thickness and friction of a pair of body and participant.
+typedef struct collision_view
+{
+    const collision_body* body;
+    wisp_rigid before, after; // at the start and at the end of the substep
+    float thickness;          // m, sum of both
+    float static_friction, kinetic_friction;
+} collision_view;
+
+/// Iterate over the bodies that the span's entity collides with in its substep. Start with *next = 0.
+/// @return false behind the last
+bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,
+                     collision_view* out );
+
+/// Remove a body from the list and free its tree. @return whether it was there
+bool collision_forget_body( collision_state* state, wisp_entity entity );

@@ -1,0 +1,11 @@
+// Participants: surfaces and strands that collide.
+#pragma once
+
+#include "collision_state.h"
+
+/// Attach the components of contact to all participants that are enabled, while there is a body, and detach them from
+/// the rest. Without memory nothing changes.
+wisp_status collision_update_components( wisp_world* world, collision_state* state );
+
+/// Remove an entity from the list of participants. @return whether it was there
+bool collision_forget_guest( collision_state* state, wisp_entity guest );

@@ -1,0 +1,78 @@
+// Small vectors. Lanes are rows of sixteen strands.
+#pragma once
+
+#include "wisp/module/module.h"
+
+#include <math.h>
+
+static inline wisp_vec3 collision_load( const float* p )
+{
+    return ( wisp_vec3 ){ p[0], p[1], p[2] };
+}
+
+static inline void collision_store( float* to, wisp_vec3 v )
+{
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+}
+
+static inline wisp_vec3 collision_sub( wisp_vec3 a, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x - b.x, a.y - b.y, a.z - b.z };
+}
+
+/// a + s b
+static inline wisp_vec3 collision_add_scaled( wisp_vec3 a, float s, wisp_vec3 b )
+{
+    return ( wisp_vec3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
+}
+
+static inline float collision_dot( wisp_vec3 a, wisp_vec3 b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline float collision_length( wisp_vec3 a )
+{
+    return sqrtf( collision_dot( a, a ) );
+}
+
+// For numbers that are not NaN. fminf() and fmaxf() are calls, because they handle NaN.
+static inline float collision_smaller( float a, float b )
+{
+    return a < b ? a : b;
+}
+
+static inline float collision_larger( float a, float b )
+{
+    return a > b ? a : b;
+}
+
+/// Grow a box to hold a point.
+static inline void collision_widen( wisp_vec3* low, wisp_vec3* high, wisp_vec3 p )
+{
+    *low = ( wisp_vec3 ){ collision_smaller( p.x, low->x ), collision_smaller( p.y, low->y ),
+                          collision_smaller( p.z, low->z ) };
+    *high = ( wisp_vec3 ){ collision_larger( p.x, high->x ), collision_larger( p.y, high->y ),
+                           collision_larger( p.z, high->z ) };
+}
+
+/// Return whether a point is finite and within the range of queries.
+static inline bool collision_is_finite( wisp_vec3 v )
+{
+    return fabsf( v.x ) <= 1e9f && fabsf( v.y ) <= 1e9f && fabsf( v.z ) <= 1e9f;
+}
+
+/// Load one lane of a row of sixteen vertices.
+static inline wisp_vec3 collision_load_lane( const float* x )
+{
+    return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
+}
+
+static inline void collision_store_lane( float* x, wisp_vec3 v )
+{
+    x[0] = v.x;
+    x[WISP_LANES] = v.y;
+    x[2 * WISP_LANES] = v.z;
+}
