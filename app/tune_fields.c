@@ -9,7 +9,7 @@ const tune_field tune_fields[FIELD_COUNT] = {
                        .candidates = { 3, 2, 1 } },
     [FIELD_TOLERANCE] = { "implicit.tolerance", "surfaces", "implicit", "tolerance", OF_IMPLICIT, .is_falling = true,
                           .candidates = { 1e-1, 1e-2, 1e-3, 1e-4 } },
-    [FIELD_REPEATS] = { "implicit.newton_repeats", "surfaces", "implicit", "newton_repeats", OF_IMPLICIT,
+    [FIELD_REPEATS] = { "implicit.newton_iterations", "surfaces", "implicit", "newton_iterations", OF_IMPLICIT,
                         .candidates = { 1, 2, 4 } },
     [FIELD_PASSES] = { "dynamics.stretch_passes", "strands", "dynamics", "stretch_passes", OF_DIRECT_STRANDS,
                        .candidates = { 1, 2, 8 } },

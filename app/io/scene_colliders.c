@@ -40,11 +40,11 @@ static const scene_field BOX_FIELDS[] = {
 static const scene_field MESH_FIELDS[] = {
     COMMON_FIELDS,
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
-    { "make", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
     { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE },
-    { "sheet", SCENE_SWITCH, .at = DEF( sheet ) },
+    { "double_sided", SCENE_SWITCH, .at = DEF( sheet ) },
     { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES },
     { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES },
 };
@@ -116,8 +116,9 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     status = status ? status : scene_read_block( r, node, &BLOCKS[kind], collider );
     if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_made )
     {
-        return scene_refuse_node( r, node, "has %s; a mesh is read or made",
-                                  collider->mesh.is_made ? "both 'file' and 'make'" : "neither 'file' nor 'make'" );
+        return scene_refuse_node( r, node, "has %s; a mesh is read or generated",
+                                  collider->mesh.is_made ? "both 'file' and 'generate'"
+                                                         : "neither 'file' nor 'generate'" );
     }
     const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
     if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )

@@ -22,9 +22,9 @@ static const scene_field BOUNDARY_FIELDS[] = {
     { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS },
     { "scanline_normals", SCENE_SWITCH, .at = BOUNDARY( scanline_normals ) },
     { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ) },
-    { "limit", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ) },
-    { "least_spacing", SCENE_NUMBER, .at = BOUNDARY( least_spacing ), .range = SIZE, .unit = METRES },
-    { "most_spacing", SCENE_NUMBER, .at = BOUNDARY( most_spacing ), .range = SIZE, .unit = METRES },
+    { "max_points", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ) },
+    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( least_spacing ), .range = SIZE, .unit = METRES },
+    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( most_spacing ), .range = SIZE, .unit = METRES },
     { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ) },
     { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ) },
     { "by_screen", SCENE_SWITCH, .at = BOUNDARY( by_screen ) },
@@ -50,21 +50,21 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
     }
     if ( b->most_spacing > 0.0f && b->least_spacing > b->most_spacing )
     {
-        return scene_refuse_node( r, node, "boundary.least_spacing is %g, above boundary.most_spacing, which is %g",
+        return scene_refuse_node( r, node, "boundary.min_spacing is %g, above boundary.max_spacing, which is %g",
                                   (double)b->least_spacing, (double)b->most_spacing );
     }
     return WISP_OK;
 }
 
-// ---- guests of contact ----
+// ---- participants of contact ----
 
 // Strands never meet themselves, so theirs is the same table without `self`.
 #define GUEST_FIELDS( owner )                                                                                        \
     { "thickness", SCENE_NUMBER, .at = offsetof( owner, contact.thickness ), .range = RANGE( 0, 1e6 ),               \
       .unit = METRES },                                                                                              \
         { "friction", SCENE_NUMBER, .at = offsetof( owner, contact.friction ), .range = RANGE( 0, 1e6 ) },           \
-        { "recovery_speed", SCENE_NUMBER, .at = offsetof( owner, contact.recovery_speed ), .range = RANGE( 0, 1e6 ), \
-          .unit = SPEEDS },                                                                                          \
+        { "max_push_out_speed", SCENE_NUMBER, .at = offsetof( owner, contact.recovery_speed ),                       \
+          .range = RANGE( 0, 1e6 ), .unit = SPEEDS },                                                                \
         { "layers", SCENE_CUSTOM, .at = offsetof( owner, contact.layers ), .read = scene_read_layers },              \
         { "mask", SCENE_CUSTOM, .at = offsetof( owner, contact.mask ), .read = scene_read_layers },                  \
     {                                                                                                                \
@@ -84,12 +84,12 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 #define CONTACT( member ) offsetof( wisp_scene, contact.member )
 
-static const char* const FEATURES[] = { "exact", "samples", NULL };
+static const char* const FEATURES[] = { "triangles", "particles", NULL };
 static const char* const SEARCHES[] = { "auto", "grid", "tree", "brute", NULL };
 
 static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "figures", "crossings", NULL };
+    static const char* const words[] = { "stats", "intersections", NULL };
     wisp_scene* scene = at;
     bool* const wants[] = { &scene->want_contact_figures, &scene->want_crossings };
     wisp_status status = scene_expect_list( r, node, "a list of words" );
@@ -113,12 +113,12 @@ static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "features", SCENE_CHOICE, .at = CONTACT( features ), .choices = FEATURES },
+    { "primitives", SCENE_CHOICE, .at = CONTACT( features ), .choices = FEATURES },
     { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES },
-    { "sample_spacing", SCENE_NUMBER, .at = CONTACT( sample_spacing ), .range = SIZE, .unit = METRES },
+    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( sample_spacing ), .range = SIZE, .unit = METRES },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ) },
-    { "guard", SCENE_SWITCH, .at = CONTACT( guard ) },
-    { "want", SCENE_CUSTOM, .read = read_wants },
+    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( guard ) },
+    { "compute", SCENE_CUSTOM, .read = read_wants },
 };
 static const scene_block WORLD_BLOCK = BLOCK( WORLD_FIELDS );
 
@@ -126,10 +126,10 @@ static const scene_block WORLD_BLOCK = BLOCK( WORLD_FIELDS );
 static wisp_status check_features( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
 {
     const bool exact = settings->features == WISP_CONTACT_EXACT;
-    const char* const key = exact ? "sample_spacing" : "guard";
+    const char* const key = exact ? "particle_spacing" : "displacement_limit";
     const scene_node* child = scene_child( r, node, key );
-    return child ? scene_refuse_node( r, child, "'%s' is of contact with 'features: %s'", key,
-                                      exact ? "samples" : "exact" )
+    return child ? scene_refuse_node( r, child, "'%s' is of contact with 'primitives: %s'", key,
+                                      exact ? "particles" : "triangles" )
                  : WISP_OK;
 }
 

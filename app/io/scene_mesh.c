@@ -10,7 +10,7 @@
 
 #define COUNT( least ) RANGE( least, WISP_SCENE_MAX_VERTICES )
 
-// ---- make: a table for each shape, so that a key that the shape has no use for is refused as unknown ----
+// ---- generate: a table for each shape, so that a key that the shape has no use for is refused as unknown ----
 
 #define AT( member ) offsetof( wisp_mesh_recipe, member )
 
@@ -240,18 +240,18 @@ static wisp_status read_flags( scene_reader* r, const scene_node* node, const ch
 
 wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "degenerates", "duplicates", "winding", "loose", NULL };
+    static const char* const words[] = { "degenerates", "duplicates", "winding", "unreferenced", NULL };
     static const int flags[] = { WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
                                  WISP_MESH_DROP_LOOSE };
-    return read_flags( r, node, words, flags, "a list of degenerates, duplicates, winding and loose", at );
+    return read_flags( r, node, words, flags, "a list of degenerates, duplicates, winding and unreferenced", at );
 }
 
 wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "closed", "oriented", "manifold", "clean", "one_shell", NULL };
+    static const char* const words[] = { "closed", "oriented", "manifold", "clean", "one_component", NULL };
     static const int flags[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
                                  WISP_MESH_ONE_SHELL };
-    return read_flags( r, node, words, flags, "a list of closed, oriented, manifold, clean and one_shell", at );
+    return read_flags( r, node, words, flags, "a list of closed, oriented, manifold, clean and one_component", at );
 }
 
 // ---- rotations ----

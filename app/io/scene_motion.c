@@ -96,11 +96,12 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     if ( sources == 0 )
     {
         return scene_refuse_node(
-            r, node, "has none of 'file', 'make', 'scatter' and 'curves'; one tells where the strands come from" );
+            r, node,
+            "has none of 'file', 'generate', 'scatter' and 'curves'; one tells where the strands come from" );
     }
     if ( sources > 1 )
     {
-        return scene_refuse_node( r, node, "has more than one of 'file', 'make', 'scatter' and 'curves'" );
+        return scene_refuse_node( r, node, "has more than one of 'file', 'generate', 'scatter' and 'curves'" );
     }
     return WISP_OK;
 }
@@ -108,8 +109,8 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
 // Curves are drawn and nothing else: where they are is up to the strands that they run through.
 static wisp_status check_curves( scene_reader* r, const scene_node* node )
 {
-    static const char* const keys[] = { "transform", "dynamics",    "head",    "on_surface", "grid",
-                                        "ghosts",    "frozen_hair", "climate", "collision",  "contact" };
+    static const char* const keys[] = { "transform", "dynamics",    "head",        "on_surface", "grid",
+                                        "ghosts",    "frozen_hair", "environment", "collision",  "contact" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, keys[i] );

@@ -15,16 +15,16 @@
 #define MOVES( member ) offsetof( wisp_scene_strands, dynamics.member )
 
 static const char* const STRETCHES[] = { "direct", "links", "follow", NULL };
-static const char* const BENDS[] = { "rod", "links", "none", NULL };
-static const char* const RESTS[] = { "balanced", "shape", "straight", NULL };
+static const char* const BENDS[] = { "rod", "bend_links", "none", NULL };
+static const char* const RESTS[] = { "sag_free", "shape", "straight", NULL };
 static const char* const SOLVERS[] = { "xpbd", "pbd", NULL };
 
 static const scene_field DYNAMICS_FIELDS[] = {
     { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES },
     { "stretch_passes", SCENE_WHOLE, .at = MOVES( stretch_passes ), .range = RANGE( 1, 16 ) },
     { "stretch_tolerance", SCENE_NUMBER, .at = MOVES( stretch_tolerance ), .range = RANGE( 1e-6, 1 ) },
-    { "follow_share", SCENE_NUMBER, .at = MOVES( follow_share ), .range = UNIT_RANGE },
-    { "bend", SCENE_CHOICE, .at = MOVES( bend ), .choices = BENDS },
+    { "leader_correction", SCENE_NUMBER, .at = MOVES( follow_share ), .range = UNIT_RANGE },
+    { "bending", SCENE_CHOICE, .at = MOVES( bend ), .choices = BENDS },
     { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ),
       .unit = ROD_RIGIDITIES },
     { "twist_rigidity", SCENE_NUMBER, .at = MOVES( twist_rigidity ), .range = RANGE( 0, 1e12 ),
@@ -46,7 +46,7 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "damping", SCENE_NUMBER, .at = MOVES( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
     { "wind", SCENE_VECTOR, .at = MOVES( wind ), .range = WIND, .unit = SPEEDS },
     { "air_density", SCENE_NUMBER, .at = MOVES( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES },
-    { "drag", SCENE_NUMBER, .at = MOVES( drag ), .range = RANGE( 0, 1e6 ) },
+    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag ), .range = RANGE( 0, 1e6 ) },
     { "diameter", SCENE_NUMBER, .at = MOVES( diameter ), .range = SIZE, .unit = METRES },
     { "teleport", SCENE_NUMBER, .at = MOVES( teleport ), .range = SIZE },
 };
@@ -62,7 +62,7 @@ const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
 #define GRID( member ) offsetof( wisp_scene_strands, grid.member )
 
 static const scene_field GRID_FIELDS[] = {
-    { "cell", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES },
+    { "cell_size", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES },
     { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE },
     { "repulsion", SCENE_NUMBER, .at = GRID( repulsion ), .range = RANGE( 0, 1e6 ), .unit = ACCELERATIONS },
 };
@@ -72,9 +72,10 @@ const scene_block SCENE_GRID_BLOCK = BLOCK( GRID_FIELDS );
 
 static const scene_field COLLISION_FIELDS[] = {
     { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "friction", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
-    { "recovery_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ), .unit = SPEEDS },
-    { "layers", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
+    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
+    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ),
+      .unit = SPEEDS },
+    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
 };
 const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
@@ -82,7 +83,7 @@ const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
 #define GHOSTS( member ) offsetof( wisp_scene_strands, ghosts.member )
 
-static const char* const ELASTICS[] = { "change", "printed_cos", "printed_raw", "off", NULL };
+static const char* const ELASTICS[] = { "change", "cosine", "dot", "off", NULL };
 static const char* const FRAMES[] = { "off", "root", "parallel", NULL };
 
 static const scene_field GHOSTS_FIELDS[] = {

@@ -1,6 +1,7 @@
 #include "scene_schema.h"
 #include "io_file.h"
 #include "nearest.h"
+#include "scene_renamed.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -271,9 +272,14 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
         int n = snprintf( list + used, sizeof list - used, "%s%s", i ? ", " : "", known[i] );
         used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
-    const char* near = nearest_word( key, known, block->field_count );
+    const char* now = scene_find_renamed_key( r->path, key, known, block->field_count );
+    const char* near = now ? NULL : nearest_word( key, known, block->field_count );
     char message[480];
-    if ( near )
+    if ( now )
+    {
+        snprintf( message, sizeof message, "`%s` is called `%s` now", key, now );
+    }
+    else if ( near )
     {
         snprintf( message, sizeof message, "unknown key '%s', did you mean '%s'?", scene_shorten( key ).text, near );
     }

@@ -45,7 +45,10 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
 static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
                               const wisp_scene_surface* s )
 {
-    const char* key = e->has_fill ? "fill" : e->has_inflation_rate ? "inflation_rate" : e->has_open ? "open" : NULL;
+    const char* key = e->has_fill             ? "gas_ratio"
+                      : e->has_inflation_rate ? "inflation_rate"
+                      : e->has_open           ? "outlet_open"
+                                              : NULL;
     if ( key && !s->has_balloon )
     {
         return scene_refuse_node( r, node, "'%s' is a balloon's, but the surface '%s' has no key 'balloon'", key,
@@ -57,16 +60,16 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     }
     if ( e->has_fill && e->fill < s->balloon.least_fill )
     {
-        return scene_refuse_node( r, node, "fill %g is below the least of '%s', which is %g", (double)e->fill,
-                                  s->name, (double)s->balloon.least_fill );
+        return scene_refuse_node( r, node, "gas_ratio %g is below the min_gas_ratio of '%s', which is %g",
+                                  (double)e->fill, s->name, (double)s->balloon.least_fill );
     }
     // Keyframes would overwrite it before anything was seen of it.
     const double time = (double)e->step * (double)r->scene->step_seconds;
     const wisp_scene_fill* last = s->fill_path_count > 0 ? &s->fill_path[s->fill_path_count - 1] : NULL;
     if ( e->has_fill && last && time < (double)last->time )
     {
-        return scene_refuse_node( r, node, "the fill of '%s' follows its fill_keyframes until %g s", s->name,
-                                  (double)last->time );
+        return scene_refuse_node( r, node, "the gas ratio of '%s' follows its gas_ratio_keyframes until %g s",
+                                  s->name, (double)last->time );
     }
     return WISP_OK;
 }
@@ -86,7 +89,8 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
     }
     return s->has_dynamics && s->dynamics.drag > 0.0f
                ? WISP_OK
-               : scene_refuse_node( r, node, "wind needs air: the strands '%s' have no dynamics.drag", s->name );
+               : scene_refuse_node( r, node, "wind needs air: the strands '%s' have no dynamics.drag_coefficient",
+                                    s->name );
 }
 
 static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
@@ -105,14 +109,16 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     if ( !( e->has_fill || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
             e->has_angular_velocity || e->release ) )
     {
-        return scene_refuse_node( r, node,
-                                  "does nothing: it has none of fill, inflation_rate, open, wind, velocity, "
-                                  "angular_velocity and release: true" );
+        return scene_refuse_node(
+            r, node,
+            "does nothing: it has none of gas_ratio, inflation_rate, outlet_open, wind, velocity, "
+            "angular_velocity and release: true" );
     }
     if ( e->has_wind && !( s->has_cloth && ( s->cloth.drag > 0.0f || s->cloth.lift > 0.0f ) ) )
     {
-        return scene_refuse_node( r, node, "wind needs air: the surface '%s' has no cloth.drag and no cloth.lift",
-                                  s->name );
+        return scene_refuse_node(
+            r, node, "wind needs air: the surface '%s' has no cloth.drag_coefficient and no cloth.lift_coefficient",
+            s->name );
     }
     if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
     {

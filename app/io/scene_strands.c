@@ -160,9 +160,8 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
 // too, which ghosts can have without a motion of their own.
 wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
 {
-    static const char* const words[] = {
-        "points", "width", "colour", "strain", "speed", "quality", "contacts", NULL
-    };
+    static const char* const words[] = { "points", "width",        "colour",          "strain",
+                                         "speed",  "motion_stats", "collision_stats", NULL };
     enum
     {
         OF_LOOK = 1,
@@ -186,8 +185,8 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
         }
         if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_look )
         {
-            return scene_refuse_node( r, item, "'%s' comes from a look, but these strands have no key 'look'",
-                                      words[word] );
+            return scene_refuse_node(
+                r, item, "'%s' comes from the appearance, but these strands have no key 'appearance'", words[word] );
         }
         const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
         if ( !status && word >= OF_DYNAMICS && !moves )

@@ -16,7 +16,7 @@ static const char* const SOLVERS[] = { "xpbd", "pbd", NULL };
 
 #define CLOTH( member ) offsetof( wisp_scene_surface, cloth.member )
 
-static const char* const BENDINGS[] = { "cross", "dihedral", "isometric", "none", NULL };
+static const char* const BENDINGS[] = { "bend_links", "dihedral", "isometric", "none", NULL };
 
 static const scene_field CLOTH_FIELDS[] = {
     { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS },
@@ -31,11 +31,11 @@ static const scene_field CLOTH_FIELDS[] = {
     { "bend_compliance", SCENE_NUMBER, .at = CLOTH( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
     { "bend_rigidity", SCENE_NUMBER, .at = CLOTH( bend_rigidity ), .range = RANGE( 1e-12, 1e12 ),
       .unit = RIGIDITIES },
-    { "damping", SCENE_NUMBER, .at = CLOTH( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
+    { "internal_damping", SCENE_NUMBER, .at = CLOTH( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
     { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS },
     { "air_density", SCENE_NUMBER, .at = CLOTH( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES },
-    { "drag", SCENE_NUMBER, .at = CLOTH( drag ), .range = RANGE( 0, 1e6 ) },
-    { "lift", SCENE_NUMBER, .at = CLOTH( lift ), .range = RANGE( 0, 1e6 ) },
+    { "drag_coefficient", SCENE_NUMBER, .at = CLOTH( drag ), .range = RANGE( 0, 1e6 ) },
+    { "lift_coefficient", SCENE_NUMBER, .at = CLOTH( lift ), .range = RANGE( 0, 1e6 ) },
     { "tethers", SCENE_SWITCH, .at = CLOTH( tethers ) },
     { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ) },
     { "level_passes", SCENE_WHOLE, .at = CLOTH( level_passes ), .range = RANGE( 0, 16 ) },
@@ -48,22 +48,22 @@ static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
 
 static const char* const PRESSURE_READINGS[] = { "virial", "multiplier", "gas", NULL };
 static const char* const DRAGS[] = { "max", "abs", "signed", "normal", NULL };
-static const char* const SPINS[] = { "kick", "printed", "none", NULL };
+static const char* const SPINS[] = { "velocity", "position", "none", NULL };
 
 static const scene_field BALLOON_FIELDS[] = {
     { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS },
     { "edge_stiffness", SCENE_NUMBER, .at = BALLOON( edge_stiffness ), .range = RANGE( 1e-6, 1e12 ),
       .unit = STIFFNESSES },
-    { "cross_stiffness", SCENE_NUMBER, .at = BALLOON( cross_stiffness ), .range = RANGE( 1e-6, 1e12 ),
+    { "bend_link_stiffness", SCENE_NUMBER, .at = BALLOON( cross_stiffness ), .range = RANGE( 1e-6, 1e12 ),
       .unit = STIFFNESSES },
-    { "stretch_share", SCENE_NUMBER, .at = BALLOON( stretch_share ), .range = UNIT_RANGE },
-    { "bend_share", SCENE_NUMBER, .at = BALLOON( bend_share ), .range = UNIT_RANGE },
+    { "stretch_stiffness", SCENE_NUMBER, .at = BALLOON( stretch_share ), .range = UNIT_RANGE },
+    { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_share ), .range = UNIT_RANGE },
     { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = SOLVERS },
-    { "volume_share", SCENE_NUMBER, .at = BALLOON( volume_share ), .range = RANGE( 1e-6, 1 ) },
-    { "fill", SCENE_NUMBER, .at = BALLOON( fill ), .range = RANGE( 1e-3, 1e6 ) },
-    { "fill_keyframes", SCENE_CUSTOM, .read = scene_read_fill_path },
+    { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_share ), .range = RANGE( 1e-6, 1 ) },
+    { "gas_ratio", SCENE_NUMBER, .at = BALLOON( fill ), .range = RANGE( 1e-3, 1e6 ) },
+    { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_fill_path },
     { "inflation_rate", SCENE_NUMBER, .at = BALLOON( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS },
-    { "least_fill", SCENE_NUMBER, .at = BALLOON( least_fill ), .range = RANGE( 1e-3, 1 ) },
+    { "min_gas_ratio", SCENE_NUMBER, .at = BALLOON( least_fill ), .range = RANGE( 1e-3, 1 ) },
     { "atmospheric_pressure", SCENE_NUMBER, .at = BALLOON( atmospheric_pressure ), .range = RANGE( 1e-3, 1e12 ),
       .unit = PRESSURES },
     { "temperature", SCENE_NUMBER, .at = BALLOON( temperature ), .range = RANGE( 1e-3, 1e6 ), .unit = KELVIN },
@@ -74,7 +74,7 @@ static const scene_field BALLOON_FIELDS[] = {
     { "pressure", SCENE_CHOICE, .at = BALLOON( pressure ), .choices = PRESSURE_READINGS },
     { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ) },
     { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ) },
-    { "drag", SCENE_CHOICE, .at = BALLOON( drag ), .choices = DRAGS },
+    { "drag_model", SCENE_CHOICE, .at = BALLOON( drag ), .choices = DRAGS },
     { "outlet", SCENE_CUSTOM, .read = scene_read_outlet },
     { "outlet_nearest", SCENE_VECTOR, .at = AT( outlet_nearest ), .range = COORDINATE, .unit = METRES,
       .given = AT( has_outlet_nearest ) },
@@ -91,7 +91,7 @@ static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
 #define IMPLICIT( member ) offsetof( wisp_scene_surface, implicit.member )
 #define ANY_STIFFNESS RANGE( 0, 1e9 )
 
-static const char* const STIFFNESS_OF[] = { "link", "sheet", NULL };
+static const char* const STIFFNESS_OF[] = { "link", "material", NULL };
 static const char* const WEIGHTS[] = { "effective", "none", "pair", NULL };
 static const char* const DAMPING_FORMS[] = { "isotropic", "axial", NULL };
 static const char* const JACOBIANS[] = { "dropped", "full", NULL };
@@ -99,7 +99,7 @@ static const char* const INTEGRATORS[] = { "euler", "bdf2", NULL };
 static const char* const LINKS[] = { "mesh", "quad", NULL };
 
 static const scene_field IMPLICIT_FIELDS[] = {
-    { "stiffness", SCENE_CHOICE, .at = IMPLICIT( stiffness ), .choices = STIFFNESS_OF },
+    { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness ), .choices = STIFFNESS_OF },
     { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
       .unit = STIFFNESSES },
     { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
@@ -107,17 +107,17 @@ static const scene_field IMPLICIT_FIELDS[] = {
     { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES },
     { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
       .unit = STIFFNESSES },
-    { "damping", SCENE_NUMBER, .at = IMPLICIT( damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS },
+    { "link_damping", SCENE_NUMBER, .at = IMPLICIT( damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS },
     { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS },
     { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS },
     { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS },
     { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS },
-    { "newton_repeats", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ) },
-    { "stiff_repeats", SCENE_WHOLE, .at = IMPLICIT( stiff_repeats ), .range = RANGE( 1, 64 ) },
+    { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ) },
+    { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( stiff_repeats ), .range = RANGE( 1, 64 ) },
     { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ) },
     { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ) },
     { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ) },
-    { "look_ahead", SCENE_SWITCH, .at = IMPLICIT( look_ahead ) },
+    { "speculative", SCENE_SWITCH, .at = IMPLICIT( look_ahead ) },
     { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS },
 };
 static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );
@@ -135,19 +135,20 @@ static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 
 static const scene_field COLLISION_FIELDS[] = {
     { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "friction", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
-    { "recovery_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ), .unit = SPEEDS },
-    { "layers", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
+    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
+    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ),
+      .unit = SPEEDS },
+    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
 };
 static const scene_block COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
 static const char* const SWEEPS[] = { "colour", "list", NULL };
 
-// `make` stands before what names its vertices, and the effects before `want`.
+// `generate` stands before what names its vertices, and the effects before `compute`.
 static const scene_field SURFACE_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
-    { "make", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
     { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name },
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
     { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
@@ -170,12 +171,12 @@ static const scene_field SURFACE_FIELDS[] = {
     { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK },
     { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ) },
     { "finest_level", SCENE_WHOLE, .at = AT( finest_level ), .range = RANGE( 1, WISP_FABRIC_MAX_LEVELS ) },
-    { "sweep", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
+    { "solve_order", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
     { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size },
     { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK },
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK },
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK },
-    { "want", SCENE_CUSTOM, .read = scene_read_surface_want },
+    { "compute", SCENE_CUSTOM, .read = scene_read_surface_want },
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );
@@ -188,7 +189,7 @@ static const scene_field BOX_FIELDS[] = {
 #undef AT
 const scene_block SCENE_BOX_BLOCK = BLOCK( BOX_FIELDS );
 
-// ---- script ----
+// ---- events ----
 
 #define AT( member ) offsetof( scene_event, member )
 #define EVENT( member ) offsetof( scene_event, event.member )
@@ -198,10 +199,10 @@ static const scene_field EVENT_FIELDS[] = {
     { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ) },
     { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = scene_read_strands_name },
     { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = scene_read_surface_name },
-    { "fill", SCENE_NUMBER, .at = EVENT( fill ), .range = RANGE( 1e-3, 1e6 ), .given = EVENT( has_fill ) },
+    { "gas_ratio", SCENE_NUMBER, .at = EVENT( fill ), .range = RANGE( 1e-3, 1e6 ), .given = EVENT( has_fill ) },
     { "inflation_rate", SCENE_NUMBER, .at = EVENT( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
       .given = EVENT( has_inflation_rate ) },
-    { "open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ) },
+    { "outlet_open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ) },
     { "wind", SCENE_VECTOR, .at = EVENT( wind ), .range = WIND, .unit = SPEEDS, .given = EVENT( has_wind ) },
     { "velocity", SCENE_VECTOR, .at = EVENT( velocity ), .range = VELOCITY, .unit = SPEEDS,
       .given = EVENT( has_velocity ) },

@@ -169,10 +169,10 @@ static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scen
                               const wisp_scene_fill* before )
 {
     static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
-    static const scene_field share = { "fill", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
+    static const scene_field share = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
     if ( node->kind != SCENE_LIST || node->count != 2 )
     {
-        return scene_refuse_node( r, node, "must be a pair [time, fill]" );
+        return scene_refuse_node( r, node, "must be a pair [time, gas_ratio]" );
     }
     const scene_node* first = scene_first( r->tree, node );
     wisp_status status = scene_read_number( r, first, &time, &fill->time );
@@ -189,7 +189,7 @@ wisp_status scene_read_fill_path( scene_reader* r, const scene_node* node, void*
 {
     wisp_scene_surface* surface = at;
     void* items;
-    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, fill]", SCENE_MAX_NODES,
+    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
                                            sizeof( wisp_scene_fill ), &items );
     wisp_scene_fill* fills = items;
     int i = 0;
@@ -237,8 +237,8 @@ wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at
 
 wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "points",  "normals", "strain",   "speed",
-                                         "quality", "figures", "contacts", NULL };
+    static const char* const words[] = { "points",       "normals",      "strain",          "speed",
+                                         "motion_stats", "effect_stats", "collision_stats", NULL };
     wisp_scene_surface* s = at;
     bool* const wants[] = { &s->want_points,  &s->want_normals, &s->want_strain,  &s->want_speed,
                             &s->want_quality, &s->want_figures, &s->want_contacts };
@@ -256,12 +256,12 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
         if ( !status && wants[word] == &s->want_figures && !s->has_balloon && !s->has_implicit )
         {
             return scene_refuse_node(
-                r, item, "'figures' need the key 'balloon' or 'implicit', but this surface has none of them" );
+                r, item, "'effect_stats' need the key 'balloon' or 'implicit', but this surface has none of them" );
         }
         if ( !status && wants[word] == &s->want_contacts && !s->has_collision )
         {
-            return scene_refuse_node( r, item,
-                                      "'contacts' come from a collision, but this surface has no key 'collision'" );
+            return scene_refuse_node(
+                r, item, "'collision_stats' come from a collision, but this surface has no key 'collision'" );
         }
         if ( !status )
         {
@@ -276,17 +276,18 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
 
 static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface )
 {
-    static const char* const fabric_keys[] = { "repair", "require", "levels", "finest_level", "sweep", "tile_size" };
+    static const char* const fabric_keys[] = { "repair",       "require",     "levels",
+                                               "finest_level", "solve_order", "tile_size" };
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_made + instance;
     if ( sources == 0 )
     {
         return scene_refuse_node(
-            r, node, "has none of 'file', 'make' and 'instance_of'; one tells where the mesh comes from" );
+            r, node, "has none of 'file', 'generate' and 'instance_of'; one tells where the mesh comes from" );
     }
     if ( sources > 1 )
     {
-        return scene_refuse_node( r, node, "has more than one of 'file', 'make' and 'instance_of'" );
+        return scene_refuse_node( r, node, "has more than one of 'file', 'generate' and 'instance_of'" );
     }
     for ( int i = 0; instance && i < WISP_COUNT( fabric_keys ); ++i )
     {
@@ -339,16 +340,16 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
     }
     if ( b->fill < b->least_fill )
     {
-        return scene_refuse_node( r, node, "balloon.fill is %g, below balloon.least_fill, which is %g",
+        return scene_refuse_node( r, node, "balloon.gas_ratio is %g, below balloon.min_gas_ratio, which is %g",
                                   (double)b->fill, (double)b->least_fill );
     }
     for ( int i = 0; i < s->fill_path_count; ++i )
     {
         if ( s->fill_path[i].fill < b->least_fill )
         {
-            return scene_refuse_node( r, node,
-                                      "balloon.fill_keyframes[%d] is %g, below balloon.least_fill, which is %g", i,
-                                      (double)s->fill_path[i].fill, (double)b->least_fill );
+            return scene_refuse_node(
+                r, node, "balloon.gas_ratio_keyframes[%d] is %g, below balloon.min_gas_ratio, which is %g", i,
+                (double)s->fill_path[i].fill, (double)b->least_fill );
         }
     }
     return WISP_OK;
@@ -359,8 +360,8 @@ static wisp_status check_quad_links( scene_reader* r, const scene_node* node, co
 {
     return mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
-               : scene_refuse_node( r, node,
-                                    "implicit.links are 'quad', which a mesh of 'make: { shape: plane }' alone has" );
+               : scene_refuse_node(
+                     r, node, "implicit.links are 'quad', which a mesh of 'generate: { shape: plane }' alone has" );
 }
 
 static wisp_status check_implicit( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
@@ -378,7 +379,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
     {
         return scene_refuse_node( r, node,
-                                  "implicit.stiffness is of the 'sheet', which needs the links of the mesh, but "
+                                  "implicit.stiffness_model is 'material', which needs the links of the mesh, but "
                                   "implicit.links are 'quad'" );
     }
     return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;

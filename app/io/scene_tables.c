@@ -5,7 +5,7 @@
 
 #define STIFFNESS RANGE( 1e-3, 1e12 )
 
-// ---- make ----
+// ---- generate ----
 
 #define AT( member ) offsetof( wisp_groom_recipe, member )
 #define SMALLEST 1e-6
@@ -24,7 +24,7 @@ static const scene_field MAKE_FIELDS[] = {
     { "wave_amplitude", SCENE_NUMBER, .at = AT( wave_amplitude ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
     { "wave_length", SCENE_NUMBER, .at = AT( wave_length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES },
     { "length_variation", SCENE_NUMBER, .at = AT( length_variation ), .range = RANGE( 0, 0.99 ) },
-    { "thickness", SCENE_NUMBER, .at = AT( thickness ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
+    { "diameter", SCENE_NUMBER, .at = AT( thickness ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
     { "seed", SCENE_SEED, .at = AT( seed ) },
 };
 #undef AT
@@ -41,7 +41,7 @@ static const scene_field FREEZE_FIELDS[] = {
       .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ) },
     { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = STIFFNESS,
       .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ) },
-    { "bend_angle_max", SCENE_NUMBER, .at = HAIR( bend_angle_max ), .range = RANGE( 0, 3.14159265358979 ),
+    { "max_bend_angle", SCENE_NUMBER, .at = HAIR( bend_angle_max ), .range = RANGE( 0, 3.14159265358979 ),
       .unit = RADIANS },
 };
 static const scene_block FREEZE_BLOCK = { FREEZE_FIELDS, WISP_COUNT( FREEZE_FIELDS ) };
@@ -61,29 +61,29 @@ static const scene_field ALIGN_FIELDS[] = {
 };
 static const scene_block ALIGN_BLOCK = { ALIGN_FIELDS, WISP_COUNT( ALIGN_FIELDS ) };
 
-static const char* const GAPS[] = { "prose", "printed", "closing", "wet", NULL };
+static const char* const GAPS[] = { "absolute", "signed", "reversed", "none", NULL };
 static const char* const GAP_REFERENCES[] = { "stage", "iteration", NULL };
 
 static const scene_field CLUMP_FIELDS[] = {
     { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = RANGE( SMALLEST, 1e6 ), .unit = METRES },
     { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ) },
-    { "step", SCENE_NUMBER, .at = HAIR( clump_step ), .range = RANGE( 0, 1e3 ), .unit = METRES },
+    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step ), .range = RANGE( 0, 1e3 ), .unit = METRES },
     { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS },
     { "gap_reference", SCENE_EITHER, .at = HAIR( gap_by_iteration ), .choices = GAP_REFERENCES },
-    { "guard", SCENE_SWITCH, .at = HAIR( guard ) },
-    { "distance_min", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "lambda_min", SCENE_NUMBER, .at = HAIR( lambda_min ), .range = UNIT_RANGE },
-    { "neighbour_limit", SCENE_WHOLE, .at = HAIR( neighbour_limit ), .range = RANGE( 1, 4096 ) },
+    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( guard ) },
+    { "min_distance", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES },
+    { "min_lambda", SCENE_NUMBER, .at = HAIR( lambda_min ), .range = UNIT_RANGE },
+    { "max_neighbours", SCENE_WHOLE, .at = HAIR( neighbour_limit ), .range = RANGE( 1, 4096 ) },
 };
 static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS ) };
 
 static const char* const BASES[] = { "rest", "previous", NULL };
-static const char* const EVENTS[] = { "command", "frame", NULL };
+static const char* const EVENTS[] = { "hair_event", "frame", NULL };
 
 static const scene_field FROZEN_HAIR_FIELDS[] = {
     { "seed", SCENE_SEED, .at = HAIR( seed ) },
     { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES },
-    { "event", SCENE_CHOICE, .at = HAIR( event ), .choices = EVENTS },
+    { "update_on", SCENE_CHOICE, .at = HAIR( event ), .choices = EVENTS },
     { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE },
     { "freeze", SCENE_BLOCK, .at = HAIR( freeze ), .block = &FREEZE_BLOCK },
     { "align", SCENE_BLOCK, .at = HAIR( align ), .block = &ALIGN_BLOCK },
@@ -91,16 +91,16 @@ static const scene_field FROZEN_HAIR_FIELDS[] = {
 };
 static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( FROZEN_HAIR_FIELDS ) };
 
-// ---- climate and look ----
+// ---- environment and appearance ----
 
 #define CLIMATE( member ) offsetof( wisp_scene_strands, climate.member )
 #define LOOK( member ) offsetof( wisp_scene_strands, look.member )
 #define TEMPERATURE RANGE( -273.15, 1000 )
 
 static const scene_field CLIMATE_FIELDS[] = {
-    { "temperature", SCENE_NUMBER, .at = CLIMATE( temperature ), .range = TEMPERATURE, .unit = CELSIUS },
+    { "temperature_celsius", SCENE_NUMBER, .at = CLIMATE( temperature ), .range = TEMPERATURE, .unit = CELSIUS },
     { "wetness", SCENE_NUMBER, .at = CLIMATE( wetness ), .range = UNIT_RANGE },
-    { "freezing", SCENE_NUMBER, .at = CLIMATE( freezing ), .range = TEMPERATURE, .unit = CELSIUS },
+    { "freezing_celsius", SCENE_NUMBER, .at = CLIMATE( freezing ), .range = TEMPERATURE, .unit = CELSIUS },
     { "span", SCENE_NUMBER, .at = CLIMATE( span ), .range = RANGE( 1e-3, 1000 ), .unit = CELSIUS },
     { "curve", SCENE_CUSTOM, .read = scene_read_curve },
 };
@@ -124,11 +124,11 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
 
-// `make` stands before what is numbered by its strands and vertices, and the effects before `want`.
+// `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
     { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file },
-    { "make", SCENE_CUSTOM, .read = scene_read_make },
+    { "generate", SCENE_CUSTOM, .read = scene_read_make },
     { "scatter", SCENE_BLOCK, .at = AT( is_scattered ), .block = &SCENE_SCATTER_BLOCK },
     { "curves", SCENE_BLOCK, .at = AT( is_curves ), .block = &SCENE_CURVES_BLOCK },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK },
@@ -140,16 +140,16 @@ static const scene_field STRANDS_FIELDS[] = {
     { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK },
     { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK },
-    { "climate", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK },
-    { "look", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK },
-    { "want", SCENE_CUSTOM, .read = scene_read_want },
+    { "environment", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK },
+    { "appearance", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK },
+    { "compute", SCENE_CUSTOM, .read = scene_read_want },
     { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ) },
 };
 #undef AT
 
 const scene_block SCENE_STRANDS_BLOCK = { STRANDS_FIELDS, WISP_COUNT( STRANDS_FIELDS ) };
 
-// ---- commands, output, the scene ----
+// ---- hair events, output, the scene ----
 
 #define AT( member ) offsetof( wisp_scene_command, member )
 static const scene_field COMMAND_FIELDS[] = {
@@ -167,7 +167,7 @@ static const scene_field OUTPUT_FIELDS[] = {
 };
 const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
 
-// Commands, script and output name the entries of the lists above them, and what they do must come before the last step.
+// Hair events, events and output name the entries of the lists above them, and what they do must come before the last step.
 // Surfaces and strands that move take the scene's gravity unless they have their own.
 #define AT( member ) offsetof( wisp_scene, member )
 static const scene_field SCENE_FIELDS[] = {
@@ -182,8 +182,8 @@ static const scene_field SCENE_FIELDS[] = {
     { "strands", SCENE_CUSTOM, .read = scene_read_strands },
     { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces },
     { "colliders", SCENE_CUSTOM, .read = scene_read_colliders },
-    { "commands", SCENE_CUSTOM, .read = scene_read_commands },
-    { "script", SCENE_CUSTOM, .read = scene_read_script },
+    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands },
+    { "events", SCENE_CUSTOM, .read = scene_read_script },
     { "output", SCENE_CUSTOM, .read = scene_read_outputs },
 };
 #undef AT

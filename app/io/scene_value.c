@@ -1,5 +1,6 @@
 #include "scene_schema.h"
 #include "nearest.h"
+#include "scene_renamed.h"
 
 #include <errno.h>
 #include <math.h>
@@ -283,6 +284,11 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const ch
             *out = i;
             return WISP_OK;
         }
+    }
+    const char* now = scene_find_renamed_word( r->path, text, choices, count );
+    if ( now )
+    {
+        return scene_refuse_node( r, node, "`%s` is called `%s` now", text, now );
     }
     const char* near = nearest_word( text, choices, count );
     return scene_refuse_node( r, node, "must be %s, not '%s'%s%s%s", list, scene_shorten( text ).text,

@@ -12,14 +12,14 @@ static const char good_scene[] =
     "steps: 3\n"
     "strands:\n"
     "  - name: hair\n"
-    "    make: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
+    "    generate: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
     "    frozen_hair:\n"
     "      freeze: {}\n"
     "      align: { cursor: [0, -0.3, 0] }\n"
     "      clump: { radius: 0.006 }\n"
-    "    look: {}\n"
-    "    want: [points, width, colour]\n"
-    "commands:\n"
+    "    appearance: {}\n"
+    "    compute: [points, width, colour]\n"
+    "hair_events:\n"
     "  - { step: 1, strands: hair, cursor: [0.1, -0.2, 0] }\n"
     "output:\n"
     "  - { strands: hair, file: written.hair }\n"
@@ -165,7 +165,7 @@ static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** st
     write_file( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
-                            "    make: { shape: wavy, dimension: 2, strnads: 40 }\n" );
+                            "    generate: { shape: wavy, dimension: 2, strnads: 40 }\n" );
     assert_refused( "run bad.yaml", "bad.yaml:4:" );
     assert_non_null( strstr( result.err, "did you mean 'strands'?" ) );
     assert_refused( "plan bad.yaml", "bad.yaml:4:" );
@@ -180,7 +180,7 @@ static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene
                             "strands:\n"
                             "  - name: hair\n"
                             "    file: absent.hair\n"
-                            "    want: [points]\n" );
+                            "    compute: [points]\n" );
     assert_refused( "run bad.yaml", "bad.yaml:3:" );
     assert_non_null( strstr( result.err, "absent.hair" ) );
     assert_refused( "info bad.yaml", "bad.yaml:3:" );
@@ -197,7 +197,7 @@ static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** 
                             "    file: written.hair\n"
                             "    frozen_hair:\n"
                             "      align: { intensity: [0.5, 0.6, 0.7] }\n"
-                            "    want: [points]\n" );
+                            "    compute: [points]\n" );
     assert_refused( "run bad.yaml", "bad.yaml:3:" );
     assert_non_null( strstr( result.err, "intensity lists 3 numbers for 40 strands" ) );
 }
@@ -218,8 +218,8 @@ static void what_cannot_be_written_is_told_before_the_first_step( void** state )
     write_file( "lost.yaml", "wisp: 1\n"
                              "strands:\n"
                              "  - name: hair\n"
-                             "    make: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
-                             "    want: [points]\n"
+                             "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
+                             "    compute: [points]\n"
                              "output:\n"
                              "  - { strands: hair, file: absent/hair.obj }\n" );
     assert_refused( "run lost.yaml --record early.wisp", "lost.yaml:7:5: absent/hair.obj: nothing can be written" );
@@ -334,7 +334,7 @@ static void a_scene_without_wishes_has_a_plan_without_passes( void** state )
     write_file( "empty.yaml", "wisp: 1\n"
                               "strands:\n"
                               "  - name: hair\n"
-                              "    make: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n" );
+                              "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n" );
     run( "plan empty.yaml" );
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, ": 0 passes" ) );

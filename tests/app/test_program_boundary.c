@@ -12,31 +12,31 @@ static const char ball_scene[] = "wisp: 1\n"
                                  "substeps: 4\n"
                                  "surfaces:\n"
                                  "  - name: ball\n"
-                                 "    make: { shape: icosphere, level: 2, radius: 0.2 }\n"
-                                 "    balloon: { fill: 1.2, buoyancy: false }\n"
+                                 "    generate: { shape: icosphere, level: 2, radius: 0.2 }\n"
+                                 "    balloon: { gas_ratio: 1.2, buoyancy: false }\n"
                                  "    boundary: { spacing: 0.015 }\n";
 
 static const char two_balls_scene[] = "wisp: 1\n"
                                       "steps: 3\n"
                                       "substeps: 4\n"
-                                      "contact: { want: [figures, crossings] }\n"
+                                      "contact: { compute: [stats, intersections] }\n"
                                       "surfaces:\n"
                                       "  - name: left\n"
-                                      "    make: { shape: icosphere, level: 2, radius: 0.2 }\n"
-                                      "    balloon: { fill: 1.1, buoyancy: false }\n"
+                                      "    generate: { shape: icosphere, level: 2, radius: 0.2 }\n"
+                                      "    balloon: { gas_ratio: 1.1, buoyancy: false }\n"
                                       "    boundary: { spacing: 0.02 }\n"
                                       "    contact: {}\n"
                                       "  - name: right\n"
                                       "    instance_of: left\n"
                                       "    transform: { translate: [0.45, 0, 0] }\n"
-                                      "    balloon: { fill: 1.1, buoyancy: false }\n"
+                                      "    balloon: { gas_ratio: 1.1, buoyancy: false }\n"
                                       "    boundary: {}\n"
                                       "    contact: {}\n";
 
 static const char plain_scene[] = "wisp: 1\n"
                                   "steps: 2\n"
                                   "surfaces:\n"
-                                  "  - { name: cloth, make: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n";
+                                  "  - { name: cloth, generate: { shape: plane, columns: 4, rows: 4 }, cloth: {} }\n";
 
 static int enter_folder( void** state )
 {

@@ -8,12 +8,12 @@ static const char scene[] = "wisp: 1\n"
                             "steps: 3\n"
                             "strands:\n"
                             "  - name: hair\n"
-                            "    make: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
+                            "    generate: { shape: wavy, dimension: 2, strands: 40, vertices: 20, spacing: 0.001 }\n"
                             "    frozen_hair:\n"
                             "      freeze: {}\n"
                             "      align: { cursor: [0, -0.3, 0] }\n"
-                            "    look: {}\n"
-                            "    want: [points, width]\n";
+                            "    appearance: {}\n"
+                            "    compute: [points, width]\n";
 
 static int enter_folder( void** state )
 {

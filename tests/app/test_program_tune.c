@@ -13,7 +13,7 @@ static const char cloth_scene[] = "# A small cloth.\n"
                                   "substeps: 3 # as it was\n"
                                   "surfaces:\n"
                                   "  - name: cloth\n"
-                                  "    make: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+                                  "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
                                   "    pins: [0, 8]\n"
                                   "    # soft\n"
                                   "    cloth: { bending: none }\n";
@@ -21,15 +21,15 @@ static const char cloth_scene[] = "# A small cloth.\n"
 static const char still_scene[] = "wisp: 1\n"
                                   "strands:\n"
                                   "  - name: hair\n"
-                                  "    make: { shape: wavy, dimension: 2, strands: 4, vertices: 9 }\n"
+                                  "    generate: { shape: wavy, dimension: 2, strands: 4, vertices: 9 }\n"
                                   "    frozen_hair: { freeze: {} }\n"
-                                  "    want: [points]\n";
+                                  "    compute: [points]\n";
 
 // Its first run fails, since nothing is where it is to be pinned: whoever says something else has not run it.
 static const char unmade_scene[] = "wisp: 1\n"
                                    "surfaces:\n"
                                    "  - name: cloth\n"
-                                   "    make: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+                                   "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
                                    "    pin_box: { min: [7, 7, 7], max: [8, 8, 8] }\n"
                                    "    cloth: {}\n";
 
@@ -100,7 +100,7 @@ static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** stat
 {
     (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nsubsteps: 1\niterations: 1\nsurfaces:\n  - name: cloth\n"
-                                "    make: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
+                                "    generate: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
                                 "    pins: [0, 16]\n    levels: 2\n    finest_level: 2 # coarse\n"
                                 "    cloth: { bending: none, level_passes: 2 }\n";
     write_file( "levels.yaml", scene );
@@ -127,7 +127,7 @@ static void passes_of_strands_are_tuned_and_their_choice_is_written( void** stat
 {
     (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nstrands:\n  - name: hair\n"
-                                "    make: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
+                                "    generate: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
                                 "    dynamics: { stretch_passes: 3, rest: straight }\n";
     write_file( "strands.yaml", scene );
     run( "tune strands.yaml --error 0.01 --workers 1 -o passes.yaml" );

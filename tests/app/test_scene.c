@@ -87,7 +87,7 @@ static void a_scene_of_one_key_has_the_defaults( void** state )
 static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, make: {} }\n" );
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 );
     assert_true( s->is_made );
@@ -110,10 +110,10 @@ static void a_stage_is_asked_for_by_its_key_alone( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
-                             "  - { name: a, make: {}, frozen_hair: { freeze: {} } }\n"
-                             "  - { name: b, make: {}, frozen_hair: { align: {} } }\n"
-                             "  - { name: c, make: {}, frozen_hair: { clump: {} } }\n"
-                             "  - { name: d, make: {}, frozen_hair: {} }\n" );
+                             "  - { name: a, generate: {}, frozen_hair: { freeze: {} } }\n"
+                             "  - { name: b, generate: {}, frozen_hair: { align: {} } }\n"
+                             "  - { name: c, generate: {}, frozen_hair: { clump: {} } }\n"
+                             "  - { name: d, generate: {}, frozen_hair: {} }\n" );
     for ( int i = 0; i < 4; ++i )
     {
         const wisp_frozen_hair_def* hair = &scene.strands[i].frozen_hair;
@@ -131,7 +131,7 @@ static void a_recipe_takes_the_defaults_of_its_shape_wherever_the_shape_stands( 
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
-                             "  - { name: a, make: { length: 0.5, dimension: 2, shape: curly } }\n" );
+                             "  - { name: a, generate: { length: 0.5, dimension: 2, shape: curly } }\n" );
     wisp_groom_recipe expected = wisp_default_groom_recipe( WISP_GROOM_CURLY, 2 );
     const wisp_groom_recipe* recipe = &scene.strands[0].recipe;
     assert_int_equal( recipe->shape, WISP_GROOM_CURLY );
@@ -150,21 +150,23 @@ static const char EVERY_KEY[] =
     "output: [ { file: out/a.usda, strands: hair } ]\n" // before the strands that it names
     "strands:\n"
     "  - name: hair\n"
-    "    look: { root_width: 1e-4, tip_width: 2e-5, root_colour: [0.1, 0.2, 0.3], tip_colour: [.4, 0.5, 0.6], "
+    "    appearance: { root_width: 1e-4, tip_width: 2e-5, root_colour: [0.1, 0.2, 0.3], tip_colour: [.4, 0.5, 0.6], "
     "colour_bias: 0.7 }\n"
-    "    climate: { temperature: -5.5, wetness: 0.5, freezing: -1, span: 8, curve: [[0, 30], [0.25, 9], [1, 2]] }\n"
-    "    want: [colour, width]\n"
-    "    make: { shape: wavy, dimension: 2, strands: 3, vertices: 11, length: 0.3, spacing: 0.004, scalp_radius: "
+    "    environment: { temperature_celsius: -5.5, wetness: 0.5, freezing_celsius: -1, span: 8, curve: [[0, 30], "
+    "[0.25, 9], [1, 2]] }\n"
+    "    compute: [colour, width]\n"
+    "    generate: { shape: wavy, dimension: 2, strands: 3, vertices: 11, length: 0.3, spacing: 0.004, scalp_radius: "
     "0.2, "
-    "wave_amplitude: 0.01, wave_length: 0.06, length_variation: 0.5, thickness: 1e-4, seed: 18446744073709551615 }\n"
+    "wave_amplitude: 0.01, wave_length: 0.06, length_variation: 0.5, diameter: 1e-4, seed: 18446744073709551615 }\n"
     "    frozen_hair:\n"
-    "      seed: 9\n      base: previous\n      event: frame\n      epsilon: 1e-6\n"
-    "      freeze: { stretch_stiffness: 3, bend_stiffness: [1, 2.5, +4e1], bend_angle_max: 1.5 }\n"
+    "      seed: 9\n      base: previous\n      update_on: frame\n      epsilon: 1e-6\n"
+    "      freeze: { stretch_stiffness: 3, bend_stiffness: [1, 2.5, +4e1], max_bend_angle: 1.5 }\n"
     "      align: { intensity: [0, 0.5, 1], cursor: [1, -2, 3.5], reach: 0.4, reach_by: nearest, blend: chord, "
     "direction: root }\n"
-    "      clump: { radius: 0.02, iterations: 6, step: 0.003, gap: closing, gap_reference: iteration, guard: false, "
-    "distance_min: 0.0004, lambda_min: 0.125, neighbour_limit: 99 }\n"
-    "commands: [ { cursor: [4, 5, 6], strands: hair, step: 2 } ]\n";
+    "      clump: { radius: 0.02, iterations: 6, step_length: 0.003, gap: reversed, gap_reference: iteration, "
+    "min_distance_clamp: false, "
+    "min_distance: 0.0004, min_lambda: 0.125, max_neighbours: 99 }\n"
+    "hair_events: [ { cursor: [4, 5, 6], strands: hair, step: 2 } ]\n";
 
 static void assert_frozen_hair( const wisp_scene_strands* s )
 {
@@ -247,7 +249,7 @@ static void every_key_reaches_its_place( void** state )
 static void points_are_wanted_where_an_output_writes_them( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands: [ { name: a, make: {} }, { name: b, make: {} } ]\n"
+    wisp_scene scene = good( "wisp: 1\nstrands: [ { name: a, generate: {} }, { name: b, generate: {} } ]\n"
                              "output: [ { strands: b, file: b.obj } ]\n" );
     assert_false( scene.strands[0].want_points );
     assert_true( scene.strands[1].want_points );
@@ -259,9 +261,9 @@ static void commands_come_in_the_order_of_their_steps( void** state )
     (void)state;
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
-                             "  - { name: b, make: {}, frozen_hair: {} }\n"
-                             "  - { name: a, make: {}, frozen_hair: {} }\n"
-                             "commands:\n"
+                             "  - { name: b, generate: {}, frozen_hair: {} }\n"
+                             "  - { name: a, generate: {}, frozen_hair: {} }\n"
+                             "hair_events:\n"
                              "  - { step: 8, strands: a, cursor: [8, 0, 0] }\n"
                              "  - { step: 0, strands: a, cursor: [1, 0, 0] }\n"
                              "  - { step: 0, strands: b, cursor: [0, 0, 0] }\n"
@@ -396,10 +398,11 @@ static void a_byte_order_mark_does_not_push_the_column( void** state )
 static void columns_count_characters_and_not_bytes( void** state )
 {
     (void)state;
-    demand_refusal( "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
-                    "scenes/test.yaml:1:14: unknown key '\xc3\xa4', known are wisp, step_seconds, steps, substeps, "
-                    "iterations, workers, gravity, contact, strands, surfaces, colliders, commands, script, output" );
-    demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"make\": 3 } ] }",
+    demand_refusal(
+        "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
+        "scenes/test.yaml:1:14: unknown key '\xc3\xa4', known are wisp, step_seconds, steps, substeps, "
+        "iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" );
+    demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"generate\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: '\xc3\xa4\xc3\xa4' is not a name: 1 to 64 of the "
                     "characters A-Z a-z 0-9 _ -" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"file\": \"\xc3\xa4\xc3\xa4\", \"name\": 3.5 } ] }",
@@ -514,8 +517,9 @@ static void numbers_are_checked_as_the_module_sees_them( void** state )
 {
     (void)state;
     // 3.14159265358979 rounds up to the float above pi, which is the float that the module compares with.
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, make: {}, frozen_hair: { freeze: { bend_angle_max: "
-                             "3.14159265358979 }, align: { intensity: 1.00000000001 } } }\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, frozen_hair: { freeze: { max_bend_angle: "
+              "3.14159265358979 }, align: { intensity: 1.00000000001 } } }\n" );
     assert_true( scene.strands[0].frozen_hair.bend_angle_max == 3.14159274f );
     assert_true( scene.strands[0].frozen_hair.intensity == 1.0f );
     wisp_scene_release( &scene );

@@ -34,10 +34,11 @@ static wisp_scene parsed( const char* text )
 static wisp_scene with_block( const char* key, const char* mapping )
 {
     char text[1024];
-    int length = snprintf( text, sizeof text,
-                           "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 2, rows: 2 }\n"
-                           "    %s: %s\n",
-                           key, mapping );
+    int length =
+        snprintf( text, sizeof text,
+                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 2, rows: 2 }\n"
+                  "    %s: %s\n",
+                  key, mapping );
     assert_true( length > 0 && (size_t)length < sizeof text );
     return parsed( text );
 }
@@ -108,7 +109,7 @@ static void every_key_of_a_layer_reaches_its_place( void** state )
     (void)state;
     wisp_scene scene =
         with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
-                                "hysteresis: 0.25, limit: 1000, least_spacing: 0.01, most_spacing: "
+                                "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
                                 "0.03, curvature_gain: 2, strain_gain: -0.5, by_screen: true, eye: "
                                 "[1, 2, 3], pixel_angle: 0.002, pixels: 8 }" );
     const wisp_boundary_def* b = &scene.surfaces[0].boundary;
@@ -128,14 +129,14 @@ static void every_key_of_a_guest_reaches_its_place( void** state )
     wisp_scene scene = parsed( "wisp: 1\n"
                                "surfaces:\n"
                                "  - name: cloth\n"
-                               "    make: { shape: plane }\n"
-                               "    contact: { thickness: 0.01, friction: 0.7, self: false, recovery_speed: 2, "
+                               "    generate: { shape: plane }\n"
+                               "    contact: { thickness: 0.01, friction: 0.7, self: false, max_push_out_speed: 2, "
                                "layers: [1, 3], mask: [0, 2, 31], enabled: false }\n"
                                "strands:\n"
                                "  - name: hair\n"
-                               "    make: { shape: straight }\n"
+                               "    generate: { shape: straight }\n"
                                "    dynamics: {}\n"
-                               "    contact: { thickness: 0.02, friction: 0.1, recovery_speed: 3, layers: [2], "
+                               "    contact: { thickness: 0.02, friction: 0.1, max_push_out_speed: 3, layers: [2], "
                                "mask: [], enabled: false }\n" );
     const wisp_contact_def* c = &scene.surfaces[0].contact;
     assert_true( c->thickness == 0.01f && c->friction == 0.7f && !c->self && c->recovery_speed == 2.0f );
@@ -150,15 +151,15 @@ static void every_key_of_a_guest_reaches_its_place( void** state )
 static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state )
 {
     (void)state;
-    wisp_scene scene = with_settings( "{ features: samples, search: brute, sample_spacing: 0.004, margin: 0.5, "
-                                      "want: [crossings] }" );
+    wisp_scene scene = with_settings( "{ primitives: particles, search: brute, particle_spacing: 0.004, margin: 0.5, "
+                                      "compute: [intersections] }" );
     assert_int_equal( scene.contact.features, WISP_CONTACT_SAMPLES );
     assert_int_equal( scene.contact.search, WISP_PAIR_SEARCH_BRUTE );
     assert_true( scene.contact.sample_spacing == 0.004f && scene.contact.margin == 0.5f );
     assert_true( scene.want_crossings && !scene.want_contact_figures );
     wisp_scene_release( &scene );
 
-    scene = with_settings( "{ guard: false, want: [figures] }" );
+    scene = with_settings( "{ displacement_limit: false, compute: [stats] }" );
     assert_true( scene.has_contact && !scene.contact.guard && scene.want_contact_figures && !scene.want_crossings );
     wisp_scene_release( &scene );
 }
@@ -168,12 +169,12 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     (void)state;
     static const char* const policies[] = { "even", "exact" };
     static const char* const roundings[] = { "down", "nearest", "up" };
-    static const char* const features[] = { "exact", "samples" };
+    static const char* const primitives[] = { "triangles", "particles" };
     static const char* const searches[] = { "auto", "grid", "tree", "brute" };
     // One word for each enumerator that there is, in its order.
     assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
     assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
-    assert_int_equal( WISP_COUNT( features ), WISP_CONTACT_FEATURES_COUNT );
+    assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_FEATURES_COUNT );
     assert_int_equal( WISP_COUNT( searches ), WISP_PAIR_SEARCH_COUNT );
     char mapping[64];
     for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
@@ -186,7 +187,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     }
     for ( int i = 0; i < WISP_PAIR_SEARCH_COUNT; ++i )
     {
-        snprintf( mapping, sizeof mapping, "{ features: %s, search: %s }", features[i % 2], searches[i] );
+        snprintf( mapping, sizeof mapping, "{ primitives: %s, search: %s }", primitives[i % 2], searches[i] );
         wisp_scene scene = with_settings( mapping );
         assert_int_equal( scene.contact.features, i % 2 );
         assert_int_equal( scene.contact.search, i );
@@ -197,9 +198,10 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
 static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
 {
     (void)state;
-    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n"
-                               "  - { name: a, make: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
-                               "  - { name: b, instance_of: a, contact: { friction: 0.9 } }\n" );
+    wisp_scene scene =
+        parsed( "wisp: 1\nsurfaces:\n"
+                "  - { name: a, generate: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
+                "  - { name: b, instance_of: a, contact: { friction: 0.9 } }\n" );
     assert_true( scene.surfaces[0].has_boundary && !scene.surfaces[1].has_boundary );
     assert_true( !scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
     assert_true( scene.surfaces[1].contact.friction == 0.9f );
@@ -275,8 +277,8 @@ static void release( fixture* f )
 
 #define BALL                                                                                                         \
     "wisp: 1\nsubsteps: 4\nsurfaces:\n"                                                                              \
-    "  - name: ball\n    make: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { fill: 1.2 }\n"            \
-    "    want: [points, normals]\n"
+    "  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { gas_ratio: 1.2 }\n"   \
+    "    compute: [points, normals]\n"
 
 static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state )
 {
@@ -346,7 +348,8 @@ static void a_surface_without_a_layer_has_none( void** state )
 
 #define TWO_SHEETS                                                                                                   \
     "surfaces:\n"                                                                                                    \
-    "  - { name: low, make: { shape: plane, columns: 8, rows: 8 }, cloth: {}, pins: [0, 7, 56, 63], contact: {} }\n" \
+    "  - { name: low, generate: { shape: plane, columns: 8, rows: 8 }, cloth: {}, pins: [0, 7, 56, 63], contact: "   \
+    "{} }\n"                                                                                                         \
     "  - { name: high, instance_of: low, transform: { translate: [0, 0.02, 0] }, cloth: {}, contact: {} }\n"
 
 static void figures_of_contact_are_there_where_they_are_wanted( void** state )
@@ -359,14 +362,14 @@ static void figures_of_contact_are_there_where_they_are_wanted( void** state )
     assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_CONFLICT );
     release( &f );
 
-    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { want: [figures] }\n" TWO_SHEETS );
+    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { compute: [stats] }\n" TWO_SHEETS );
     step( &f, 1 );
     assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
     assert_int_equal( figures.guests, 2 );
     assert_int_equal( figures.crossings, -1 );
     release( &f );
 
-    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { want: [crossings] }\n" TWO_SHEETS );
+    build( &f, "wisp: 1\nsubsteps: 4\ncontact: { compute: [intersections] }\n" TWO_SHEETS );
     step( &f, 1 );
     assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
     assert_int_equal( figures.crossings, 0 );
@@ -377,7 +380,7 @@ static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
 {
     (void)state;
     fixture f = { .scene = parsed( "wisp: 1\nsurfaces:\n"
-                                   "  - { name: cloth, make: { shape: plane }, implicit: {}, contact: {} }\n" ) };
+                                   "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" ) };
     const scene_world_options options = { .workers = 1 };
     assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_CONFLICT );
     assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );
@@ -388,30 +391,31 @@ static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
 {
     (void)state;
     static const char* const blocks[] = {
-        "boundary: { spacing: 1e-6, hysteresis: 0, limit: 1, least_spacing: 1e-6, most_spacing: 1e-6 }",
-        "boundary: { spacing: 1e6, hysteresis: 0.5, limit: 134217728, least_spacing: 1e6, most_spacing: 1e6 }",
-        "boundary: { curvature_gain: 1e6, strain_gain: 1e6, by_screen: true, pixel_angle: 1e-6, pixels: 1e-3, limit: "
+        "boundary: { spacing: 1e-6, hysteresis: 0, max_points: 1, min_spacing: 1e-6, max_spacing: 1e-6 }",
+        "boundary: { spacing: 1e6, hysteresis: 0.5, max_points: 134217728, min_spacing: 1e6, max_spacing: 1e6 }",
+        "boundary: { curvature_gain: 1e6, strain_gain: 1e6, by_screen: true, pixel_angle: 1e-6, pixels: 1e-3, "
+        "max_points: "
         "1000 }",
         "boundary: { curvature_gain: 1e6, strain_gain: -1e6, by_screen: true, pixel_angle: 1, pixels: 1e6, eye: "
         "[1e6, "
         "-1e6, 1e6] }",
-        "contact: { thickness: 0, friction: 0, recovery_speed: 0, layers: [0], mask: [31] }",
-        "contact: { thickness: 1e6, friction: 1e6, recovery_speed: 1e6, layers: [], mask: [] }",
+        "contact: { thickness: 0, friction: 0, max_push_out_speed: 0, layers: [0], mask: [31] }",
+        "contact: { thickness: 1e6, friction: 1e6, max_push_out_speed: 1e6, layers: [], mask: [] }",
     };
     for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
     {
         fixture f = { .scene = { 0 } };
         char text[512];
         snprintf( text, sizeof text,
-                  "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 3, rows: 3 }\n"
+                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 3, rows: 3 }\n"
                   "    cloth: {}\n    %s\n",
                   blocks[i] );
         build( &f, text );
         release( &f );
     }
     static const char* const settings[] = {
-        "{ features: samples, sample_spacing: 1e-6, margin: 0.01 }",
-        "{ features: samples, sample_spacing: 1e6, margin: 100 }",
+        "{ primitives: particles, particle_spacing: 1e-6, margin: 0.01 }",
+        "{ primitives: particles, particle_spacing: 1e6, margin: 100 }",
         "{ margin: 0.01 }",
         "{ margin: 100 }",
     };
@@ -431,7 +435,7 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
     // The mean edge of a plane of spacing 0.02 is below 0.03; four times half of it is below 1.
     fixture f = { .scene =
                       parsed( "wisp: 1\nsurfaces:\n"
-                              "  - { name: cloth, make: { shape: plane }, boundary: { least_spacing: 1 } }\n" ) };
+                              "  - { name: cloth, generate: { shape: plane }, boundary: { min_spacing: 1 } }\n" ) };
     const scene_world_options options = { .workers = 1 };
     assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_BAD_INPUT );
     assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );

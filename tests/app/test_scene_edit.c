@@ -65,7 +65,7 @@ static void assert_not_edited( const char* text, wisp_scene_edit edit, const cha
 static const wisp_scene_edit substeps_7 = { NULL, 0, NULL, "substeps", "7" };
 static const wisp_scene_edit tethers = { "surfaces", 1, "cloth", "tethers", "true" };
 
-#define SURFACE( name ) "  - name: " name "\n    make: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
+#define SURFACE( name ) "  - name: " name "\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
 
 // ---- values that are there ----
 
@@ -104,7 +104,7 @@ static void a_key_joins_its_mapping_behind_a_line_of_it( void** state )
     const wisp_scene_edit edits[2] = { { "surfaces", 0, NULL, "damping", "0.5" }, substeps_7 };
     assert_edited(
         "wisp: 1 # first\nsurfaces:\n" SURFACE( "a # named" ) "    # soft\n    cloth: {}\n", edits, 2,
-        "wisp: 1 # first\nsubsteps: 7\nsurfaces:\n  - name: a # named\n    damping: 0.5\n    make: { shape: "
+        "wisp: 1 # first\nsubsteps: 7\nsurfaces:\n  - name: a # named\n    damping: 0.5\n    generate: { shape: "
         "plane, columns: 3, rows: 3, spacing: 0.1 }\n    # soft\n    cloth: {}\n" );
 }
 
@@ -116,10 +116,12 @@ static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** stat
         &tethers, 1,
         "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    cloth: {}\n" SURFACE(
             "b" ) "    pins: [0]\n    cloth: { tethers: true }\n" );
-    assert_edited(
-        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth: {drag: 1}\n", &tethers, 1,
-        "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth: { tethers: true, drag: "
-                                                             "1}\n" );
+    assert_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" )
+                       SURFACE( "b" ) "    pins: [0]\n    cloth: {drag_coefficient: 1}\n",
+                   &tethers, 1,
+                   "wisp: 1\nsurfaces:\n" SURFACE( "a" )
+                       SURFACE( "b" ) "    pins: [0]\n    cloth: { tethers: true, drag_coefficient: "
+                                      "1}\n" );
     assert_edited(
         "wisp: 1\nsurfaces:\n" SURFACE( "a" ) SURFACE( "b" ) "    pins: [0]\n    cloth:\n      wind: [0, 0, 1]\n",
         &tethers, 1,
@@ -130,11 +132,13 @@ static void a_key_joins_braces_and_lines_of_the_entry_that_is_meant( void** stat
 static void two_keys_join_braces_with_a_comma_between_them( void** state )
 {
     (void)state;
-    const wisp_scene_edit edits[2] = { tethers, { "surfaces", 1, "cloth", "drag", "1" } };
-    static const char* const braces[][2] = { { "{}", "{ tethers: true, drag: 1 }" },
-                                             { "{ }", "{ tethers: true, drag: 1 }" },
-                                             { "{lift: 1}", "{ tethers: true, drag: 1, lift: 1}" },
-                                             { "{ lift: 1 }", "{ tethers: true, drag: 1, lift: 1 }" } };
+    const wisp_scene_edit edits[2] = { tethers, { "surfaces", 1, "cloth", "drag_coefficient", "1" } };
+    static const char* const braces[][2] = {
+        { "{}", "{ tethers: true, drag_coefficient: 1 }" },
+        { "{ }", "{ tethers: true, drag_coefficient: 1 }" },
+        { "{lift_coefficient: 1}", "{ tethers: true, drag_coefficient: 1, lift_coefficient: 1}" },
+        { "{ lift_coefficient: 1 }", "{ tethers: true, drag_coefficient: 1, lift_coefficient: 1 }" }
+    };
     for ( int i = 0; i < WISP_COUNT( braces ); ++i )
     {
         char from[400], expected[400];
@@ -170,8 +174,8 @@ static void no_edits_copy_the_file( void** state )
 static const wisp_scene_edit no_substeps = { NULL, 0, NULL, "substeps", "" };
 static const wisp_scene_edit no_damping = { "surfaces", 0, NULL, "damping", "" };
 
-#define MAKE "make: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }"
-#define JSON_MAKE "\"make\": { \"shape\": \"plane\", \"columns\": 3, \"rows\": 3, \"spacing\": 0.1 }"
+#define MAKE "generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }"
+#define JSON_MAKE "\"generate\": { \"shape\": \"plane\", \"columns\": 3, \"rows\": 3, \"spacing\": 0.1 }"
 
 static void a_key_goes_with_its_line_and_a_comment_stays( void** state )
 {
@@ -194,8 +198,8 @@ static void a_key_leaves_braces_with_its_comma( void** state )
                    "wisp: 1\nsurfaces: [{name: a," MAKE "}]\n" );
     assert_edited( "wisp: 1\nsurfaces: [{ name: a, " MAKE ", damping: 1 }]\n", &no_damping, 1,
                    "wisp: 1\nsurfaces: [{ name: a, " MAKE " }]\n" );
-    assert_edited( "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: { drag: 1 }\n",
-                   &( wisp_scene_edit ){ "surfaces", 0, "cloth", "drag", "" }, 1,
+    assert_edited( "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: { drag_coefficient: 1 }\n",
+                   &( wisp_scene_edit ){ "surfaces", 0, "cloth", "drag_coefficient", "" }, 1,
                    "wisp: 1\nsurfaces:\n  - name: b\n    " MAKE "\n    cloth: {  }\n" );
 }
 
@@ -266,7 +270,7 @@ static void a_value_in_several_pieces_is_refused_with_its_line( void** state )
     (void)state;
     const wisp_scene_edit edit = { "surfaces", 0, NULL, "name", "short" };
     assert_not_edited(
-        "wisp: 1\nsurfaces:\n  - name: a long\n      name\n    make: { shape: plane, columns: 3, rows: 3, "
+        "wisp: 1\nsurfaces:\n  - name: a long\n      name\n    generate: { shape: plane, columns: 3, rows: 3, "
         "spacing: 0.1 }\n",
         edit, FROM ":3:11: 'name' cannot be set" );
 }

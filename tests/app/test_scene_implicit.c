@@ -33,10 +33,11 @@ static wisp_scene parsed( const char* text )
 static wisp_scene with_implicit( const char* mapping )
 {
     char text[1024];
-    int length = snprintf( text, sizeof text,
-                           "wisp: 1\nsurfaces:\n  - name: cloth\n    make: { shape: plane, columns: 2, rows: 2 }\n"
-                           "    implicit: %s\n",
-                           mapping );
+    int length =
+        snprintf( text, sizeof text,
+                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 2, rows: 2 }\n"
+                  "    implicit: %s\n",
+                  mapping );
     assert_true( length > 0 && (size_t)length < sizeof text );
     return parsed( text );
 }
@@ -66,7 +67,7 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
 static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
 {
     (void)state;
-    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, make: { shape: plane }, cloth: {} }\n" );
+    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane }, cloth: {} }\n" );
     assert_false( scene.surfaces[0].has_implicit || scene.surfaces[0].has_quad_links );
     wisp_scene_release( &scene );
 }
@@ -77,11 +78,12 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
 {
     (void)state;
     wisp_scene scene = with_implicit(
-        "{ stiffness: sheet, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
+        "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
         "compression_stiffness: "
-        "150, damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, newton_repeats: 3, "
-        "stiff_repeats: 5, "
-        "tolerance: 1e-6, max_iterations: 77, warm_start: false, look_ahead: false, links: mesh }" );
+        "150, link_damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, "
+        "newton_iterations: 3, "
+        "max_newton_iterations: 5, "
+        "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
     assert_int_equal( d->stiffness, WISP_IMPLICIT_STIFFNESS_SHEET );
@@ -107,18 +109,19 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
         size_t at;
         int value;
     } words[] = {
-#define WORD( key, word, value ) { "{ " #key ": " #word " }", offsetof( wisp_implicit_cloth_def, key ), value }
-        WORD( stiffness, link, WISP_IMPLICIT_STIFFNESS_LINK ),
-        WORD( stiffness, sheet, WISP_IMPLICIT_STIFFNESS_SHEET ),
-        WORD( weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
-        WORD( weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
-        WORD( weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),
-        WORD( damping_form, isotropic, WISP_IMPLICIT_DAMPING_ISOTROPIC ),
-        WORD( damping_form, axial, WISP_IMPLICIT_DAMPING_AXIAL ),
-        WORD( jacobian, dropped, WISP_IMPLICIT_JACOBIAN_DROPPED ),
-        WORD( jacobian, full, WISP_IMPLICIT_JACOBIAN_FULL ),
-        WORD( integrator, euler, WISP_IMPLICIT_EULER ),
-        WORD( integrator, bdf2, WISP_IMPLICIT_BDF2 ),
+#define WORD( key, member, word, value )                                                                             \
+    { "{ " #key ": " #word " }", offsetof( wisp_implicit_cloth_def, member ), value }
+        WORD( stiffness_model, stiffness, link, WISP_IMPLICIT_STIFFNESS_LINK ),
+        WORD( stiffness_model, stiffness, material, WISP_IMPLICIT_STIFFNESS_SHEET ),
+        WORD( weights, weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
+        WORD( weights, weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
+        WORD( weights, weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),
+        WORD( damping_form, damping_form, isotropic, WISP_IMPLICIT_DAMPING_ISOTROPIC ),
+        WORD( damping_form, damping_form, axial, WISP_IMPLICIT_DAMPING_AXIAL ),
+        WORD( jacobian, jacobian, dropped, WISP_IMPLICIT_JACOBIAN_DROPPED ),
+        WORD( jacobian, jacobian, full, WISP_IMPLICIT_JACOBIAN_FULL ),
+        WORD( integrator, integrator, euler, WISP_IMPLICIT_EULER ),
+        WORD( integrator, integrator, bdf2, WISP_IMPLICIT_BDF2 ),
 #undef WORD
     };
     // One word for each enumerator that there is.
@@ -138,9 +141,10 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
 static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
 {
     (void)state;
-    wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n"
-                               "  - { name: a, make: { shape: plane }, implicit: { links: quad } }\n"
-                               "  - { name: b, instance_of: a, implicit: { links: quad }, want: [figures] }\n" );
+    wisp_scene scene =
+        parsed( "wisp: 1\nsurfaces:\n"
+                "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
+                "  - { name: b, instance_of: a, implicit: { links: quad }, compute: [effect_stats] }\n" );
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
     assert_true( scene.surfaces[1].want_figures && !scene.surfaces[0].want_figures );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
@@ -327,9 +331,10 @@ static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** 
     (void)state;
     fixture f;
     build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
-               "  - { name: a, make: { shape: plane, columns: 25, rows: 25 }, pins: [0], want: [points, figures], "
+               "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
+               "effect_stats], "
                "implicit: { links: quad } }\n"
-               "  - { name: b, instance_of: a, want: [points, figures], implicit: { links: quad } }\n" );
+               "  - { name: b, instance_of: a, compute: [points, effect_stats], implicit: { links: quad } }\n" );
     step( &f, 1 );
     for ( int i = 0; i < 2; ++i )
     {
@@ -345,9 +350,11 @@ static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_the
 {
     (void)state;
     fixture f;
-    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
-               "  - { name: a, make: { shape: plane, columns: 5, rows: 4 }, pins: [0], want: [points, figures], "
-               "implicit: {} }\n" );
+    build(
+        &f,
+        "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+        "  - { name: a, generate: { shape: plane, columns: 5, rows: 4 }, pins: [0], compute: [points, effect_stats], "
+        "implicit: {} }\n" );
     step( &f, 1 );
     // 4 * 4 + 5 * 3 along the sides, 4 * 3 diagonals of cells; an edge has two triangles unless it is one of the 14
     // of the border, and no two edges of a regular plane have the same opposite vertices
@@ -362,9 +369,11 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
 {
     (void)state;
     fixture f;
-    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
-               "  - { name: a, make: { shape: plane, columns: 9, rows: 9 }, pins: [0], want: [points], implicit: { "
-               "damping: 0 } }\n" );
+    build(
+        &f,
+        "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+        "  - { name: a, generate: { shape: plane, columns: 9, rows: 9 }, pins: [0], compute: [points], implicit: { "
+        "link_damping: 0 } }\n" );
     wisp_vec3 start = first_point( &f );
     step( &f, 20 );
     wisp_vec3 end = first_point( &f );
@@ -387,13 +396,13 @@ static void a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integr
     for ( int i = 0; i < 2; ++i )
     {
         char text[512];
-        snprintf(
-            text, sizeof text,
-            "wisp: 1\nsteps: 10\nstep_seconds: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
-            "  - { name: a, make: { shape: plane, columns: 4, rows: 4 }, want: [points], implicit: { integrator: "
-            "%s } }\n"
-            "script:\n  - { step: 4, surface: a, velocity: [0, 1, 0] }\n",
-            integrators[i] );
+        snprintf( text, sizeof text,
+                  "wisp: 1\nsteps: 10\nstep_seconds: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
+                  "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], implicit: { "
+                  "integrator: "
+                  "%s } }\n"
+                  "events:\n  - { step: 4, surface: a, velocity: [0, 1, 0] }\n",
+                  integrators[i] );
         fixture f;
         build( &f, text );
         step( &f, 4 );
@@ -409,13 +418,14 @@ static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
 {
     (void)state;
     static const char* const mappings[] = {
-        "{ stretch_stiffness: 0, bend_stiffness: 0, damping: 0, newton_repeats: 1, tolerance: 1e-7, max_iterations: "
+        "{ stretch_stiffness: 0, bend_stiffness: 0, link_damping: 0, newton_iterations: 1, tolerance: 1e-7, "
+        "max_iterations: "
         "0 }",
-        "{ stretch_stiffness: 1e9, bend_stiffness: 1e9, compression_stiffness: 1e9, damping: 1e9, "
-        "newton_repeats: "
+        "{ stretch_stiffness: 1e9, bend_stiffness: 1e9, compression_stiffness: 1e9, link_damping: 1e9, "
+        "newton_iterations: "
         "64, tolerance: 0.1, max_iterations: 1000000 }",
-        "{ stiffness: sheet, weights: none, bend_rigidity: 0 }",
-        "{ stiffness: sheet, weights: pair, bend_rigidity: 1e9 }",
+        "{ stiffness_model: material, weights: none, bend_rigidity: 0 }",
+        "{ stiffness_model: material, weights: pair, bend_rigidity: 1e9 }",
     };
     for ( int i = 0; i < WISP_COUNT( mappings ); ++i )
     {

@@ -40,7 +40,7 @@ static void assert_vector( wisp_vec3 v, float x, float y, float z )
 static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, make: {} }\n" );
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     assert_false( s->has_dynamics || s->has_head || s->has_grid || s->has_ghosts || s->is_scattered || s->is_curves );
     assert_int_equal( s->on_surface, -1 );
@@ -55,7 +55,8 @@ static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** 
 static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, make: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
     const wisp_strand_dynamics_def* def = &scene.strands[0].dynamics;
     const wisp_strand_dynamics_def expected = wisp_default_strand_dynamics_def();
     assert_true( scene.strands[0].has_dynamics );
@@ -73,8 +74,8 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
 static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: guides, make: {}, dynamics: {}, grid: {} }\n"
-                             "  - { name: ghosts, make: {}, ghosts: { targets: guides } }\n"
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
+                             "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
                              "  - { name: drawn, curves: { of: ghosts } }\n" );
     wisp_ghosts_def ghosts = wisp_default_ghosts_def();
     wisp_curves_def curves = wisp_default_curves_def();
@@ -96,22 +97,24 @@ static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** stat
 
 static const char EVERY_KEY[] =
     "wisp: 1\nsteps: 9\nstep_seconds: 0.5\n"
-    "script: [ { step: 3, strands: hair, wind: [7, 8, 9] }, { step: 3, surface: cloth, velocity: [1, 0, 0] } ]\n"
+    "events: [ { step: 3, strands: hair, wind: [7, 8, 9] }, { step: 3, surface: cloth, velocity: [1, 0, 0] } ]\n"
     "strands:\n"
     "  - name: hair\n"
-    "    make: { dimension: 2, strands: 2, vertices: 3 }\n"
+    "    generate: { dimension: 2, strands: 2, vertices: 3 }\n"
     "    transform: { scale: 2, translate: [1, 2, 3], rotate: { axis: [0, 0, 1], degrees: 180 } }\n"
-    "    dynamics: { stretch: follow, stretch_passes: 5, stretch_tolerance: 0.25, follow_share: 0.5, bend: links, "
+    "    dynamics: { stretch: follow, stretch_passes: 5, stretch_tolerance: 0.25, leader_correction: 0.5, bending: "
+    "bend_links, "
     "bend_rigidity: 1, twist_rigidity: 2, bend_damping: 3, rest: straight, clamped: false, solver: pbd, "
     "stretch_compliance: 4, bend_compliance: 5, stretch_stiffness: 0.25, bend_stiffness: 0.75, line_density: 6, "
     "vertex_masses: [1, 2, 3, 4, 5, 6], pins: [2, 5], gravity: [1, 2, 3], damping: 7, wind: [4, 5, 6], "
-    "air_density: 8, drag: 9, diameter: 10, teleport: 11 }\n"
+    "air_density: 8, drag_coefficient: 9, diameter: 10, teleport: 11 }\n"
     "    head: { pivot: [1, 1, 1], keyframes: [ { time: 1, position: [2, 0, 0], rotation: { axis: [0, 0, 1], "
     "degrees: "
     "180 } }, { time: 2, position: [3, 0, 0] } ] }\n"
-    "    grid: { cell: 0.5, friction: 0.25, repulsion: 12 }\n"
-    "    collision: { thickness: 0.5, friction: 0.25, recovery_speed: 2, layers: [0, 3] }\n    want: [quality, "
-    "contacts, strain, speed]\n    show: true\n"
+    "    grid: { cell_size: 0.5, friction: 0.25, repulsion: 12 }\n"
+    "    collision: { thickness: 0.5, friction_scale: 0.25, max_push_out_speed: 2, mask: [0, 3] }\n    compute: "
+    "[motion_stats, "
+    "collision_stats, strain, speed]\n    show: true\n"
     "  - name: ghosts\n"
     "    scatter: { around: hair, count: 3, radius: 0.125, seed: 18446744073709551615 }\n"
     "    ghosts: { targets: hair, target_count: 2, resample: true, elastic: off, tip_gain: 1, centre_gain: 2, time: "
@@ -119,8 +122,8 @@ static const char EVERY_KEY[] =
     "capped: false, keep_offset: false, spread: 4, repair_length: true, frame: root }\n"
     "    frozen_hair: { freeze: { stretch_stiffness: [1, 2, 3, 4, 5, 6] } }\n"
     "  - name: drawn\n    curves: { of: ghosts, kind: bezier, samples: 6 }\n    show: false\n"
-    "  - { name: rooted, make: {}, dynamics: { vertex_mass: 13 }, on_surface: cloth }\n"
-    "surfaces: [ { name: other, make: { shape: plane } }, { name: cloth, make: { shape: plane } } ]\n";
+    "  - { name: rooted, generate: {}, dynamics: { vertex_mass: 13 }, on_surface: cloth }\n"
+    "surfaces: [ { name: other, generate: { shape: plane } }, { name: cloth, generate: { shape: plane } } ]\n";
 
 static void assert_dynamics( const wisp_strand_dynamics_def* d )
 {
@@ -215,8 +218,8 @@ static void the_script_is_for_strands_as_well_as_for_surfaces( void** state )
 static void scattered_ghosts_follow_what_they_are_scattered_around( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, make: {}, dynamics: {} }\n"
-                             "  - { name: b, make: {}, dynamics: {} }\n"
+    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
+                             "  - { name: b, generate: {}, dynamics: {} }\n"
                              "  - { name: c, scatter: { around: b, count: 2, radius: 0 }, ghosts: {} }\n"
                              "  - { name: d, scatter: { around: b, count: 2, radius: 0 }, ghosts: { targets: a } }\n"
                              "  - { name: e, scatter: { around: b, count: 2, radius: 0 } }\n" );
@@ -229,10 +232,11 @@ static void scattered_ghosts_follow_what_they_are_scattered_around( void** state
 static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, make: {}, dynamics: {} }\n"
-                             "  - { name: b, frozen_hair: {}, make: {}, ghosts: { targets: a } }\n"
-                             "  - { name: c, make: {}, ghosts: { targets: a }, frozen_hair: { event: command } }\n"
-                             "  - { name: d, make: {}, frozen_hair: {} }\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
+              "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
+              "  - { name: c, generate: {}, ghosts: { targets: a }, frozen_hair: { update_on: hair_event } }\n"
+              "  - { name: d, generate: {}, frozen_hair: {} }\n" );
     assert_int_equal( scene.strands[1].frozen_hair.event, WISP_EVENT_FRAME );
     assert_int_equal( scene.strands[2].frozen_hair.event, WISP_EVENT_COMMAND );
     assert_int_equal( scene.strands[3].frozen_hair.event, WISP_EVENT_COMMAND );

@@ -56,7 +56,7 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, make: { shape: plane } }\n" );
+    wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_int_equal( scene.surface_count, 1 );
     assert_int_equal( s->line, 3 );
@@ -82,8 +82,8 @@ static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void*
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n"
-                             "  - { name: a, make: { shape: plane } }\n"
-                             "  - { name: b, make: { shape: plane }, gravity: [1, 0, 0] }\n"
+                             "  - { name: a, generate: { shape: plane } }\n"
+                             "  - { name: b, generate: { shape: plane }, gravity: [1, 0, 0] }\n"
                              "gravity: [0, 0, -1.62]\n" );
     assert_vector( scene.surfaces[0].gravity, 0.0f, 0.0f, -1.62f );
     assert_vector( scene.surfaces[1].gravity, 1.0f, 0.0f, 0.0f );
@@ -93,20 +93,22 @@ static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void*
 // ---- what is written ----
 
 static const char CLOTH_KEYS[] =
-    "wisp: 1\nsurfaces:\n  - name: cloth\n    file: meshes/cloth.ply\n    repair: [loose, winding]\n"
-    "    require: [oriented, one_shell]\n    area_density: 0.3\n    vertex_mass: 1e-4\n    pins: [7, 3]\n"
+    "wisp: 1\nsurfaces:\n  - name: cloth\n    file: meshes/cloth.ply\n    repair: [unreferenced, winding]\n"
+    "    require: [oriented, one_component]\n    area_density: 0.3\n    vertex_mass: 1e-4\n    pins: [7, 3]\n"
     "    transform: { scale: 0.5, rotate: { axis: [0, 0, 2], degrees: 90 }, translate: [1, 2, 3] }\n"
     "    pin_box: { min: [-1, 0, -1], max: [1, 0.5, 1] }\n    pin_nearest: [[0, 1, 0], [0, 2, 0]]\n"
     "    pin_keyframes: [{ time: 0.5, translate: [0, 1, 0] }, { time: 1, rotate: { degrees: [0, 90, 0] } }]\n"
     "    pin_pivot: [9, 8, 7]\n    velocity: [1, 0, 0]\n    angular_velocity: [0, 2, 0]\n    gravity: [0, 0, 0]\n"
-    "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    levels: 4\n    finest_level: 2\n    sweep: list\n    "
+    "    damping: 0.25\n    strain_limit: [0.75, 1.25]\n    levels: 4\n    finest_level: 2\n    solve_order: list\n  "
+    "  "
     "tile_size: 128\n"
-    "    collision: { thickness: 0.01, friction: 2, recovery_speed: 3, layers: [0, 5] }\n"
-    "    want: [quality, speed, strain, normals, points, contacts]\n"
+    "    collision: { thickness: 0.01, friction_scale: 2, max_push_out_speed: 3, mask: [0, 5] }\n"
+    "    compute: [motion_stats, speed, strain, normals, points, collision_stats]\n"
     "    cloth: { solver: pbd, warp_compliance: 1e-3, weft_compliance: 2e-3, shear_compliance: 3e-3, "
     "stretch_stiffness: 0.5, shear_stiffness: 0.25, warp: [0, 0, 1], bending: isometric, bend_stiffness: 0.125, "
-    "bend_compliance: 0.5, bend_rigidity: 1e-4, damping: 4, wind: [5, 6, 7], air_density: 1.5, drag: 0.75, "
-    "lift: 1.75, tethers: true, tether_slack: 1.5, level_passes: 2 }\n";
+    "bend_compliance: 0.5, bend_rigidity: 1e-4, internal_damping: 4, wind: [5, 6, 7], air_density: 1.5, "
+    "drag_coefficient: 0.75, "
+    "lift_coefficient: 1.75, tethers: true, tether_slack: 1.5, level_passes: 2 }\n";
 
 static void assert_cloth( const wisp_cloth_def* c )
 {
@@ -173,16 +175,19 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
 static void every_key_of_a_balloon_reaches_its_place( void** state )
 {
     (void)state;
-    wisp_scene scene = good(
-        "wisp: 1\nsurfaces:\n"
-        "  - name: a\n    make: { shape: icosphere, level: 2 }\n    want: [figures]\n"
-        "    balloon: { solver: pbd, edge_stiffness: 10, cross_stiffness: 11, stretch_share: 0.5, bend_share: 0.25, "
-        "volume: pbd, volume_share: 0.75, fill: 1.5, fill_keyframes: [[1, 1.25], [2, 3]], inflation_rate: -0.5, "
-        "least_fill: 0.125, atmospheric_pressure: 9e4, temperature: 300, gas_molar_mass: 0.002, "
-        "air_molar_mass: 0.03, pressure: gas, buoyancy: false, drag_coefficient: 0.25, drag: normal, "
-        "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: printed, "
-        "allow_open: true }\n"
-        "  - { name: b, make: { shape: icosphere }, balloon: { outlet_nearest: [0, 1, 2], outlet_radius: 0.5 } }\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nsurfaces:\n"
+              "  - name: a\n    generate: { shape: icosphere, level: 2 }\n    compute: [effect_stats]\n"
+              "    balloon: { solver: pbd, edge_stiffness: 10, bend_link_stiffness: 11, stretch_stiffness: 0.5, "
+              "bend_stiffness: 0.25, "
+              "volume: pbd, volume_stiffness: 0.75, gas_ratio: 1.5, gas_ratio_keyframes: [[1, 1.25], [2, 3]], "
+              "inflation_rate: -0.5, "
+              "min_gas_ratio: 0.125, atmospheric_pressure: 9e4, temperature: 300, gas_molar_mass: 0.002, "
+              "air_molar_mass: 0.03, pressure: gas, buoyancy: false, drag_coefficient: 0.25, drag_model: normal, "
+              "outlet: [4, 2, 9], outlet_area: 2e-4, outlet_open: true, spin: position, "
+              "allow_open: true }\n"
+              "  - { name: b, generate: { shape: icosphere }, balloon: { outlet_nearest: [0, 1, 2], outlet_radius: "
+              "0.5 } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_balloon_def* b = &s->balloon;
     assert_true( s->has_balloon && s->want_figures && !s->has_outlet_nearest );
@@ -208,15 +213,15 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
 static void colliders_have_the_sizes_of_their_shape( void** state )
 {
     (void)state;
-    wisp_scene scene =
-        good( "wisp: 1\ncolliders:\n"
-              "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
-              "  - { name: s, radius: 2, shape: sphere }\n"
-              "  - { name: c, shape: capsule, radius: 0.5, half_length: 3, friction: [0.75, 0.5] }\n"
-              "  - { name: b, shape: box, half_extent: [1, 2, 3], rotation: { degrees: [0, 0, 90] }, "
-              "keyframes: [{ time: 1, position: [4, 5, 6] }] }\n"
-              "  - { name: m, shape: mesh, file: rock.obj, scale: 2, sheet: true, repair: [loose], require: "
-              "[manifold] }\n" );
+    wisp_scene scene = good(
+        "wisp: 1\ncolliders:\n"
+        "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
+        "  - { name: s, radius: 2, shape: sphere }\n"
+        "  - { name: c, shape: capsule, radius: 0.5, half_length: 3, friction: [0.75, 0.5] }\n"
+        "  - { name: b, shape: box, half_extent: [1, 2, 3], rotation: { degrees: [0, 0, 90] }, "
+        "keyframes: [{ time: 1, position: [4, 5, 6] }] }\n"
+        "  - { name: m, shape: mesh, file: rock.obj, scale: 2, double_sided: true, repair: [unreferenced], require: "
+        "[manifold] }\n" );
     const wisp_scene_collider* c = scene.colliders;
     assert_int_equal( scene.collider_count, 5 );
     assert_true( c[0].def.kind == WISP_COLLIDER_PLANE && c[0].def.thickness == 0.5f && c[0].def.layers == 2 );
@@ -240,7 +245,7 @@ static void an_instance_knows_its_source_and_has_effects_of_its_own( void** stat
     (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
-              "  - { name: ball, make: { shape: icosphere }, balloon: {} }\n"
+              "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
               "  - { name: twin, instance_of: ball, transform: { translate: [1, 0, 0] }, cloth: {} }\n" );
     assert_int_equal( scene.surfaces[0].instance_of, -1 );
     assert_int_equal( scene.surfaces[1].instance_of, 0 );
@@ -291,15 +296,16 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
 static void entries_of_the_script_come_in_the_order_of_their_steps( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nsteps: 100\n"
-                             "surfaces:\n"
-                             "  - { name: a, make: { shape: plane }, pins: [0], cloth: { drag: 1 } }\n"
-                             "  - { name: b, make: { shape: icosphere }, balloon: { outlet: [0] } }\n"
-                             "script:\n"
-                             "  - { time: 1.5, surface: b, open: true, fill: 1.5, inflation_rate: 0.25 }\n"
-                             "  - { time: 0.5, surface: a, release: true, wind: [1, 2, 3] }\n"
-                             "  - { step: 0, surface: b, velocity: [0, 1, 0], angular_velocity: [0, 0, 2] }\n"
-                             "  - { time: 0.51, surface: a, velocity: [0, 2, 0] }\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nsteps: 100\n"
+              "surfaces:\n"
+              "  - { name: a, generate: { shape: plane }, pins: [0], cloth: { drag_coefficient: 1 } }\n"
+              "  - { name: b, generate: { shape: icosphere }, balloon: { outlet: [0] } }\n"
+              "events:\n"
+              "  - { time: 1.5, surface: b, outlet_open: true, gas_ratio: 1.5, inflation_rate: 0.25 }\n"
+              "  - { time: 0.5, surface: a, release: true, wind: [1, 2, 3] }\n"
+              "  - { step: 0, surface: b, velocity: [0, 1, 0], angular_velocity: [0, 0, 2] }\n"
+              "  - { time: 0.51, surface: a, velocity: [0, 2, 0] }\n" );
     static const int steps[] = { 0, 30, 31, 90 };
     assert_int_equal( scene.event_count, 4 );
     for ( int i = 0; i < 4; ++i )
@@ -323,8 +329,8 @@ static void a_fill_after_its_keyframes_is_taken( void** state )
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
-              "  - { name: b, make: { shape: icosphere }, balloon: { fill_keyframes: [[0, 1], [1, 2]] } }\n"
-              "script: [ { step: 61, surface: b, fill: 1 } ]\n" );
+              "  - { name: b, generate: { shape: icosphere }, balloon: { gas_ratio_keyframes: [[0, 1], [1, 2]] } }\n"
+              "events: [ { step: 61, surface: b, gas_ratio: 1 } ]\n" );
     assert_int_equal( scene.event_count, 1 );
     wisp_scene_release( &scene );
 }
@@ -332,7 +338,7 @@ static void a_fill_after_its_keyframes_is_taken( void** state )
 static void points_are_wanted_where_an_output_writes_a_surface( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, make: { shape: plane } } ]\n"
+    wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, generate: { shape: plane } } ]\n"
                              "output: [ { surface: a, file: a.ply } ]\n" );
     assert_true( scene.surfaces[0].want_points );
     assert_int_equal( scene.outputs[0].surface, 0 );
@@ -370,11 +376,12 @@ static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
 {
     (void)state;
     // Times that do not rise are found at the second entry, so a long list of equals costs nothing.
-    char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    make: { shape: icosphere }\n    balloon:\n"
-                         "      fill_keyframes:\n",
+    char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    generate: { shape: icosphere }\n    balloon:\n"
+                         "      gas_ratio_keyframes:\n",
                          "        - [1, 1]\n", 200000 );
-    demand_refusal( text, "scenes/test.yaml:8:12: surfaces[0].balloon.fill_keyframes[1]: time 1 does not come after "
-                          "the one before, 1" );
+    demand_refusal( text,
+                    "scenes/test.yaml:8:12: surfaces[0].balloon.gas_ratio_keyframes[1]: time 1 does not come after "
+                    "the one before, 1" );
     free( text );
 }
 

@@ -105,9 +105,9 @@ static void bodies_are_strands_then_surfaces_then_colliders( void** state )
     good( &f, "wisp: 1\n"
               "colliders:\n  - { name: ground, shape: plane, position: [0, -1, 0] }\n"
               "  - { name: crate, shape: box, half_extent: [1, 2, 3] }\n"
-              "surfaces:\n  - { name: ball, make: { shape: icosphere, level: 1 }, balloon: {} }\n"
+              "surfaces:\n  - { name: ball, generate: { shape: icosphere, level: 1 }, balloon: {} }\n"
               "  - { name: twin, instance_of: ball, cloth: {} }\n"
-              "strands:\n  - { name: hair, make: { strands: 3, vertices: 5 } }\n" );
+              "strands:\n  - { name: hair, generate: { strands: 3, vertices: 5 } }\n" );
     static const scene_body_kind kinds[] = { SCENE_BODY_STRANDS, SCENE_BODY_BALLOON, SCENE_BODY_CLOTH,
                                              SCENE_BODY_PLANE, SCENE_BODY_COLLIDER };
     static const char* const names[] = { "hair", "ball", "twin", "ground", "crate" };
@@ -188,7 +188,7 @@ static void a_surface_starts_scaled_then_turned_then_moved( void** state )
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nsurfaces:\n"
-              "  - name: a\n    make: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
+              "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
               "    transform: { scale: 2, rotate: { axis: [0, 1, 0], degrees: 90 }, translate: [10, 0, 0] }\n"
               "  - { name: b, instance_of: a, transform: { translate: [0, 5, 0] } }\n" );
     // vertex 0 of the plane stands at (-1, 0, -1)
@@ -203,12 +203,12 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nsurfaces:\n"
-              "  - { name: free, make: { shape: plane } }\n"
-              "  - { name: cross, make: { shape: plane }, cloth: {} }\n"
-              "  - { name: angle, make: { shape: plane }, cloth: { bending: dihedral } }\n"
-              "  - { name: held, make: { shape: plane }, pins: [0], levels: 2, "
+              "  - { name: free, generate: { shape: plane } }\n"
+              "  - { name: cross, generate: { shape: plane }, cloth: {} }\n"
+              "  - { name: angle, generate: { shape: plane }, cloth: { bending: dihedral } }\n"
+              "  - { name: held, generate: { shape: plane }, pins: [0], levels: 2, "
               "cloth: { bending: none, tethers: true, level_passes: 1 } }\n"
-              "  - { name: ball, make: { shape: icosphere }, balloon: {} }\n"
+              "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
               "  - { name: stiff, instance_of: cross, cloth: { bending: isometric } }\n" );
     static const struct
     {
@@ -233,11 +233,11 @@ static void levels_begin_where_the_scene_says( void** state )
 {
     (void)state;
     fixture f;
-    good( &f,
-          "wisp: 1\nsurfaces:\n"
-          "  - { name: all, make: { shape: plane, columns: 33, rows: 33 }, levels: 3, cloth: { level_passes: 1 } }\n"
-          "  - { name: late, make: { shape: plane, columns: 33, rows: 33 }, levels: 1, finest_level: 2,"
-          " cloth: { level_passes: 1 } }\n" );
+    good( &f, "wisp: 1\nsurfaces:\n"
+              "  - { name: all, generate: { shape: plane, columns: 33, rows: 33 }, levels: 3, cloth: { level_passes: "
+              "1 } }\n"
+              "  - { name: late, generate: { shape: plane, columns: 33, rows: 33 }, levels: 1, finest_level: 2,"
+              " cloth: { level_passes: 1 } }\n" );
     const wisp_fabric *all = f.world.surfaces[0].fabric, *late = f.world.surfaces[1].fabric;
     assert_int_equal( late->level_count, 1 );
     assert_true( late->levels[0].vertex_count < all->levels[0].vertex_count / 2 );
@@ -250,7 +250,7 @@ static void pins_are_named_by_number_by_place_and_by_box( void** state )
     fixture f;
     good( &f,
           "wisp: 1\nsurfaces:\n"
-          "  - name: a\n    make: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
+          "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
           "    transform: { translate: [0, 2, 0] }\n"
           "    pins: [4, 4]\n    pin_nearest: [[0.9, 2.3, 0.8]]\n"
           "    pin_box: [{ min: [-2, 1, -2], max: [-0.5, 3, -0.5] }, { min: [0.5, 1, -2], max: [2, 3, -0.5] }]\n" );
@@ -269,14 +269,16 @@ static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void*
     fputs( "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n", file );
     fclose( file );
     fixture f;
-    good( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [loose], pins: [1, 3] }\n" );
+    good(
+        &f,
+        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [unreferenced], pins: [1, 3] }\n" );
     static const int32_t pins[] = { 0, 2 };
     assert_int_equal( f.world.surfaces[0].mesh.vertex_count, 3 );
     assert_int_equal( f.world.surfaces[0].pin_count, 2 );
     assert_memory_equal( f.world.surfaces[0].pins, pins, sizeof pins );
     release( &f );
     demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [loose], pins: [0] }\n",
+        "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [unreferenced], pins: [0] }\n",
         "test.yaml:3:5: surface 'a': pins names vertex 0, which is not there or which the repair dropped" );
     demand_refusal(
         "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, require: [clean] }\n",
@@ -288,11 +290,11 @@ static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** st
 {
     (void)state;
     fixture f;
-    good(
-        &f,
-        "wisp: 1\nstep_seconds: 0.001\nsteps: 3\nsurfaces:\n"
-        "  - { name: a, make: { shape: icosphere, level: 3, radius: 1 }, want: [figures], gravity: [0, 0, 0], "
-        "balloon: { fill: 1.5, outlet_nearest: [0, 2, 0], outlet_radius: 1.2, outlet_open: true, spin: none } }\n" );
+    good( &f, "wisp: 1\nstep_seconds: 0.001\nsteps: 3\nsurfaces:\n"
+              "  - { name: a, generate: { shape: icosphere, level: 3, radius: 1 }, compute: [effect_stats], gravity: "
+              "[0, 0, 0], "
+              "balloon: { gas_ratio: 1.5, outlet_nearest: [0, 2, 0], outlet_radius: 1.2, outlet_open: true, spin: "
+              "none } }\n" );
     step( &f, 2 );
     wisp_balloon_figures figures;
     assert_int_equal( wisp_read_balloon_figures( f.world.world, f.world.surfaces[0].entity, &figures ), WISP_OK );
@@ -308,8 +310,8 @@ static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nstep_seconds: 0.1\nsteps: 100\nsurfaces:\n"
-              "  - name: a\n    make: { shape: plane, columns: 2, rows: 2, spacing: 2 }\n    pins: [0, 1, 2, 3]\n"
-              "    want: [points]\n    pin_keyframes:\n"
+              "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 2 }\n    pins: [0, 1, 2, 3]\n"
+              "    compute: [points]\n    pin_keyframes:\n"
               "      - { time: 1, translate: [0, 1, 0] }\n"
               "      - { time: 2, translate: [0, 1, 0], rotate: { axis: [0, 1, 0], degrees: 90 } }\n" );
     step( &f, 5 );
@@ -328,9 +330,9 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nstep_seconds: 0.01\nsteps: 100\nsurfaces:\n"
-              "  - name: a\n    make: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
-              "    want: [points]\n    pin_keyframes: [{ time: 10, translate: [5, 0, 0] }]\n"
-              "script: [{ time: 0.1, surface: a, release: true, velocity: [0, 0, 1] }]\n" );
+              "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
+              "    compute: [points]\n    pin_keyframes: [{ time: 10, translate: [5, 0, 0] }]\n"
+              "events: [{ time: 0.1, surface: a, release: true, velocity: [0, 0, 1] }]\n" );
     step( &f, 10 );
     wisp_vec3 held = point_of( &f, 0, 0 );
     assert_near( held, -0.01f + 0.05f, 0.0f, -0.01f );
@@ -346,9 +348,9 @@ static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** s
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nstep_seconds: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
-              "  - { name: a, make: { shape: icosphere, level: 1 }, want: [figures], "
-              "balloon: { fill: 1.5, fill_keyframes: [[1, 1], [2, 2]] } }\n"
-              "script: [{ step: 25, surface: a, fill: 1.25 }]\n" );
+              "  - { name: a, generate: { shape: icosphere, level: 1 }, compute: [effect_stats], "
+              "balloon: { gas_ratio: 1.5, gas_ratio_keyframes: [[1, 1], [2, 2]] } }\n"
+              "events: [{ step: 25, surface: a, gas_ratio: 1.25 }]\n" );
     static const struct
     {
         int steps;
@@ -370,9 +372,10 @@ static void the_outlet_opens_and_closes_when_the_script_says( void** state )
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nstep_seconds: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
-              "  - { name: a, make: { shape: icosphere, level: 2, radius: 0.2 }, want: [figures], "
-              "balloon: { fill: 1.5, outlet: [0] } }\n"
-              "script:\n  - { step: 5, surface: a, open: true }\n  - { step: 10, surface: a, open: false }\n" );
+              "  - { name: a, generate: { shape: icosphere, level: 2, radius: 0.2 }, compute: [effect_stats], "
+              "balloon: { gas_ratio: 1.5, outlet: [0] } }\n"
+              "events:\n  - { step: 5, surface: a, outlet_open: true }\n  - { step: 10, surface: a, outlet_open: "
+              "false }\n" );
     double lost[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -389,10 +392,11 @@ static void wind_of_the_script_blows_from_its_step_on( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.01\nsteps: 40\nsurfaces:\n"
-              "  - { name: a, make: { shape: plane, columns: 4, rows: 4 }, gravity: [0, 0, 0], want: [points], "
-              "cloth: { drag: 1 } }\n"
-              "script: [{ step: 5, surface: a, wind: [0, 3, 0] }]\n" );
+    good( &f,
+          "wisp: 1\nstep_seconds: 0.01\nsteps: 40\nsurfaces:\n"
+          "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, gravity: [0, 0, 0], compute: [points], "
+          "cloth: { drag_coefficient: 1 } }\n"
+          "events: [{ step: 5, surface: a, wind: [0, 3, 0] }]\n" );
     step( &f, 5 );
     assert_near( point_of( &f, 0, 0 ), -0.03f, 0.0f, -0.03f );
     step( &f, 5 );
@@ -423,9 +427,9 @@ static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_t
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
-              "  - { name: a, make: { shape: plane, columns: 4, rows: 4 }, want: [points], cloth: {}, "
+              "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], cloth: {}, "
               "transform: { translate: [0, 0.2, 0] }, collision: { thickness: 0.01 } }\n"
-              "  - { name: b, instance_of: a, want: [points], cloth: {}, transform: { translate: [0, 0.2, 0] } }\n"
+              "  - { name: b, instance_of: a, compute: [points], cloth: {}, transform: { translate: [0, 0.2, 0] } }\n"
               "colliders: [{ name: ground, shape: plane }]\n" );
     step( &f, 60 );
     // a contact is solved exactly in a step; float rounding of 0.2 m remains
@@ -440,8 +444,8 @@ static void what_a_body_does_not_have_cannot_be_asked_for( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstrands:\n  - { name: hair, make: { strands: 2 } }\n"
-              "surfaces:\n  - { name: cloth, make: { shape: plane } }\n"
+    good( &f, "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 2 } }\n"
+              "surfaces:\n  - { name: cloth, generate: { shape: plane } }\n"
               "colliders:\n  - { name: ground, shape: plane }\n" );
     assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_STRAIN, &f.error ), WISP_BAD_INPUT );
     assert_string_equal( f.error.sentence, "test.yaml: 'hair' has no strain" );
@@ -455,7 +459,8 @@ static void what_is_asked_for_is_there_after_a_step( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, make: { shape: plane, columns: 3, rows: 3 } }\n" );
+    good( &f,
+          "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n" );
     float speeds[9] = { 1.0f };
     wisp_quality quality;
     assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_SPEED, &f.error ), WISP_OK );
@@ -481,7 +486,7 @@ static void a_written_surface_is_read_back_where_it_was( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, make: { shape: plane, columns: 3, rows: 3 } }\n"
+    good( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n"
               "output: [{ surface: cloth, file: scene_world_out.ply }]\n" );
     step( &f, 3 );
     assert_int_equal( scene_world_write_outputs( &f.world, &f.error ), WISP_OK );
@@ -503,16 +508,16 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
 {
     (void)state;
     demand_refusal( "wisp: 1\nsurfaces:\n"
-                    "  - { name: a, make: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
+                    "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
     demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
+        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
         "test.yaml:3:5: surface 'a': balloon: the mesh is open at 8 edges, the first from vertex 0 to vertex "
         "3; it has no volume unless allow_open closes its holes" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: icosphere, level: 1 } }\n"
+    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 1 } }\n"
                     "  - { name: b, instance_of: a, pins: [42] }\n",
                     "test.yaml:4:5: surface 'b': pins names vertex 42, but the mesh has 42, counted from 0" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, make: { shape: icosphere, level: 5 }, "
+    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 5 }, "
                     "balloon: { outlet_nearest: [0, 0, 0], outlet_radius: 1 } }\n",
                     "test.yaml:3:5: surface 'a': more than 64 vertices are within balloon.outlet_radius, 1 m" );
 }

@@ -121,10 +121,11 @@ static void strands_start_scaled_then_turned_then_moved( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstrands:\n"
-              "  - name: hair\n    make: { dimension: 2, strands: 1, vertices: 3, length: 1, length_variation: 0 }\n"
-              "    transform: { scale: 2, rotate: { axis: [1, 0, 0], degrees: 90 }, translate: [0, 5, 0] }\n"
-              "  - { name: ghosts, scatter: { around: hair, count: 1, radius: 0 } }\n" );
+    good( &f,
+          "wisp: 1\nstrands:\n"
+          "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 3, length: 1, length_variation: 0 }\n"
+          "    transform: { scale: 2, rotate: { axis: [1, 0, 0], degrees: 90 }, translate: [0, 5, 0] }\n"
+          "  - { name: ghosts, scatter: { around: hair, count: 1, radius: 0 } }\n" );
     // the tip hangs at (0, -1, 0); the sine of the turn is within 1e-7
     assert_near( point_of( &f, 0, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
     assert_near( point_of( &f, 1, 2 ), ( wisp_vec3 ){ 0, 5, -2 }, 1e-6f );
@@ -137,8 +138,8 @@ static void curves_are_bodies_wherever_their_source_stands( void** state )
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nsteps: 2\nstrands:\n"
-              "  - { name: drawn, curves: { of: hair, samples: 3 }, want: [points] }\n"
-              "  - { name: hair, make: { strands: 4, vertices: 6 } }\n" );
+              "  - { name: drawn, curves: { of: hair, samples: 3 }, compute: [points] }\n"
+              "  - { name: hair, generate: { strands: 4, vertices: 6 } }\n" );
     const scene_body body = scene_world_body( &f.world, 0 );
     assert_int_equal( body.kind, SCENE_BODY_STRANDS );
     assert_int_equal( body.vertex_count, 4 * ( 5 * 3 + 1 ) );
@@ -158,8 +159,8 @@ static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
         char text[400];
         snprintf( text, sizeof text,
                   "wisp: 1\nsteps: 1\nstrands:\n"
-                  "  - { name: hair, make: { shape: curly, strands: 5, vertices: 12 } }\n"
-                  "  - { name: drawn, curves: { of: hair, kind: %s, samples: 5 }, want: [points] }\n",
+                  "  - { name: hair, generate: { shape: curly, strands: 5, vertices: 12 } }\n"
+                  "  - { name: drawn, curves: { of: hair, kind: %s, samples: 5 }, compute: [points] }\n",
                   kinds[kind] );
         fixture f;
         good( &f, text );
@@ -179,8 +180,8 @@ static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
 
 static const char TURNING_HEAD[] =
     "wisp: 1\nsteps: 20\nstep_seconds: 0.1\nsubsteps: 2\nstrands:\n"
-    "  - name: hair\n    make: { strands: 20, vertices: 5, scalp_radius: 0.1 }\n"
-    "    transform: { translate: [1, 2, 3] }\n    dynamics: {}\n    want: [points]\n"
+    "  - name: hair\n    generate: { strands: 20, vertices: 5, scalp_radius: 0.1 }\n"
+    "    transform: { translate: [1, 2, 3] }\n    dynamics: {}\n    compute: [points]\n"
     "    head: { keyframes: [ { time: 0.5, position: [1, 2, 3] }, { time: 1.5, position: [2, 2, 3], rotation: { "
     "axis: [0, "
     "0, 1], degrees: 90 } } ] }\n"
@@ -219,12 +220,12 @@ static void a_pivot_is_what_a_head_turns_about( void** state )
 {
     (void)state;
     fixture f;
-    good(
-        &f,
-        "wisp: 1\nsteps: 12\nstep_seconds: 0.1\nstrands:\n"
-        "  - name: hair\n    make: { dimension: 2, strands: 1, vertices: 4 }\n    dynamics: {}\n    want: [points]\n"
-        "    head: { pivot: [0, 1, 0], keyframes: [ { time: 1, position: [0, 1, 0], rotation: { axis: [0, 0, 1], "
-        "degrees: 90 } } ] }\n" );
+    good( &f,
+          "wisp: 1\nsteps: 12\nstep_seconds: 0.1\nstrands:\n"
+          "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 4 }\n    dynamics: {}\n    compute: "
+          "[points]\n"
+          "    head: { pivot: [0, 1, 0], keyframes: [ { time: 1, position: [0, 1, 0], rotation: { axis: [0, 0, 1], "
+          "degrees: 90 } } ] }\n" );
     step( &f, 12 );
     // the root starts at the origin, 1 m below the pivot
     assert_near( point_of( &f, 0, 0 ), ( wisp_vec3 ){ 1, 1, 0 }, 1e-6f );
@@ -235,15 +236,14 @@ static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
 {
     (void)state;
     fixture f;
-    good(
-        &f,
-        "wisp: 1\nsteps: 20\nstep_seconds: 0.05\nstrands:\n"
-        "  - { name: hair, make: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, on_surface: "
-        "board, want: [points] }\n"
-        "surfaces:\n"
-        "  - name: board\n    make: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }\n"
-        "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
-        "    pin_keyframes: [ { time: 0.5, translate: [0.25, 0.5, 0] } ]\n" );
+    good( &f, "wisp: 1\nsteps: 20\nstep_seconds: 0.05\nstrands:\n"
+              "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
+              "on_surface: "
+              "board, compute: [points] }\n"
+              "surfaces:\n"
+              "  - name: board\n    generate: { shape: plane, columns: 4, rows: 4, spacing: 0.1 }\n"
+              "    pin_box: { min: [-1, -1, -1], max: [1, 1, 1] }\n"
+              "    pin_keyframes: [ { time: 0.5, translate: [0.25, 0.5, 0] } ]\n" );
     wisp_vec3* start = points_of( &f, 0 );
     step( &f, 20 );
     wisp_vec3* now = points_of( &f, 0 );
@@ -262,11 +262,11 @@ static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
 
 static const char FOLLOWED[] =
     "wisp: 1\nsteps: 10\nstep_seconds: 0.02\nsubsteps: 2\nstrands:\n"
-    "  - name: guides\n    make: { strands: 6, vertices: 8, length: 0.1 }\n    dynamics: {}\n"
-    "    head: { keyframes: [ { time: 0.1, position: [0, 0.05, 0] } ] }\n    want: [points]\n"
-    "  - { name: ghosts, scatter: { around: guides, count: 3, radius: 0.01 }, ghosts: {}, want: [points] }\n"
+    "  - name: guides\n    generate: { strands: 6, vertices: 8, length: 0.1 }\n    dynamics: {}\n"
+    "    head: { keyframes: [ { time: 0.1, position: [0, 0.05, 0] } ] }\n    compute: [points]\n"
+    "  - { name: ghosts, scatter: { around: guides, count: 3, radius: 0.01 }, ghosts: {}, compute: [points] }\n"
     "  - name: frozen\n    scatter: { around: guides, count: 3, radius: 0.01 }\n    ghosts: {}\n"
-    "    frozen_hair: { freeze: {} }\n    want: [points]\n";
+    "    frozen_hair: { freeze: {} }\n    compute: [points]\n";
 
 // The mean of three roots.
 static wisp_vec3 middle_root( const wisp_vec3* points )
@@ -321,8 +321,8 @@ static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
     fixture f;
     assert_int_equal(
         build( &f, "wisp: 1\nstrands:\n"
-                   "  - { name: guides, make: { strands: 2, vertices: 8 }, dynamics: {} }\n"
-                   "  - { name: ghosts, make: { strands: 5, vertices: 9 }, ghosts: { targets: guides } }\n" ),
+                   "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
+                   "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides } }\n" ),
         WISP_BAD_INPUT );
     const char* place = "test.yaml:4:5: strands 'ghosts': ";
     assert_memory_equal( f.error.sentence, place, strlen( place ) );
@@ -334,11 +334,11 @@ static void ghosts_of_other_lengths_follow_if_they_are_resampled( void** state )
 {
     (void)state;
     fixture f;
-    good( &f,
-          "wisp: 1\nsteps: 2\nstrands:\n"
-          "  - { name: guides, make: { strands: 2, vertices: 8 }, dynamics: {} }\n"
-          "  - { name: ghosts, make: { strands: 5, vertices: 9 }, ghosts: { targets: guides, resample: true }, want: "
-          "[points] }\n" );
+    good( &f, "wisp: 1\nsteps: 2\nstrands:\n"
+              "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
+              "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides, resample: true "
+              "}, compute: "
+              "[points] }\n" );
     step( &f, 2 );
     assert_true( isfinite( point_of( &f, 1, 44 ).x ) );
     release( &f );
@@ -349,7 +349,7 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
     (void)state;
     demand_refusal(
         "wisp: 1\nstrands:\n"
-        "  - { name: guides, make: { dimension: 2, strands: 1, vertices: 2 } }\n"
+        "  - { name: guides, generate: { dimension: 2, strands: 1, vertices: 2 } }\n"
         "  - { name: more, scatter: { around: guides, count: 2, radius: 0.01 }, dynamics: { vertex_masses: "
         "[1e-8, 1e-8] } }\n",
         "test.yaml:4:5: strands 'more': dynamics.vertex_masses lists 2 masses for 4 vertices" );
@@ -361,12 +361,13 @@ static void strands_that_move_tell_strain_speed_and_quality_and_others_do_not( v
 {
     (void)state;
     fixture f;
-    good( &f,
-          "wisp: 1\nsteps: 3\nstrands:\n"
-          "  - name: hair\n    make: { dimension: 2, strands: 4, vertices: 6, length: 0.2, length_variation: 0 }\n"
-          "    transform: { rotate: { axis: [1, 0, 0], degrees: 90 } }\n"
-          "    dynamics: { bend: none }\n    want: [strain, speed, quality]\n"
-          "  - { name: still, make: { strands: 2, vertices: 2 } }\n" );
+    good(
+        &f,
+        "wisp: 1\nsteps: 3\nstrands:\n"
+        "  - name: hair\n    generate: { dimension: 2, strands: 4, vertices: 6, length: 0.2, length_variation: 0 }\n"
+        "    transform: { rotate: { axis: [1, 0, 0], degrees: 90 } }\n"
+        "    dynamics: { bending: none }\n    compute: [strain, speed, motion_stats]\n"
+        "  - { name: still, generate: { strands: 2, vertices: 2 } }\n" );
     step( &f, 3 );
     float speed[24], strain[24];
     wisp_quality quality;
@@ -387,9 +388,9 @@ static void the_script_blows_on_strands( void** state )
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nsteps: 20\nsubsteps: 2\ngravity: [0, 0, 0]\nstrands:\n"
-              "  - name: hair\n    make: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
-              "    dynamics: { drag: 1, bend: none }\n    want: [points]\n"
-              "script:\n  - { step: 10, strands: hair, wind: [5, 0, 0] }\n" );
+              "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
+              "    dynamics: { drag_coefficient: 1, bending: none }\n    compute: [points]\n"
+              "events:\n  - { step: 10, strands: hair, wind: [5, 0, 0] }\n" );
     const wisp_vec3 start = point_of( &f, 0, 7 );
     step( &f, 10 );
     assert_near( point_of( &f, 0, 7 ), start, 1e-6f ); // neither weight nor wind: rounding alone

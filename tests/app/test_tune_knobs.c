@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MAKE "    make: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
+#define MAKE "    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
 
 static const char cloths[] = "wisp: 1\n"
                              "substeps: 12\n"
@@ -25,19 +25,20 @@ static const char cloths[] = "wisp: 1\n"
 
 static const char implicit[] = "wisp: 1\n"
                                "surfaces:\n"
-                               "  - name: a\n" MAKE "    implicit: { tolerance: 0.003, newton_repeats: 3 }\n"
+                               "  - name: a\n" MAKE "    implicit: { tolerance: 0.003, newton_iterations: 3 }\n"
                                "  - name: b\n" MAKE "    implicit: {}\n";
 
-static const char strands[] = "wisp: 1\n"
-                              "strands:\n"
-                              "  - { name: still, make: { strands: 2, vertices: 4 } }\n"
-                              "  - { name: chain, make: { strands: 2, vertices: 4 }, dynamics: { stretch: links } }\n"
-                              "  - name: hair\n"
-                              "    make: { strands: 2, vertices: 4 }\n"
-                              "    dynamics:\n"
-                              "      stretch_passes: 5 # of mine\n"
-                              "      damping: 1\n"
-                              "  - { name: other, make: { strands: 2, vertices: 4 }, dynamics: {} }\n";
+static const char strands[] =
+    "wisp: 1\n"
+    "strands:\n"
+    "  - { name: still, generate: { strands: 2, vertices: 4 } }\n"
+    "  - { name: chain, generate: { strands: 2, vertices: 4 }, dynamics: { stretch: links } }\n"
+    "  - name: hair\n"
+    "    generate: { strands: 2, vertices: 4 }\n"
+    "    dynamics:\n"
+    "      stretch_passes: 5 # of mine\n"
+    "      damping: 1\n"
+    "  - { name: other, generate: { strands: 2, vertices: 4 }, dynamics: {} }\n";
 
 /// All knobs, none with a value of its own that would be tried anyway.
 static const char everything[] =
@@ -49,9 +50,9 @@ static const char everything[] =
     "    levels: 2\n"
     "    finest_level: 4\n"
     "    cloth: { tethers: true, level_passes: 1 }\n"
-    "  - name: b\n" MAKE "    implicit: { tolerance: 0.003, newton_repeats: 3 }\n"
+    "  - name: b\n" MAKE "    implicit: { tolerance: 0.003, newton_iterations: 3 }\n"
     "strands:\n"
-    "  - { name: hair, make: { strands: 2, vertices: 4 }, dynamics: { stretch_passes: 5 } }\n";
+    "  - { name: hair, generate: { strands: 2, vertices: 4 }, dynamics: { stretch_passes: 5 } }\n";
 
 static wisp_scene parse( const char* text )
 {
@@ -99,7 +100,7 @@ static void a_scene_of_implicit_cloth_has_other_knobs( void** state )
     assert_int_equal( tune_knobs_find( &scene, &knobs, NULL ), WISP_OK );
     assert_int_equal( knobs.count, 3 );
     assert_knob( &knobs, 1, "implicit.tolerance", ( const double[] ){ 0.1, 0.01, 0.003, 0.001, 0.0001 }, 5 );
-    assert_knob( &knobs, 2, "implicit.newton_repeats", ( const double[] ){ 1, 2, 3, 4 }, 4 );
+    assert_knob( &knobs, 2, "implicit.newton_iterations", ( const double[] ){ 1, 2, 3, 4 }, 4 );
     wisp_scene_release( &scene );
 }
 
