@@ -3,6 +3,7 @@
 #include "file_kind.h"
 #include "info_results.h"
 #include "record.h"
+#include "scene_keys.h"
 #include "world_from_scene.h"
 
 static const char doc[] = "Tell what is in a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, .json), "
@@ -15,20 +16,37 @@ static const char doc[] = "Tell what is in a groom (.hair, .tfx), a mesh (.obj, 
                           "read, or names a vertex "
                           "that it does not have, is bad input.\n" STATUS_HELP;
 
+typedef struct info_options
+{
+    const char* argument; // a file, or a block of keys
+    bool keys;
+} info_options;
+
+static const struct argp_option options[] = {
+    { "keys", 'k', NULL, 0, "print every key of a scene, or those of a BLOCK such as surfaces.cloth", 0 },
+    { 0 },
+};
+
 static error_t parse( int key, char* argument, struct argp_state* state )
 {
-    const char** path = state->input;
+    info_options* given = state->input;
     switch ( key )
     {
+        case 'k':
+            given->keys = true;
+            return 0;
         case ARGP_KEY_ARG:
-            if ( *path )
+            if ( given->argument )
             {
                 argp_error( state, "one file at a time, but there is also '%s'", argument );
             }
-            *path = argument;
+            given->argument = argument;
             return 0;
-        case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which file?" );
+        case ARGP_KEY_END:
+            if ( !given->argument && !given->keys )
+            {
+                argp_error( state, "which file?" );
+            }
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -365,14 +383,24 @@ static wisp_status info_file( const char* path, wisp_error* error )
                       path );
 }
 
+static wisp_status info_keys( const char* block, wisp_error* error )
+{
+    return wisp_scene_write_keys( stdout, block ) > 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "--keys: got '%s', expected a block such as surfaces.cloth",
+                            block );
+}
+
 int verb_info( int argc, char** argv )
 {
-    const char* path = NULL;
-    const struct argp parser = { .parser = parse, .args_doc = "FILE", .doc = doc };
-    argp_parse( &parser, argc, argv, 0, NULL, &path );
+    info_options given = { 0 };
+    const struct argp parser = {
+        .options = options, .parser = parse, .args_doc = "FILE\n--keys [BLOCK]", .doc = doc
+    };
+    argp_parse( &parser, argc, argv, 0, NULL, &given );
 
     wisp_error error = { 0 };
-    wisp_status status = info_file( path, &error );
+    wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );
     if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
     {
         status = wisp_fail( &error, WISP_IO_ERROR, "the description could not be written" );

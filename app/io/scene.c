@@ -264,11 +264,9 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     return status ? status : scene_bind_roots( &r, root );
 }
 
-wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out, wisp_error* error )
+wisp_scene scene_defaults( void )
 {
-    *out = ( wisp_scene ){ 0 };
-    const scene_source source = { name, text, size, error };
-    wisp_scene scene = {
+    return ( wisp_scene ){
         .step_seconds = 1.0f / 60.0f,
         .steps = 1,
         .substeps = 1,
@@ -276,6 +274,13 @@ wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, w
         .gravity = { 0.0f, -9.8f, 0.0f },
         .contact = wisp_default_contact_settings(),
     };
+}
+
+wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out, wisp_error* error )
+{
+    *out = ( wisp_scene ){ 0 };
+    const scene_source source = { name, text, size, error };
+    wisp_scene scene = scene_defaults();
 
     io_numbers numbers;
     wisp_status status = io_numbers_begin( &numbers, error );

@@ -7,53 +7,95 @@
 #define AT( member ) offsetof( wisp_scene_collider, member )
 #define DEF( member ) offsetof( wisp_scene_collider, def.member )
 
-static const char* const SHAPES[] = { "plane", "sphere", "capsule", "box", "mesh", NULL };
-static const char* const SEARCHES[] = { "tree", "voxels", NULL };
+static const scene_choice SHAPES[] = { { "plane", "everything below y = 0 of its own frame" },
+                                       { "sphere", "a ball" },
+                                       { "capsule", "a capsule along y" },
+                                       { "box", "a box" },
+                                       { "mesh", "a triangle mesh" },
+                                       { NULL, NULL } };
+static const scene_choice SEARCHES[] = { { "tree", "a bounding volume tree, needs Embree" },
+                                         { "voxels", "a grid of voxels" },
+                                         { NULL, NULL } };
 
 // The rotation stands before the keyframes, the first of which takes it over unless it has its own.
 #define COMMON_FIELDS                                                                                                \
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },                           \
-        { "shape", SCENE_CHOICE, .required = true, .at = DEF( kind ), .choices = SHAPES },                           \
-        { "position", SCENE_VECTOR, .at = DEF( pose.translation ), .range = COORDINATE, .unit = METRES },            \
-        { "rotation", SCENE_CUSTOM, .at = DEF( pose.rotation ), .read = scene_read_rotation },                       \
-        { "keyframes", SCENE_CUSTOM, .read = scene_read_collider_path },                                             \
-        { "friction", SCENE_CUSTOM, .read = scene_read_friction },                                                   \
-        { "thickness", SCENE_NUMBER, .at = DEF( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },             \
+    { "name",                                                                                                        \
+      SCENE_CUSTOM,                                                                                                  \
+      .required = true,                                                                                              \
+      .at = AT( name ),                                                                                              \
+      .read = scene_read_name,                                                                                       \
+      .form = "1 to 64 of the characters A-Z a-z 0-9 _ -",                                                           \
+      .help = "Unique among strands, surfaces and colliders." },                                                     \
+        { "shape", SCENE_CHOICE, .required = true, .at = DEF( kind ), .choices = SHAPES, .help = "Shape." },         \
+        { "position",          SCENE_VECTOR,   .at = DEF( pose.translation ),                                        \
+          .range = COORDINATE, .unit = METRES, .help = "Where it stands." },                                         \
+        { "rotation",         SCENE_CUSTOM,      .at = DEF( pose.rotation ), .read = scene_read_rotation,            \
+          .form = "rotation", .initial = "none", .help = "How it is turned." },                                      \
+        { "keyframes",                                                                                               \
+          SCENE_CUSTOM,                                                                                              \
+          .read = scene_read_collider_path,                                                                          \
+          .form = "list of keyframes {time, position, rotation}",                                                    \
+          .initial = "none",                                                                                         \
+          .help = "Motion; before the first keyframe it comes from `position` at time 0." },                         \
+        { "friction",                                                                                                \
+          SCENE_CUSTOM,                                                                                              \
+          .read = scene_read_friction,                                                                               \
+          .form = "number, or pair [static, kinetic], 0 .. 1e6",                                                     \
+          .initial = "0.5",                                                                                          \
+          .help = "Friction coefficients; kinetic friction is at most static friction." },                           \
+        { "thickness",                                                                                               \
+          SCENE_NUMBER,                                                                                              \
+          .at = DEF( thickness ),                                                                                    \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
+          .unit = METRES,                                                                                            \
+          .help = "Thickness that is added to that of what touches it." },                                           \
     {                                                                                                                \
-        "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers                                       \
+        "layers", SCENE_CUSTOM, .at = DEF( layers ), .read = scene_read_layers, .form = "list of layers, 0 .. 31",   \
+                                .initial = "[0]", .help = "Layers; `collision.mask` chooses among them."             \
     }
 
 static const scene_field PLANE_FIELDS[] = { COMMON_FIELDS };
 static const scene_field SPHERE_FIELDS[] = {
     COMMON_FIELDS,
-    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES },
+    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES, .help = "Radius." },
 };
 static const scene_field CAPSULE_FIELDS[] = {
     COMMON_FIELDS,
-    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES },
-    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES },
+    { "radius", SCENE_NUMBER, .at = DEF( radius ), .range = SIZE, .unit = METRES, .help = "Radius." },
+    { "half_length", SCENE_NUMBER, .at = DEF( half_length ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "From the middle to the centre of a cap, along y." },
 };
 static const scene_field BOX_FIELDS[] = {
     COMMON_FIELDS,
-    { "half_extent", SCENE_VECTOR, .at = DEF( half_extent ), .range = SIZE, .unit = METRES },
+    { "half_extent", SCENE_VECTOR, .at = DEF( half_extent ), .range = SIZE, .unit = METRES,
+      .help = "Half of the edges along x, y and z." },
 };
 static const scene_field MESH_FIELDS[] = {
     COMMON_FIELDS,
-    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
-    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
-    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
-    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
-    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE },
-    { "double_sided", SCENE_SWITCH, .at = DEF( sheet ) },
-    { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES },
-    { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES },
+    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
+      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .initial = "none" },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make,
+      .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
+    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
+      .help = "Repairs of the mesh, as for a surface.", .form = "list of words", .initial = "none" },
+    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
+      .help = "Properties that the repaired mesh must have, as for a surface.", .form = "list of words",
+      .initial = "none" },
+    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE, .help = "Factor of the size of the mesh." },
+    { "double_sided", SCENE_SWITCH, .at = DEF( sheet ),
+      .help = "The mesh has two sides and no inside; otherwise it must be closed." },
+    { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES,
+      .help = "How triangles are found; it changes the time and not the result." },
+    { "voxel_size", SCENE_NUMBER, .at = DEF( voxel_size ), .range = SIZE, .unit = METRES,
+      .help = "Edge of a voxel, with `search: voxels`.", .initial = "the mean edge" },
 };
 
 #define BLOCK( fields )                                                                                              \
     {                                                                                                                \
         fields, WISP_COUNT( fields )                                                                                 \
     }
-static const scene_block BLOCKS[WISP_COLLIDER_COUNT] = {
+const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_PLANE] = BLOCK( PLANE_FIELDS ),     [WISP_COLLIDER_SPHERE] = BLOCK( SPHERE_FIELDS ),
     [WISP_COLLIDER_CAPSULE] = BLOCK( CAPSULE_FIELDS ), [WISP_COLLIDER_BOX] = BLOCK( BOX_FIELDS ),
     [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),
@@ -103,17 +145,22 @@ static wisp_status read_kind( scene_reader* r, const scene_node* node, int* kind
     return status;
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_collider* collider )
+wisp_scene_collider scene_default_collider( void )
 {
-    *collider = ( wisp_scene_collider ){
-        .line = node->line,
-        .column = node->column,
+    return ( wisp_scene_collider ){
         .def = wisp_default_collider_def(),
         .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
     };
+}
+
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_collider* collider )
+{
+    *collider = scene_default_collider();
+    collider->line = node->line;
+    collider->column = node->column;
     int kind = 0;
     wisp_status status = read_kind( r, node, &kind );
-    status = status ? status : scene_read_block( r, node, &BLOCKS[kind], collider );
+    status = status ? status : scene_read_block( r, node, &SCENE_COLLIDER_BLOCKS[kind], collider );
     if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_made )
     {
         return scene_refuse_node( r, node, "has %s; a mesh is read or generated",

@@ -13,24 +13,43 @@
 
 #define BOUNDARY( member ) offsetof( wisp_scene_surface, boundary.member )
 
-static const char* const POLICIES[] = { "even", "exact", NULL };
-static const char* const ROUNDINGS[] = { "down", "nearest", "up", NULL };
+static const scene_choice POLICIES[] = { { "even", "equal parts" },
+                                         { "exact", "a spacing apart from one end on" },
+                                         { NULL, NULL } };
+static const scene_choice ROUNDINGS[] = { { "down", "fewer points" },
+                                          { "nearest", "the nearest count" },
+                                          { "up", "more points; with `policy: even` no gap is above the spacing" },
+                                          { NULL, NULL } };
 
 static const scene_field BOUNDARY_FIELDS[] = {
-    { "spacing", SCENE_NUMBER, .at = BOUNDARY( spacing ), .range = SIZE, .unit = METRES },
-    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES },
-    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS },
-    { "scanline_normals", SCENE_SWITCH, .at = BOUNDARY( scanline_normals ) },
-    { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ) },
-    { "max_points", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ) },
-    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( least_spacing ), .range = SIZE, .unit = METRES },
-    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( most_spacing ), .range = SIZE, .unit = METRES },
-    { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ) },
-    { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ) },
-    { "by_screen", SCENE_SWITCH, .at = BOUNDARY( by_screen ) },
-    { "eye", SCENE_VECTOR, .at = BOUNDARY( eye ), .range = COORDINATE, .unit = METRES },
-    { "pixel_angle", SCENE_NUMBER, .at = BOUNDARY( pixel_angle ), .range = RANGE( 1e-6, 1 ), .unit = RADIANS },
-    { "pixels", SCENE_NUMBER, .at = BOUNDARY( pixels ), .range = RANGE( 1e-3, 1e6 ) },
+    { "spacing", SCENE_NUMBER, .at = BOUNDARY( spacing ), .range = SIZE, .unit = METRES,
+      .help = "Distance between points.", .initial = "half of the mean rest length of the edges" },
+    { "policy", SCENE_CHOICE, .at = BOUNDARY( policy ), .choices = POLICIES,
+      .help = "Where points stand on an edge or a line." },
+    { "rounding", SCENE_CHOICE, .at = BOUNDARY( rounding ), .choices = ROUNDINGS,
+      .help = "Rounding of the number of spacings in a length." },
+    { "scanline_normals", SCENE_SWITCH, .at = BOUNDARY( scanline_normals ),
+      .help = "Interpolates normals of inner points between the ends of their line, not by barycentric weights." },
+    { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
+      .help = "Counts of points stay while a length is within this many spacings of where they would change." },
+    { "max_points", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ),
+      .help = "A layer that would have more points stays as it was, and a message says so." },
+    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( least_spacing ), .range = SIZE, .unit = METRES,
+      .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },
+    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( most_spacing ), .range = SIZE, .unit = METRES,
+      .help = "Largest local spacing.", .initial = "four times the spacing" },
+    { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ), .unit = PER_RADIAN,
+      .help = "Local spacing is divided by 1 + gain times the angle between the normals of the ends of an edge." },
+    { "strain_gain", SCENE_NUMBER, .at = BOUNDARY( strain_gain ), .range = RANGE( -1e6, 1e6 ),
+      .help = "Local spacing is divided by 1 + gain times the strain of an edge; a negative gain multiplies." },
+    { "by_screen", SCENE_SWITCH, .at = BOUNDARY( by_screen ),
+      .help = "Makes the local spacing as long as `pixels` pixels at the edge." },
+    { "eye", SCENE_VECTOR, .at = BOUNDARY( eye ), .range = COORDINATE, .unit = METRES,
+      .help = "Where the camera is, with `by_screen`." },
+    { "pixel_angle", SCENE_NUMBER, .at = BOUNDARY( pixel_angle ), .range = RANGE( 1e-6, 1 ), .unit = RADIANS,
+      .help = "Angle that a pixel spans, with `by_screen`." },
+    { "pixels", SCENE_NUMBER, .at = BOUNDARY( pixels ), .range = RANGE( 1e-3, 1e6 ),
+      .help = "Spacing in pixels, with `by_screen`." },
 };
 const scene_block SCENE_BOUNDARY_BLOCK = BLOCK( BOUNDARY_FIELDS );
 
@@ -60,20 +79,46 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
 
 // Strands never meet themselves, so theirs is the same table without `self`.
 #define GUEST_FIELDS( owner )                                                                                        \
-    { "thickness", SCENE_NUMBER, .at = offsetof( owner, contact.thickness ), .range = RANGE( 0, 1e6 ),               \
-      .unit = METRES },                                                                                              \
-        { "friction", SCENE_NUMBER, .at = offsetof( owner, contact.friction ), .range = RANGE( 0, 1e6 ) },           \
-        { "max_push_out_speed", SCENE_NUMBER, .at = offsetof( owner, contact.recovery_speed ),                       \
-          .range = RANGE( 0, 1e6 ), .unit = SPEEDS },                                                                \
-        { "layers", SCENE_CUSTOM, .at = offsetof( owner, contact.layers ), .read = scene_read_layers },              \
-        { "mask", SCENE_CUSTOM, .at = offsetof( owner, contact.mask ), .read = scene_read_layers },                  \
+    { "thickness",                                                                                                   \
+      SCENE_NUMBER,                                                                                                  \
+      .at = offsetof( owner, contact.thickness ),                                                                    \
+      .range = RANGE( 0, 1e6 ),                                                                                      \
+      .unit = METRES,                                                                                                \
+      .initial = "a quarter of the mean edge, or the mean segment of strands",                                       \
+      .help = "Two participants keep half of the sum of theirs apart; to lie flat it must be below the shortest "    \
+              "edges." },                                                                                            \
+        { "friction", SCENE_NUMBER, .at = offsetof( owner, contact.friction ), .range = RANGE( 0, 1e6 ),             \
+          .help = "Friction coefficient; two participants have the geometric mean of theirs." },                     \
+        { "max_push_out_speed",                                                                                      \
+          SCENE_NUMBER,                                                                                              \
+          .at = offsetof( owner, contact.recovery_speed ),                                                           \
+          .range = RANGE( 0, 1e6 ),                                                                                  \
+          .unit = SPEEDS,                                                                                            \
+          .initial = "ten thicknesses per second",                                                                   \
+          .help = "Speed at which primitives that are too close are parted." },                                      \
+        { "layers",                                                                                                  \
+          SCENE_CUSTOM,                                                                                              \
+          .at = offsetof( owner, contact.layers ),                                                                   \
+          .read = scene_read_layers,                                                                                 \
+          .form = "list of layers, 0 .. 31",                                                                         \
+          .initial = "[0]",                                                                                          \
+          .help =                                                                                                    \
+              "Layers of this participant; two participants meet if each has a layer of the mask of the other." },   \
+        { "mask",                                                                                                    \
+          SCENE_CUSTOM,                                                                                              \
+          .at = offsetof( owner, contact.mask ),                                                                     \
+          .read = scene_read_layers,                                                                                 \
+          .form = "list of layers, 0 .. 31",                                                                         \
+          .initial = "all layers",                                                                                   \
+          .help = "Layers of other participants that this one meets." },                                             \
     {                                                                                                                \
-        "enabled", SCENE_SWITCH, .at = offsetof( owner, contact.enabled )                                            \
+        "enabled", SCENE_SWITCH, .at = offsetof( owner, contact.enabled ), .help = "Whether it takes part."          \
     }
 
 static const scene_field SURFACE_FIELDS[] = {
     GUEST_FIELDS( wisp_scene_surface ),
-    { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ) },
+    { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ),
+      .help = "Whether the surface keeps its distance from itself." },
 };
 const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
 
@@ -84,12 +129,25 @@ const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 #define CONTACT( member ) offsetof( wisp_scene, contact.member )
 
-static const char* const FEATURES[] = { "triangles", "particles", NULL };
-static const char* const SEARCHES[] = { "auto", "grid", "tree", "brute", NULL };
+static const scene_choice FEATURES[] = {
+    { "triangles", "vertices from triangles and edges from edges" },
+    { "particles", "boundary particles from each other; cheaper, but what is thinner than their spacing passes" },
+    { NULL, NULL }
+};
+static const scene_choice SEARCHES[] = { { "auto", "the fastest" },
+                                         { "grid", "uniform grids" },
+                                         { "tree", "a tree, needs Embree" },
+                                         { "brute", "every pair, to compare with" },
+                                         { NULL, NULL } };
+
+static const scene_choice WORDS[] = {
+    { "stats", "numbers of contacts, candidates and searches, and the sum of impulses" },
+    { "intersections", "edges that pass through triangles at the end of a step; costs a search per step" },
+    { NULL, NULL },
+};
 
 static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "stats", "intersections", NULL };
     wisp_scene* scene = at;
     bool* const wants[] = { &scene->want_contact_figures, &scene->want_crossings };
     wisp_status status = scene_expect_list( r, node, "a list of words" );
@@ -98,10 +156,10 @@ static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at
     {
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
-        status = scene_read_choice( r, item, words, &word );
+        status = scene_read_choice( r, item, WORDS, &word );
         if ( !status && *wants[word] )
         {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+            return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
         }
         if ( !status )
         {
@@ -113,14 +171,21 @@ static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "primitives", SCENE_CHOICE, .at = CONTACT( features ), .choices = FEATURES },
-    { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES },
-    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( sample_spacing ), .range = SIZE, .unit = METRES },
-    { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ) },
-    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( guard ) },
-    { "compute", SCENE_CUSTOM, .read = read_wants },
+    { "primitives", SCENE_CHOICE, .at = CONTACT( features ), .choices = FEATURES, .help = "What is kept apart." },
+    { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES,
+      .help = "How pairs are found; it changes the time and not the result." },
+    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( sample_spacing ), .range = SIZE, .unit = METRES,
+      .help = "Spacing of particles, with `primitives: particles`.",
+      .initial = "the smallest thickness of the participants" },
+    { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
+      .help = "How much farther than the thickness pairs are searched, in thicknesses; it changes the time and not "
+              "the result." },
+    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( guard ),
+      .help = "Shortens displacements before primitives pass through each other, with `primitives: triangles`." },
+    { "compute", SCENE_CUSTOM, .read = read_wants, .choices = WORDS,
+      .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
 };
-static const scene_block WORLD_BLOCK = BLOCK( WORLD_FIELDS );
+const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
 
 // A key that the other way to find contacts has no use for is refused, as sizes of other shapes are.
 static wisp_status check_features( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
@@ -136,7 +201,7 @@ static wisp_status check_features( scene_reader* r, const scene_node* node, cons
 wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
-    wisp_status status = scene_read_block( r, node, &WORLD_BLOCK, scene );
+    wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
     scene->has_contact = status == WISP_OK;
     return status ? status : check_features( r, node, &scene->contact );
 }

@@ -14,94 +14,116 @@
 
 #define AT( member ) offsetof( wisp_mesh_recipe, member )
 
-static const char* const SHAPES[] = { "plane",
-                                      "alternating_plane",
-                                      "irregular_plane",
-                                      "delaunay",
-                                      "garment",
-                                      "icosphere",
-                                      "uv_sphere",
-                                      "torus",
-                                      "capsule",
-                                      "tube",
-                                      "pear",
-                                      NULL };
+static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonals alike" },
+                                       { "alternating_plane", "a grid in y = 0, diagonals alternate" },
+                                       { "irregular_plane", "a grid in y = 0, shifted at random" },
+                                       { "delaunay", "a rectangle in y = 0, Delaunay triangulation" },
+                                       { "garment", "a front panel of a shirt in y = 0, finer at curved seams" },
+                                       { "icosphere", "a sphere from an icosahedron" },
+                                       { "uv_sphere", "a sphere of rings and segments" },
+                                       { "torus", "a torus about y" },
+                                       { "capsule", "a cylinder along y with two caps" },
+                                       { "tube", "a cylinder along y without caps" },
+                                       { "pear", "a closed pear shape" },
+                                       { NULL, NULL } };
 
 #define SHAPE_FIELD                                                                                                  \
     {                                                                                                                \
-        "shape", SCENE_CHOICE, .required = true, .at = AT( shape ), .choices = SHAPES                                \
+        "shape", SCENE_CHOICE, .required = true, .at = AT( shape ), .choices = SHAPES,                               \
+                               .help = "Shape; it lies around the origin."                                           \
     }
 #define COLUMNS_FIELD                                                                                                \
     {                                                                                                                \
-        "columns", SCENE_WHOLE, .at = AT( columns ), .range = COUNT( 2 )                                             \
+        "columns", SCENE_WHOLE, .at = AT( columns ), .range = COUNT( 2 ),                                            \
+                                .help = "Vertices along x; vertex (i, j) has the number j * columns + i."            \
     }
 #define ROWS_FIELD                                                                                                   \
     {                                                                                                                \
-        "rows", SCENE_WHOLE, .at = AT( rows ), .range = COUNT( 2 )                                                   \
+        "rows", SCENE_WHOLE, .at = AT( rows ), .range = COUNT( 2 ), .help = "Vertices along z."                      \
     }
 #define SPACING_FIELD                                                                                                \
     {                                                                                                                \
-        "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = SIZE, .unit = METRES                                  \
+        "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = SIZE, .unit = METRES,                                 \
+                                 .help = "Distance between neighbouring vertices."                                   \
     }
 #define SEGMENTS_FIELD                                                                                               \
     {                                                                                                                \
-        "segments", SCENE_WHOLE, .at = AT( segments ), .range = COUNT( 3 )                                           \
+        "segments", SCENE_WHOLE, .at = AT( segments ), .range = COUNT( 3 ), .help = "Segments around the y axis."    \
     }
-#define RINGS_FIELD( least )                                                                                         \
+#define RINGS_FIELD( least, sentence )                                                                               \
     {                                                                                                                \
-        "rings", SCENE_WHOLE, .at = AT( rings ), .range = COUNT( least )                                             \
+        "rings", SCENE_WHOLE, .at = AT( rings ), .range = COUNT( least ), .help = sentence                           \
     }
 #define ALONG_FIELD                                                                                                  \
     {                                                                                                                \
-        "length_segments", SCENE_WHOLE, .at = AT( length_segments ), .range = COUNT( 1 )                             \
+        "length_segments", SCENE_WHOLE, .at = AT( length_segments ), .range = COUNT( 1 ),                            \
+                                        .help = "Segments along the cylinder."                                       \
     }
 #define RADIUS_FIELD                                                                                                 \
     {                                                                                                                \
-        "radius", SCENE_NUMBER, .at = AT( radius ), .range = SIZE, .unit = METRES                                    \
+        "radius", SCENE_NUMBER, .at = AT( radius ), .range = SIZE, .unit = METRES,                                   \
+                                .help = "Radius; of a torus, that of the centre line."                               \
     }
 #define LENGTH_FIELD                                                                                                 \
     {                                                                                                                \
-        "length", SCENE_NUMBER, .at = AT( length ), .range = SIZE, .unit = METRES                                    \
+        "length", SCENE_NUMBER, .at = AT( length ), .range = SIZE, .unit = METRES, .help = "Length of the cylinder." \
     }
 
-#define SIDE_FIELD( key, member )                                                                                    \
+#define WIDTH "Width along x."
+#define DEPTH "Depth along z, within a thousandth and a thousand times of the width."
+#define SIDE_FIELD( key, member, side )                                                                              \
     {                                                                                                                \
-        key, SCENE_NUMBER, .at = AT( member ), .range = SIZE, .unit = METRES                                         \
+        key, SCENE_NUMBER, .at = AT( member ), .range = SIZE, .unit = METRES, .help = side                           \
     }
-#define VERTICES_FIELD( least )                                                                                      \
+#define VERTICES_FIELD( least, count, sentence )                                                                     \
     {                                                                                                                \
-        "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( least )                                   \
+        "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( least ), .initial = count,                \
+                                 .help = sentence                                                                    \
     }
 #define SEED_FIELD                                                                                                   \
     {                                                                                                                \
-        "seed", SCENE_SEED, .at = AT( seed )                                                                         \
+        "seed", SCENE_SEED, .at = AT( seed ),                                                                        \
+                            .help = "Seed of the positions of vertices; another seed is another mesh."               \
     }
 
 static const scene_field PLANE_FIELDS[] = { SHAPE_FIELD, COLUMNS_FIELD, ROWS_FIELD, SPACING_FIELD };
 static const scene_field IRREGULAR_FIELDS[] = {
-    SHAPE_FIELD,   COLUMNS_FIELD,       ROWS_FIELD,
-    SPACING_FIELD, VERTICES_FIELD( 4 ), { "jitter", SCENE_NUMBER, .at = AT( jitter ), .range = RANGE( 0, 0.2 ) },
+    SHAPE_FIELD,
+    COLUMNS_FIELD,
+    ROWS_FIELD,
+    SPACING_FIELD,
+    VERTICES_FIELD( 4, "columns times rows",
+                    "Number of vertices in all, within half and twice of columns times rows." ),
+    { "jitter", SCENE_NUMBER, .at = AT( jitter ), .range = RANGE( 0, 0.2 ),
+      .help = "Largest shift of a vertex in x and in z, in spacings." },
     SEED_FIELD,
 };
-static const scene_field DELAUNAY_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width ),
-                                               SIDE_FIELD( "depth", depth ), VERTICES_FIELD( 4 ), SEED_FIELD };
-static const scene_field GARMENT_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width ), SIDE_FIELD( "depth", depth ),
-                                              VERTICES_FIELD( 64 ), SEED_FIELD };
+static const scene_field DELAUNAY_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width, WIDTH ),
+                                               SIDE_FIELD( "depth", depth, DEPTH ),
+                                               VERTICES_FIELD( 4, NULL, "Number of vertices in all." ), SEED_FIELD };
+static const scene_field GARMENT_FIELDS[] = { SHAPE_FIELD, SIDE_FIELD( "width", width, WIDTH ),
+                                              SIDE_FIELD( "depth", depth, DEPTH ),
+                                              VERTICES_FIELD( 64, NULL, "Number of vertices in all." ), SEED_FIELD };
 static const scene_field LEVEL_FIELDS[] = {
     SHAPE_FIELD,
-    { "level", SCENE_WHOLE, .at = AT( level ), .range = RANGE( 0, 10 ) },
+    { "level", SCENE_WHOLE, .at = AT( level ), .range = RANGE( 0, 10 ),
+      .help = "Subdivision level n, with 10 * 4^n + 2 vertices." },
     RADIUS_FIELD,
 };
-static const scene_field SPHERE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 2 ), RADIUS_FIELD };
+static const scene_field SPHERE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD,
+                                             RINGS_FIELD( 2, "Rings from pole to pole." ), RADIUS_FIELD };
 static const scene_field TORUS_FIELDS[] = {
     SHAPE_FIELD,
     SEGMENTS_FIELD,
-    RINGS_FIELD( 3 ),
+    RINGS_FIELD( 3, "Rings around the tube." ),
     RADIUS_FIELD,
-    { "tube_radius", SCENE_NUMBER, .at = AT( tube_radius ), .range = SIZE, .unit = METRES },
+    { "tube_radius", SCENE_NUMBER, .at = AT( tube_radius ), .range = SIZE, .unit = METRES,
+      .help = "Radius of the tube, smaller than `radius`." },
 };
-static const scene_field CAPSULE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 1 ),
-                                              ALONG_FIELD, RADIUS_FIELD,   LENGTH_FIELD };
+static const scene_field CAPSULE_FIELDS[] = {
+    SHAPE_FIELD, SEGMENTS_FIELD, RINGS_FIELD( 1, "Rings of each cap, from pole to cylinder." ),
+    ALONG_FIELD, RADIUS_FIELD,   LENGTH_FIELD
+};
 static const scene_field TUBE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, ALONG_FIELD, RADIUS_FIELD, LENGTH_FIELD };
 #undef AT
 
@@ -109,7 +131,7 @@ static const scene_field TUBE_FIELDS[] = { SHAPE_FIELD, SEGMENTS_FIELD, ALONG_FI
     {                                                                                                                \
         fields, WISP_COUNT( fields )                                                                                 \
     }
-static const scene_block SHAPE_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
+const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT] = {
     [WISP_MESH_PLANE_REGULAR] = BLOCK( PLANE_FIELDS ),
     [WISP_MESH_PLANE_ALTERNATING] = BLOCK( PLANE_FIELDS ),
     [WISP_MESH_PLANE_IRREGULAR] = BLOCK( IRREGULAR_FIELDS ),
@@ -209,13 +231,31 @@ wisp_status scene_read_mesh_make( scene_reader* r, const scene_node* node, void*
     }
     mesh->is_made = true;
     mesh->recipe = wisp_default_mesh_recipe( (wisp_mesh_shape)shape );
-    status = scene_read_block( r, node, &SHAPE_BLOCKS[shape], &mesh->recipe );
+    status = scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->recipe );
     return status ? status : check_recipe( r, node, &mesh->recipe );
 }
 
 // ---- repair and require ----
 
-static wisp_status read_flags( scene_reader* r, const scene_node* node, const char* const* words, const int* flags,
+const scene_choice SCENE_REPAIR_WORDS[] = {
+    { "degenerates", "removes triangles without area and triangles that name a vertex twice" },
+    { "duplicates", "removes triangles with the same vertices as an earlier one" },
+    { "winding",
+      "turns triangles until neighbours agree; closed parts then face outwards, open ones the way of most" },
+    { "unreferenced", "removes vertices that no triangle names" },
+    { NULL, NULL },
+};
+
+const scene_choice SCENE_REQUIRE_WORDS[] = {
+    { "closed", "has no open edges: each edge belongs to an even number of triangles" },
+    { "oriented", "neighbouring triangles have the same winding, and no closed part is inside out" },
+    { "manifold", "no edge belongs to more than two triangles, no vertex to more than one fan of triangles" },
+    { "clean", "has no duplicate or degenerate triangles and no unreferenced vertices" },
+    { "one_component", "all triangles are connected" },
+    { NULL, NULL },
+};
+
+static wisp_status read_flags( scene_reader* r, const scene_node* node, const scene_choice* words, const int* flags,
                                const char* wanted, int* out )
 {
     wisp_status status = scene_expect_list( r, node, wanted );
@@ -227,7 +267,7 @@ static wisp_status read_flags( scene_reader* r, const scene_node* node, const ch
         status = scene_read_choice( r, item, words, &word );
         if ( !status && ( *out & flags[word] ) )
         {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+            return scene_refuse_node( r, item, "'%s' is listed twice", words[word].word );
         }
         if ( !status )
         {
@@ -240,18 +280,18 @@ static wisp_status read_flags( scene_reader* r, const scene_node* node, const ch
 
 wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "degenerates", "duplicates", "winding", "unreferenced", NULL };
     static const int flags[] = { WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
                                  WISP_MESH_DROP_LOOSE };
-    return read_flags( r, node, words, flags, "a list of degenerates, duplicates, winding and unreferenced", at );
+    return read_flags( r, node, SCENE_REPAIR_WORDS, flags,
+                       "a list of degenerates, duplicates, winding and unreferenced", at );
 }
 
 wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "closed", "oriented", "manifold", "clean", "one_component", NULL };
     static const int flags[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
                                  WISP_MESH_ONE_SHELL };
-    return read_flags( r, node, words, flags, "a list of closed, oriented, manifold, clean and one_component", at );
+    return read_flags( r, node, SCENE_REQUIRE_WORDS, flags,
+                       "a list of closed, oriented, manifold, clean and one_component", at );
 }
 
 // ---- rotations ----
@@ -276,11 +316,14 @@ static wisp_status read_degrees( scene_reader* r, const scene_node* node, void* 
 }
 
 static const scene_field ROTATION_FIELDS[] = {
-    { "axis", SCENE_VECTOR, .at = AT( axis ), .range = COORDINATE, .given = AT( has_axis ) },
-    { "degrees", SCENE_CUSTOM, .required = true, .read = read_degrees },
+    { "axis", SCENE_VECTOR, .at = AT( axis ), .range = COORDINATE, .given = AT( has_axis ),
+      .help = "Axis of the rotation, for one angle.", .initial = "none" },
+    { "degrees", SCENE_CUSTOM, .required = true, .read = read_degrees,
+      .help = "Angle about the axis, or angles about the x axis, then y, then z, which stay fixed.",
+      .form = "number or [x, y, z], degrees, -36000 .. 36000" },
 };
 #undef AT
-static const scene_block ROTATION_BLOCK = BLOCK( ROTATION_FIELDS );
+const scene_block SCENE_ROTATION_BLOCK = BLOCK( ROTATION_FIELDS );
 
 // Not the C library's sine: the same scene gives the same bits on every machine.
 static wisp_quat turn_about( wisp_vec3 axis, float degrees )
@@ -307,7 +350,7 @@ static wisp_quat turn_after( wisp_quat a, wisp_quat b )
 wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* at )
 {
     rotation turn = { 0 };
-    wisp_status status = scene_read_block( r, node, &ROTATION_BLOCK, &turn );
+    wisp_status status = scene_read_block( r, node, &SCENE_ROTATION_BLOCK, &turn );
     if ( status )
     {
         return status;
@@ -340,22 +383,27 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
 #define AT( member ) offsetof( wisp_scene_pose, member )
 #define TIME_FIELD                                                                                                   \
     {                                                                                                                \
-        "time", SCENE_NUMBER, .required = true, .at = AT( time ), .range = TIME, .unit = SECONDS                     \
+        "time", SCENE_NUMBER, .required = true, .at = AT( time ), .range = TIME, .unit = SECONDS,                    \
+                              .help = "Time; the times of a list rise."                                              \
     }
 
 static const scene_field PIN_POSE_FIELDS[] = {
     TIME_FIELD,
-    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
-    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
+      .help = "Displacement from the start.", .initial = "that of the keyframe before" },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation,
+      .help = "Rotation from the start.", .form = "rotation", .initial = "that of the keyframe before" },
 };
 static const scene_field POSITION_FIELDS[] = {
     TIME_FIELD,
-    { "position", SCENE_VECTOR, .required = true, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
-    { "rotation", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
+    { "position", SCENE_VECTOR, .required = true, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
+      .help = "Position." },
+    { "rotation", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation, .help = "Rotation.",
+      .form = "rotation", .initial = "that of the keyframe before" },
 };
 #undef AT
-static const scene_block PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
-static const scene_block POSITION_BLOCK = BLOCK( POSITION_FIELDS );
+const scene_block SCENE_PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );
+const scene_block SCENE_POSITION_BLOCK = BLOCK( POSITION_FIELDS );
 
 static wisp_status read_path( scene_reader* r, const scene_node* node, const scene_block* block, wisp_quat start,
                               wisp_scene_path* path )
@@ -390,12 +438,12 @@ static wisp_status read_path( scene_reader* r, const scene_node* node, const sce
 wisp_status scene_read_pin_path( scene_reader* r, const scene_node* node, void* at )
 {
     const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
-    return read_path( r, node, &PIN_POSE_BLOCK, straight, at );
+    return read_path( r, node, &SCENE_PIN_POSE_BLOCK, straight, at );
 }
 
 wisp_status scene_read_positions( scene_reader* r, const scene_node* node, wisp_quat start, wisp_scene_path* path )
 {
-    return read_path( r, node, &POSITION_BLOCK, start, path );
+    return read_path( r, node, &SCENE_POSITION_BLOCK, start, path );
 }
 
 wisp_status scene_read_collider_path( scene_reader* r, const scene_node* node, void* at )

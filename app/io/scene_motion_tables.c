@@ -14,68 +14,115 @@
 
 #define MOVES( member ) offsetof( wisp_scene_strands, dynamics.member )
 
-static const char* const STRETCHES[] = { "direct", "links", "follow", NULL };
-static const char* const BENDS[] = { "rod", "bend_links", "none", NULL };
-static const char* const RESTS[] = { "sag_free", "shape", "straight", NULL };
-static const char* const SOLVERS[] = { "xpbd", "pbd", NULL };
+static const scene_choice STRETCHES[] = { { "direct", "the whole strand at once by a direct solve, exact" },
+                                          { "links", "one pass over links per iteration, cheap" },
+                                          { "follow",
+                                            "each vertex follows the one before it: exact lengths, wrong momentum" },
+                                          { NULL, NULL } };
+static const scene_choice BENDS[] = { { "rod", "an elastic rod in SI units" },
+                                      { "bend_links", "links between vertices two apart" },
+                                      { "none", "no resistance" },
+                                      { NULL, NULL } };
+static const scene_choice RESTS[] = {
+    { "sag_free", "such that the given shape is in balance under gravity and does not sag at the start" },
+    { "shape", "the given shape" },
+    { "straight", "a straight line" },
+    { NULL, NULL }
+};
+static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynamics, with compliances in SI units" },
+                                        { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
+                                        { NULL, NULL } };
 
 static const scene_field DYNAMICS_FIELDS[] = {
-    { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES },
-    { "stretch_passes", SCENE_WHOLE, .at = MOVES( stretch_passes ), .range = RANGE( 1, 16 ) },
-    { "stretch_tolerance", SCENE_NUMBER, .at = MOVES( stretch_tolerance ), .range = RANGE( 1e-6, 1 ) },
-    { "leader_correction", SCENE_NUMBER, .at = MOVES( follow_share ), .range = UNIT_RANGE },
-    { "bending", SCENE_CHOICE, .at = MOVES( bend ), .choices = BENDS },
-    { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ),
-      .unit = ROD_RIGIDITIES },
+    { "stretch", SCENE_CHOICE, .at = MOVES( stretch ), .choices = STRETCHES,
+      .help = "How segments keep their length." },
+    { "stretch_passes", SCENE_WHOLE, .at = MOVES( stretch_passes ), .range = RANGE( 1, 16 ),
+      .help = "Newton passes of the direct solve in an iteration at most; they end early when lengths are right." },
+    { "stretch_tolerance", SCENE_NUMBER, .at = MOVES( stretch_tolerance ), .range = RANGE( 1e-6, 1 ),
+      .help = "Largest relative error of a length after the direct solve; strands beyond it are reset to their rest "
+              "lengths and counted." },
+    { "leader_correction", SCENE_NUMBER, .at = MOVES( follow_share ), .range = UNIT_RANGE,
+      .help = "Part of its momentum that a vertex gets back from the one that follows it, with `stretch: follow`." },
+    { "bending", SCENE_CHOICE, .at = MOVES( bend ), .choices = BENDS, .help = "How strands resist bending." },
+    { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ), .unit = ROD_RIGIDITIES,
+      .help = "Bending rigidity EI of a rod." },
     { "twist_rigidity", SCENE_NUMBER, .at = MOVES( twist_rigidity ), .range = RANGE( 0, 1e12 ),
-      .unit = ROD_RIGIDITIES },
-    { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS },
-    { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS },
-    { "clamped", SCENE_SWITCH, .at = MOVES( clamped ) },
-    { "solver", SCENE_CHOICE, .at = MOVES( solver ), .choices = SOLVERS },
-    { "stretch_compliance", SCENE_NUMBER, .at = MOVES( stretch_compliance ), .range = COMPLIANCE,
-      .unit = COMPLIANCES },
-    { "bend_compliance", SCENE_NUMBER, .at = MOVES( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
-    { "stretch_stiffness", SCENE_NUMBER, .at = MOVES( stretch_stiffness ), .range = UNIT_RANGE },
-    { "bend_stiffness", SCENE_NUMBER, .at = MOVES( bend_stiffness ), .range = UNIT_RANGE },
-    { "line_density", SCENE_NUMBER, .at = MOVES( line_density ), .range = ANY_MASS, .unit = LINE_DENSITIES },
-    { "vertex_mass", SCENE_NUMBER, .at = MOVES( vertex_mass ), .range = ANY_MASS, .unit = MASSES },
-    { "vertex_masses", SCENE_CUSTOM, .read = scene_read_vertex_masses },
-    { "pins", SCENE_CUSTOM, .read = scene_read_strand_pins },
-    { "gravity", SCENE_VECTOR, .at = MOVES( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS },
-    { "damping", SCENE_NUMBER, .at = MOVES( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
-    { "wind", SCENE_VECTOR, .at = MOVES( wind ), .range = WIND, .unit = SPEEDS },
-    { "air_density", SCENE_NUMBER, .at = MOVES( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES },
-    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag ), .range = RANGE( 0, 1e6 ) },
-    { "diameter", SCENE_NUMBER, .at = MOVES( diameter ), .range = SIZE, .unit = METRES },
-    { "teleport", SCENE_NUMBER, .at = MOVES( teleport ), .range = SIZE },
+      .unit = ROD_RIGIDITIES, .help = "Twisting rigidity GJ of a rod." },
+    { "bend_damping", SCENE_NUMBER, .at = MOVES( bend_damping ), .range = RANGE( 0, 1e3 ), .unit = SECONDS,
+      .help = "Ratio of the force against the rate of bending to the force against bending, of a rod." },
+    { "rest", SCENE_CHOICE, .at = MOVES( rest ), .choices = RESTS, .help = "Shape of a rod where no force acts." },
+    { "clamped", SCENE_SWITCH, .at = MOVES( clamped ),
+      .help = "Whether the root holds the direction of a rod as well as its place." },
+    { "solver", SCENE_CHOICE, .at = MOVES( solver ), .choices = SOLVERS, .help = "Solver of links." },
+    { "stretch_compliance", SCENE_NUMBER, .at = MOVES( stretch_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of links along segments, with `solver: xpbd`." },
+    { "bend_compliance", SCENE_NUMBER, .at = MOVES( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of bend links, with `solver: xpbd`." },
+    { "stretch_stiffness", SCENE_NUMBER, .at = MOVES( stretch_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of links along segments, with `solver: pbd`." },
+    { "bend_stiffness", SCENE_NUMBER, .at = MOVES( bend_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of bend links, with `solver: pbd`." },
+    { "line_density", SCENE_NUMBER, .at = MOVES( line_density ), .range = ANY_MASS, .unit = LINE_DENSITIES,
+      .help = "Mass per length of a strand." },
+    { "vertex_mass", SCENE_NUMBER, .at = MOVES( vertex_mass ), .range = ANY_MASS, .unit = MASSES,
+      .help = "Mass of every vertex, instead of the density.", .initial = "by density" },
+    { "vertex_masses", SCENE_CUSTOM, .read = scene_read_vertex_masses,
+      .help = "Mass of each vertex, instead of the density.",
+      .form = "list of numbers in kg, one per vertex, 1e-12 .. 1e12", .initial = "by density" },
+    { "pins", SCENE_CUSTOM, .read = scene_read_strand_pins, .help = "Vertices held in addition to the roots.",
+      .form = "list of vertices", .initial = "none" },
+    { "gravity", SCENE_VECTOR, .at = MOVES( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
+      .help = "Gravity of these strands.", .initial = "that of the scene" },
+    { "damping", SCENE_NUMBER, .at = MOVES( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
+      .help = "Rate at which motion relative to the head dies." },
+    { "wind", SCENE_VECTOR, .at = MOVES( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
+    { "air_density", SCENE_NUMBER, .at = MOVES( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
+      .help = "Density of the air." },
+    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag ), .range = RANGE( 0, 1e6 ),
+      .help = "Drag coefficient across a strand; 0 switches air off." },
+    { "diameter", SCENE_NUMBER, .at = MOVES( diameter ), .range = SIZE, .unit = METRES,
+      .help = "Diameter of a strand in the air." },
+    { "teleport", SCENE_NUMBER, .at = MOVES( teleport ), .range = SIZE,
+      .help = "A head that moves farther than this in a step, in lengths of the longest strand, gives its strands no "
+              "velocity." },
 };
 const scene_block SCENE_DYNAMICS_BLOCK = BLOCK( DYNAMICS_FIELDS );
 
 static const scene_field HEAD_FIELDS[] = {
-    { "keyframes", SCENE_CUSTOM, .required = true, .read = scene_read_head_path },
+    { "keyframes", SCENE_CUSTOM, .required = true, .read = scene_read_head_path,
+      .help = "Poses of the head; it starts at its pivot, not turned.",
+      .form = "list of keyframes {time, position, rotation}" },
     { "pivot", SCENE_VECTOR, .at = AT( head_pivot ), .range = COORDINATE, .unit = METRES,
-      .given = AT( has_head_pivot ) },
+      .given = AT( has_head_pivot ), .help = "Where the head stands at the start.",
+      .initial = "`transform.translate`" },
 };
 const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
 
 #define GRID( member ) offsetof( wisp_scene_strands, grid.member )
 
 static const scene_field GRID_FIELDS[] = {
-    { "cell_size", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES },
-    { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE },
-    { "repulsion", SCENE_NUMBER, .at = GRID( repulsion ), .range = RANGE( 0, 1e6 ), .unit = ACCELERATIONS },
+    { "cell_size", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES, .help = "Edge of a cell.",
+      .initial = "twice the mean segment" },
+    { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE,
+      .help = "Part of the difference to the mean velocity of the cell that is taken away in 1/60 s." },
+    { "repulsion", SCENE_NUMBER, .at = GRID( repulsion ), .range = RANGE( 0, 1e6 ), .unit = ACCELERATIONS,
+      .help = "Acceleration away from denser cells." },
 };
 const scene_block SCENE_GRID_BLOCK = BLOCK( GRID_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_strands, collision.member )
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
-    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ),
-      .unit = SPEEDS },
-    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
+    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "Distance that vertices keep from colliders.", .initial = "the mean length of a segment" },
+    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ),
+      .help = "Factor of the friction of the collider; ghosts have no friction." },
+    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ), .unit = SPEEDS,
+      .help = "Speed at which a vertex that starts inside is moved out; ghosts are moved at once.",
+      .initial = "ten mean segments per second" },
+    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
+      .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
+      .initial = "all layers" },
 };
 const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
@@ -83,40 +130,68 @@ const scene_block SCENE_STRAND_COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
 #define GHOSTS( member ) offsetof( wisp_scene_strands, ghosts.member )
 
-static const char* const ELASTICS[] = { "change", "cosine", "dot", "off", NULL };
-static const char* const FRAMES[] = { "off", "root", "parallel", NULL };
+static const scene_choice ELASTICS[] = { { "change", "0.5 - 0.5 cos: grows with the change of direction" },
+                                         { "cosine", "0.5 + 0.5 cos" },
+                                         { "dot", "0.5 + 0.5 of the dot product, as published, not bounded" },
+                                         { "off", "no sway" },
+                                         { NULL, NULL } };
+static const scene_choice FRAMES[] = { { "off", "none: offsets keep their direction in the world" },
+                                       { "root", "that of the root of the target" },
+                                       { "parallel",
+                                         "that of the root, carried along the target by the smallest rotations" },
+                                       { NULL, NULL } };
 
 static const scene_field GHOSTS_FIELDS[] = {
-    { "targets", SCENE_CUSTOM, .read = scene_read_later_name },
-    { "target_count", SCENE_WHOLE, .at = GHOSTS( target_count ), .range = RANGE( 1, 4 ) },
-    { "resample", SCENE_SWITCH, .at = GHOSTS( resample ) },
-    { "elastic", SCENE_CHOICE, .at = GHOSTS( elastic ), .choices = ELASTICS },
-    { "tip_gain", SCENE_NUMBER, .at = GHOSTS( tip_gain ), .range = RANGE( 0, 1e3 ) },
-    { "centre_gain", SCENE_NUMBER, .at = GHOSTS( centre_gain ), .range = RANGE( 0, 1e3 ) },
-    { "time", SCENE_NUMBER, .at = GHOSTS( time ), .range = TIME, .unit = SECONDS },
-    { "capped", SCENE_SWITCH, .at = GHOSTS( capped ) },
-    { "keep_offset", SCENE_SWITCH, .at = GHOSTS( keep_offset ) },
-    { "spread", SCENE_NUMBER, .at = GHOSTS( spread ), .range = SIZE },
-    { "repair_length", SCENE_SWITCH, .at = GHOSTS( repair_length ) },
-    { "frame", SCENE_CHOICE, .at = GHOSTS( frame ), .choices = FRAMES },
-    { "feedback", SCENE_SWITCH, .at = GHOSTS( feedback ) },
+    { "targets", SCENE_CUSTOM, .read = scene_read_later_name,
+      .help = "Strands with `dynamics` that the ghosts follow.", .form = "name of strands",
+      .initial = "what the ghosts are scattered around" },
+    { "target_count", SCENE_WHOLE, .at = GHOSTS( target_count ), .range = RANGE( 1, 4 ),
+      .help = "Number of targets that each ghost follows." },
+    { "resample", SCENE_SWITCH, .at = GHOSTS( resample ),
+      .help = "Allows ghosts with another number of vertices than their targets." },
+    { "elastic", SCENE_CHOICE, .at = GHOSTS( elastic ), .choices = ELASTICS,
+      .help = "Weight of the elastic sway, from the velocities of the target now and a step before." },
+    { "tip_gain", SCENE_NUMBER, .at = GHOSTS( tip_gain ), .range = RANGE( 0, 1e3 ), .help = "How far tips sway." },
+    { "centre_gain", SCENE_NUMBER, .at = GHOSTS( centre_gain ), .range = RANGE( 0, 1e3 ),
+      .help = "How far ghosts far from their target sway." },
+    { "time", SCENE_NUMBER, .at = GHOSTS( time ), .range = TIME, .unit = SECONDS,
+      .help = "Time that velocities are multiplied by; 0 takes the step." },
+    { "capped", SCENE_SWITCH, .at = GHOSTS( capped ),
+      .help = "Keeps the sway of a vertex below the length of a segment." },
+    { "keep_offset", SCENE_SWITCH, .at = GHOSTS( keep_offset ),
+      .help = "Keeps the offset of a ghost that is alone at its target." },
+    { "spread", SCENE_NUMBER, .at = GHOSTS( spread ), .range = SIZE,
+      .help = "Factor of the distances within a group of ghosts; 1 leaves them as they are." },
+    { "repair_length", SCENE_SWITCH, .at = GHOSTS( repair_length ),
+      .help = "Brings segments back to their rest length, from the root on." },
+    { "frame", SCENE_CHOICE, .at = GHOSTS( frame ), .choices = FRAMES,
+      .help = "Rotation that the offset of a ghost takes over from its target." },
+    { "feedback", SCENE_SWITCH, .at = GHOSTS( feedback ),
+      .help = "Starts the next step where sway has taken the ghosts; needs `frame: off` and one target." },
 };
 const scene_block SCENE_GHOSTS_BLOCK = BLOCK( GHOSTS_FIELDS );
 
 static const scene_field SCATTER_FIELDS[] = {
-    { "around", SCENE_CUSTOM, .required = true, .read = scene_read_later_name },
-    { "count", SCENE_WHOLE, .required = true, .at = AT( scatter.count ), .range = RANGE( 1, 1000000 ) },
-    { "radius", SCENE_NUMBER, .required = true, .at = AT( scatter.radius ), .range = RANGE( 0, 1e6 ),
-      .unit = METRES },
-    { "seed", SCENE_SEED, .at = AT( scatter.seed ) },
+    { "around", SCENE_CUSTOM, .required = true, .read = scene_read_later_name,
+      .help = "Entry above this one, with `file` or `generate`.", .form = "name of strands" },
+    { "count", SCENE_WHOLE, .required = true, .at = AT( scatter.count ), .range = RANGE( 1, 1000000 ),
+      .help = "Number of strands around each; at most 134217728 vertices in all." },
+    { "radius", SCENE_NUMBER, .required = true, .at = AT( scatter.radius ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "Radius of the disc that offsets are uniform in, across the direction in which the root grows." },
+    { "seed", SCENE_SEED, .at = AT( scatter.seed ), .help = "Seed of the offsets." },
 };
 const scene_block SCENE_SCATTER_BLOCK = BLOCK( SCATTER_FIELDS );
 
-static const char* const CURVE_KINDS[] = { "bezier", "catmull_rom", NULL };
+static const scene_choice CURVE_KINDS[] = { { "bezier", "vertices in fours that share their ends" },
+                                            { "catmull_rom", "passes through all vertices" },
+                                            { NULL, NULL } };
 
 static const scene_field CURVES_FIELDS[] = {
-    { "of", SCENE_CUSTOM, .required = true, .read = scene_read_later_name },
-    { "kind", SCENE_CHOICE, .at = AT( curves.kind ), .choices = CURVE_KINDS },
-    { "samples", SCENE_WHOLE, .at = AT( curves.samples ), .range = RANGE( 1, 64 ) },
+    { "of", SCENE_CUSTOM, .required = true, .read = scene_read_later_name, .help = "Strands of any kind but curves.",
+      .form = "name of strands" },
+    { "kind", SCENE_CHOICE, .at = AT( curves.kind ), .choices = CURVE_KINDS, .help = "Kind of curve." },
+    { "samples", SCENE_WHOLE, .at = AT( curves.samples ), .range = RANGE( 1, 64 ),
+      .help =
+          "Samples of each segment of the curve, which spans three segments of the strand with `bezier`, else one." },
 };
 const scene_block SCENE_CURVES_BLOCK = BLOCK( CURVES_FIELDS );

@@ -14,7 +14,15 @@ extern const scene_block SCENE_EVENT_BLOCK;                         // over scen
 extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
 extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
 extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp_scene_surface
+extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                 // over wisp_scene
 extern const scene_block SCENE_BOX_BLOCK;                           // over wisp_scene_box
+
+extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_recipe
+extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
+extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK;    // over wisp_scene_pose
+extern const scene_block SCENE_ROTATION_BLOCK;                          // over what scene_mesh.c makes a rotation of
+extern const scene_choice SCENE_STRANDS_WORDS[], SCENE_SURFACE_WORDS[]; // of `compute`
+extern const scene_choice SCENE_REPAIR_WORDS[], SCENE_REQUIRE_WORDS[];
 
 // Readers that fill what they are pointed at.
 scene_read_fn scene_read_name, scene_read_file;      // const char*
@@ -49,6 +57,12 @@ typedef struct scene_event
     bool has_step, has_time;
     float time; // s
 } scene_event;
+
+/// What entries are before a key is read. Strands have no stage of frozen hair.
+wisp_scene scene_defaults( void );
+wisp_scene_strands scene_default_strands( wisp_vec3 gravity );
+wisp_scene_surface scene_default_surface( wisp_vec3 gravity );
+wisp_scene_collider scene_default_collider( void );
 
 /// A path of poses { time, position, rotation }. @param start the first pose's rotation unless it has its own
 wisp_status scene_read_positions( scene_reader* reader, const scene_node* node, wisp_quat start,

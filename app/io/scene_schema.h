@@ -58,6 +58,13 @@ typedef struct scene_range
     double low, high;
 } scene_range;
 
+/// A word that a value may be, and what it means.
+typedef struct scene_choice
+{
+    const char* word;
+    const char* help; // a phrase
+} scene_choice;
+
 struct scene_block;
 
 typedef struct scene_field
@@ -67,15 +74,21 @@ typedef struct scene_field
     bool required;
     size_t at; // bytes from the start of the struct
     scene_range range;
-    const char* unit;           // said to who writes "10 mm"; null: the number has no unit
-    const char* const* choices; // ends with null
-    size_t list, list_count;    // of SCENE_NUMBERS
-    size_t given;               // bytes from the start to a bool that tells that the key is there; 0: nobody asks
+    const char* unit;            // symbol; null: the number has no unit
+    const scene_choice* choices; // ends with null; of SCENE_CUSTOM too, where words are read
+    size_t list, list_count;     // of SCENE_NUMBERS
+    size_t given;                // bytes from the start to a bool that tells that the key is there; 0: nobody asks
     const struct scene_block* block;
     scene_read_fn* read;
+
+    // For the reference.
+    const char* help;    // one sentence
+    const char* form;    // of SCENE_CUSTOM: what the value looks like
+    const char* initial; // default, if it is not the value in the struct
 } scene_field;
 
 #define SCENE_MAX_FIELDS 32
+#define SCENE_MAX_CHOICES 16
 
 typedef struct scene_block
 {
@@ -114,7 +127,7 @@ wisp_status scene_read_number( scene_reader* r, const scene_node* node, const sc
 wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const scene_field* field, int* out );
 wisp_status scene_read_seed( scene_reader* r, const scene_node* node, uint64_t* out );
 wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* out );
-wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out );
+wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out );
 wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out );
 
 /// Three numbers, each as the field says.

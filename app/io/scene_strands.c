@@ -156,12 +156,21 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
     return WISP_OK;
 }
 
+const scene_choice SCENE_STRANDS_WORDS[] = {
+    { "points", "positions" },
+    { "width", "width of each vertex; needs `appearance`" },
+    { "colour", "colour of each vertex; needs `appearance`" },
+    { "strain", "relative error of the length of each segment; needs `dynamics`" },
+    { "speed", "speed of each vertex; needs `dynamics`" },
+    { "motion_stats", "mass, momentum, energy, largest strain and speed; needs `dynamics`" },
+    { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
+    { NULL, NULL },
+};
+
 // Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
 // too, which ghosts can have without a motion of their own.
 wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
 {
-    static const char* const words[] = { "points", "width",        "colour",          "strain",
-                                         "speed",  "motion_stats", "collision_stats", NULL };
     enum
     {
         OF_LOOK = 1,
@@ -178,26 +187,28 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
     {
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
-        status = scene_read_choice( r, item, words, &word );
+        status = scene_read_choice( r, item, SCENE_STRANDS_WORDS, &word );
         if ( !status && *wants[word] )
         {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+            return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_STRANDS_WORDS[word].word );
         }
         if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_look )
         {
-            return scene_refuse_node(
-                r, item, "'%s' comes from the appearance, but these strands have no key 'appearance'", words[word] );
+            return scene_refuse_node( r, item,
+                                      "'%s' comes from the appearance, but these strands have no key 'appearance'",
+                                      SCENE_STRANDS_WORDS[word].word );
         }
         const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
         if ( !status && word >= OF_DYNAMICS && !moves )
         {
             return scene_refuse_node( r, item, "'%s' is of strands that move, but these have no key 'dynamics'",
-                                      words[word] );
+                                      SCENE_STRANDS_WORDS[word].word );
         }
         if ( !status && word >= OF_COLLISION && !s->has_collision )
         {
-            return scene_refuse_node(
-                r, item, "'%s' come from a collision, but these strands have no key 'collision'", words[word] );
+            return scene_refuse_node( r, item,
+                                      "'%s' come from a collision, but these strands have no key 'collision'",
+                                      SCENE_STRANDS_WORDS[word].word );
         }
         if ( !status )
         {
@@ -210,11 +221,9 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
 
 // ---- the list ----
 
-static wisp_scene_strands plain_entry( const scene_reader* r, const scene_node* node )
+wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
 {
     wisp_scene_strands strands = {
-        .line = node->line,
-        .column = node->column,
         .recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 ),
         .scatter = { .around = -1, .count = 1, .seed = 1 },
         .curves = wisp_default_curves_def(),
@@ -233,20 +242,22 @@ static wisp_scene_strands plain_entry( const scene_reader* r, const scene_node* 
         .targets = -1,
         .is_shown = true,
     };
-    strands.dynamics.gravity = r->scene->gravity;
+    strands.dynamics.gravity = gravity;
     // Stages are asked for by their keys, not by default.
     strands.frozen_hair.freeze = strands.frozen_hair.align = strands.frozen_hair.clump = false;
-    // Ghosts move all the time, and what lies on top of them follows in every frame.
-    if ( scene_child( r, node, "ghosts" ) )
-    {
-        strands.frozen_hair.event = WISP_EVENT_FRAME;
-    }
     return strands;
 }
 
 static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_strands* strands )
 {
-    *strands = plain_entry( r, node );
+    *strands = scene_default_strands( r->scene->gravity );
+    strands->line = node->line;
+    strands->column = node->column;
+    // Ghosts move all the time, and what lies on top of them follows in every frame.
+    if ( scene_child( r, node, "ghosts" ) )
+    {
+        strands->frozen_hair.event = WISP_EVENT_FRAME;
+    }
     wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
     return status ? status : scene_check_strands( r, node, strands );
 }

@@ -10,35 +10,58 @@
         fields, WISP_COUNT( fields )                                                                                 \
     }
 
-static const char* const SOLVERS[] = { "xpbd", "pbd", NULL };
+static const scene_choice SOLVERS[] = { { "xpbd", "extended position based dynamics, with compliances in SI units" },
+                                        { "pbd", "position based dynamics, with stiffnesses in 0 .. 1" },
+                                        { NULL, NULL } };
 
 // ---- cloth ----
 
 #define CLOTH( member ) offsetof( wisp_scene_surface, cloth.member )
 
-static const char* const BENDINGS[] = { "bend_links", "dihedral", "isometric", "none", NULL };
+static const scene_choice BENDINGS[] = {
+    { "bend_links", "links between the vertices opposite an edge, cheap" },
+    { "dihedral", "the angle between two triangles" },
+    { "isometric", "quadratic in positions, cheaper than the angle, for cloth that hardly stretches" },
+    { "none", "no resistance" },
+    { NULL, NULL }
+};
 
 static const scene_field CLOTH_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS },
-    { "warp_compliance", SCENE_NUMBER, .at = CLOTH( warp_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
-    { "weft_compliance", SCENE_NUMBER, .at = CLOTH( weft_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
-    { "shear_compliance", SCENE_NUMBER, .at = CLOTH( shear_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
-    { "stretch_stiffness", SCENE_NUMBER, .at = CLOTH( stretch_stiffness ), .range = UNIT_RANGE },
-    { "shear_stiffness", SCENE_NUMBER, .at = CLOTH( shear_stiffness ), .range = UNIT_RANGE },
-    { "warp", SCENE_VECTOR, .at = CLOTH( warp ), .range = RANGE( -5e5, 5e5 ) },
-    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS },
-    { "bend_stiffness", SCENE_NUMBER, .at = CLOTH( bend_stiffness ), .range = UNIT_RANGE },
-    { "bend_compliance", SCENE_NUMBER, .at = CLOTH( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES },
-    { "bend_rigidity", SCENE_NUMBER, .at = CLOTH( bend_rigidity ), .range = RANGE( 1e-12, 1e12 ),
-      .unit = RIGIDITIES },
-    { "internal_damping", SCENE_NUMBER, .at = CLOTH( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
-    { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS },
-    { "air_density", SCENE_NUMBER, .at = CLOTH( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES },
-    { "drag_coefficient", SCENE_NUMBER, .at = CLOTH( drag ), .range = RANGE( 0, 1e6 ) },
-    { "lift_coefficient", SCENE_NUMBER, .at = CLOTH( lift ), .range = RANGE( 0, 1e6 ) },
-    { "tethers", SCENE_SWITCH, .at = CLOTH( tethers ) },
-    { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ) },
-    { "level_passes", SCENE_WHOLE, .at = CLOTH( level_passes ), .range = RANGE( 0, 16 ) },
+    { "solver", SCENE_CHOICE, .at = CLOTH( solver ), .choices = SOLVERS, .help = "Solver of links and bending." },
+    { "warp_compliance", SCENE_NUMBER, .at = CLOTH( warp_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of a link along the warp, with `solver: xpbd`; 0 is inextensible." },
+    { "weft_compliance", SCENE_NUMBER, .at = CLOTH( weft_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of a link across the warp, with `solver: xpbd`." },
+    { "shear_compliance", SCENE_NUMBER, .at = CLOTH( shear_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of a link between the two, with `solver: xpbd`." },
+    { "stretch_stiffness", SCENE_NUMBER, .at = CLOTH( stretch_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of links along and across the warp, with `solver: pbd`." },
+    { "shear_stiffness", SCENE_NUMBER, .at = CLOTH( shear_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness of links at 45 degrees to the warp, with `solver: pbd`." },
+    { "warp", SCENE_VECTOR, .at = CLOTH( warp ), .range = RANGE( -5e5, 5e5 ),
+      .help = "Direction of the warp in the mesh before it is turned; not zero." },
+    { "bending", SCENE_CHOICE, .at = CLOTH( bending ), .choices = BENDINGS, .help = "How cloth resists bending." },
+    { "bend_stiffness", SCENE_NUMBER, .at = CLOTH( bend_stiffness ), .range = UNIT_RANGE,
+      .help = "Stiffness against bending, with `solver: pbd`." },
+    { "bend_compliance", SCENE_NUMBER, .at = CLOTH( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
+      .help = "Compliance of bend links, with `solver: xpbd`." },
+    { "bend_rigidity", SCENE_NUMBER, .at = CLOTH( bend_rigidity ), .range = RANGE( 1e-12, 1e12 ), .unit = RIGIDITIES,
+      .help = "Bending rigidity of the cloth, with `solver: xpbd` and `bending: dihedral` or `isometric`." },
+    { "internal_damping", SCENE_NUMBER, .at = CLOTH( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
+      .help = "Rate at which relative velocities die; where the cloth is pinned, all velocities." },
+    { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
+    { "air_density", SCENE_NUMBER, .at = CLOTH( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
+      .help = "Density of the air." },
+    { "drag_coefficient", SCENE_NUMBER, .at = CLOTH( drag ), .range = RANGE( 0, 1e6 ),
+      .help = "Drag coefficient along the relative wind; 0 switches drag off." },
+    { "lift_coefficient", SCENE_NUMBER, .at = CLOTH( lift ), .range = RANGE( 0, 1e6 ),
+      .help = "Lift coefficient across the relative wind; 0 switches lift off." },
+    { "tethers", SCENE_SWITCH, .at = CLOTH( tethers ),
+      .help = "Keeps each vertex within its rest distance to the nearest pin, measured along the mesh." },
+    { "tether_slack", SCENE_NUMBER, .at = CLOTH( tether_slack ), .range = RANGE( 1, 1e6 ),
+      .help = "Factor of the rest distance that a tether allows." },
+    { "level_passes", SCENE_WHOLE, .at = CLOTH( level_passes ), .range = RANGE( 0, 16 ),
+      .help = "Passes over each coarse level in a substep; needs `levels`." },
 };
 static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
 
@@ -46,43 +69,75 @@ static const scene_block CLOTH_BLOCK = BLOCK( CLOTH_FIELDS );
 
 #define BALLOON( member ) offsetof( wisp_scene_surface, balloon.member )
 
-static const char* const PRESSURE_READINGS[] = { "virial", "multiplier", "gas", NULL };
-static const char* const DRAGS[] = { "max", "abs", "signed", "normal", NULL };
-static const char* const SPINS[] = { "velocity", "position", "none", NULL };
+static const scene_choice VOLUMES[] = { { "xpbd", "a gas, whose compliance follows from its pressure" },
+                                        { "pbd", "a constraint with `volume_stiffness`" },
+                                        { NULL, NULL } };
+static const scene_choice PRESSURE_READINGS[] = { { "virial", "from the tensions of the skin, smooth" },
+                                                  { "multiplier", "from the multiplier of the volume constraint" },
+                                                  { "gas", "from the gas law" },
+                                                  { NULL, NULL } };
+static const scene_choice DRAGS[] = { { "max", "max(0, cos), a closed body" },
+                                      { "abs", "|cos|, twice the frontal area" },
+                                      { "signed", "cos, as published, nothing on a closed rigid body" },
+                                      { "normal", "along the normal, 4/3 of the frontal area on a sphere" },
+                                      { NULL, NULL } };
+static const scene_choice SPINS[] = { { "velocity", "it changes velocities" },
+                                      { "position", "a separate angular velocity turns positions, as published" },
+                                      { "none", "nothing" },
+                                      { NULL, NULL } };
 
 static const scene_field BALLOON_FIELDS[] = {
-    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS },
+    { "solver", SCENE_CHOICE, .at = BALLOON( solver ), .choices = SOLVERS, .help = "Solver of the skin." },
     { "edge_stiffness", SCENE_NUMBER, .at = BALLOON( edge_stiffness ), .range = RANGE( 1e-6, 1e12 ),
-      .unit = STIFFNESSES },
+      .unit = STIFFNESSES, .help = "Stiffness of links along edges, with `solver: xpbd`." },
     { "bend_link_stiffness", SCENE_NUMBER, .at = BALLOON( cross_stiffness ), .range = RANGE( 1e-6, 1e12 ),
-      .unit = STIFFNESSES },
-    { "stretch_stiffness", SCENE_NUMBER, .at = BALLOON( stretch_share ), .range = UNIT_RANGE },
-    { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_share ), .range = UNIT_RANGE },
-    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = SOLVERS },
-    { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_share ), .range = RANGE( 1e-6, 1 ) },
-    { "gas_ratio", SCENE_NUMBER, .at = BALLOON( fill ), .range = RANGE( 1e-3, 1e6 ) },
-    { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_fill_path },
-    { "inflation_rate", SCENE_NUMBER, .at = BALLOON( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS },
-    { "min_gas_ratio", SCENE_NUMBER, .at = BALLOON( least_fill ), .range = RANGE( 1e-3, 1 ) },
+      .unit = STIFFNESSES, .help = "Stiffness of bend links, with `solver: xpbd`." },
+    { "stretch_stiffness", SCENE_NUMBER, .at = BALLOON( stretch_share ), .range = UNIT_RANGE,
+      .help = "Stiffness of links along edges, with `solver: pbd`." },
+    { "bend_stiffness", SCENE_NUMBER, .at = BALLOON( bend_share ), .range = UNIT_RANGE,
+      .help = "Stiffness of bend links, with `solver: pbd`." },
+    { "volume", SCENE_CHOICE, .at = BALLOON( volume ), .choices = VOLUMES, .help = "How the volume is held." },
+    { "volume_stiffness", SCENE_NUMBER, .at = BALLOON( volume_share ), .range = RANGE( 1e-6, 1 ),
+      .help = "Stiffness of the volume, with `volume: pbd`." },
+    { "gas_ratio", SCENE_NUMBER, .at = BALLOON( fill ), .range = RANGE( 1e-3, 1e6 ),
+      .help = "Volume of the gas at atmospheric pressure, in rest volumes; at least `min_gas_ratio`." },
+    { "gas_ratio_keyframes", SCENE_CUSTOM, .read = scene_read_fill_path,
+      .help = "Gas ratio over time; it counts from the first pair to the last one, then the gas is left alone.",
+      .form = "list of pairs [time, gas_ratio], times rise", .initial = "none" },
+    { "inflation_rate", SCENE_NUMBER, .at = BALLOON( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
+      .help = "Gas at atmospheric pressure that flows in; negative lets it out." },
+    { "min_gas_ratio", SCENE_NUMBER, .at = BALLOON( least_fill ), .range = RANGE( 1e-3, 1 ),
+      .help = "The gas ratio never falls below this." },
     { "atmospheric_pressure", SCENE_NUMBER, .at = BALLOON( atmospheric_pressure ), .range = RANGE( 1e-3, 1e12 ),
-      .unit = PRESSURES },
-    { "temperature", SCENE_NUMBER, .at = BALLOON( temperature ), .range = RANGE( 1e-3, 1e6 ), .unit = KELVIN },
+      .unit = PRESSURES, .help = "Pressure of the air." },
+    { "temperature", SCENE_NUMBER, .at = BALLOON( temperature ), .range = RANGE( 1e-3, 1e6 ), .unit = KELVIN,
+      .help = "Temperature of gas and air." },
     { "gas_molar_mass", SCENE_NUMBER, .at = BALLOON( gas_molar_mass ), .range = RANGE( 1e-6, 10 ),
-      .unit = MOLAR_MASSES },
+      .unit = MOLAR_MASSES, .help = "Molar mass of the gas; the default is helium." },
     { "air_molar_mass", SCENE_NUMBER, .at = BALLOON( air_molar_mass ), .range = RANGE( 1e-6, 10 ),
-      .unit = MOLAR_MASSES },
-    { "pressure", SCENE_CHOICE, .at = BALLOON( pressure ), .choices = PRESSURE_READINGS },
-    { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ) },
-    { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ) },
-    { "drag_model", SCENE_CHOICE, .at = BALLOON( drag ), .choices = DRAGS },
-    { "outlet", SCENE_CUSTOM, .read = scene_read_outlet },
+      .unit = MOLAR_MASSES, .help = "Molar mass of the air." },
+    { "pressure", SCENE_CHOICE, .at = BALLOON( pressure ), .choices = PRESSURE_READINGS,
+      .help = "Where the inner pressure is read." },
+    { "buoyancy", SCENE_SWITCH, .at = BALLOON( buoyancy ), .help = "Whether the air carries the balloon." },
+    { "drag_coefficient", SCENE_NUMBER, .at = BALLOON( drag_coefficient ), .range = RANGE( 0, 1e6 ),
+      .help = "Drag coefficient; 0 switches drag off." },
+    { "drag_model", SCENE_CHOICE, .at = BALLOON( drag ), .choices = DRAGS,
+      .help = "How drag depends on the angle between motion and normal." },
+    { "outlet", SCENE_CUSTOM, .read = scene_read_outlet, .help = "Vertices of the outlet.",
+      .form = "list of 1 to 64 vertices", .initial = "no outlet" },
     { "outlet_nearest", SCENE_VECTOR, .at = AT( outlet_nearest ), .range = COORDINATE, .unit = METRES,
-      .given = AT( has_outlet_nearest ) },
-    { "outlet_radius", SCENE_NUMBER, .at = AT( outlet_radius ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS },
-    { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ) },
-    { "spin", SCENE_CHOICE, .at = BALLOON( spin ), .choices = SPINS },
-    { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ) },
+      .given = AT( has_outlet_nearest ),
+      .help = "Point where the mesh starts; the nearest vertex is the outlet, instead of `outlet`.",
+      .initial = "no outlet" },
+    { "outlet_radius", SCENE_NUMBER, .at = AT( outlet_radius ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "All vertices within this distance of `outlet_nearest` belong to the outlet too, 64 at most." },
+    { "outlet_area", SCENE_NUMBER, .at = BALLOON( outlet_area ), .range = RANGE( 1e-12, 1e6 ), .unit = AREAS,
+      .help = "Area of the outlet." },
+    { "outlet_open", SCENE_SWITCH, .at = BALLOON( outlet_open ), .help = "Whether the outlet is open." },
+    { "spin", SCENE_CHOICE, .at = BALLOON( spin ), .choices = SPINS, .help = "What the torque of the jet does." },
+    { "allow_open", SCENE_SWITCH, .at = BALLOON( allow_open ),
+      .help =
+          "Closes holes of the mesh by virtual triangles, for the volume only; without it an open mesh is refused." },
 };
 static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
 
@@ -91,100 +146,184 @@ static const scene_block BALLOON_BLOCK = BLOCK( BALLOON_FIELDS );
 #define IMPLICIT( member ) offsetof( wisp_scene_surface, implicit.member )
 #define ANY_STIFFNESS RANGE( 0, 1e9 )
 
-static const char* const STIFFNESS_OF[] = { "link", "material", NULL };
-static const char* const WEIGHTS[] = { "effective", "none", "pair", NULL };
-static const char* const DAMPING_FORMS[] = { "isotropic", "axial", NULL };
-static const char* const JACOBIANS[] = { "dropped", "full", NULL };
-static const char* const INTEGRATORS[] = { "euler", "bdf2", NULL };
-static const char* const LINKS[] = { "mesh", "quad", NULL };
+static const scene_choice STIFFNESS_OF[] = { { "link", "each link alike, so that another mesh is another cloth" },
+                                             { "material", "the cloth, so that another mesh is the same cloth" },
+                                             { NULL, NULL } };
+static const scene_choice WEIGHTS[] = { { "effective", "by effective masses, as published" },
+                                        { "none", "1" },
+                                        { "pair", "the mean of the two ends of a link" },
+                                        { NULL, NULL } };
+static const scene_choice DAMPING_FORMS[] = { { "isotropic", "all of it" },
+                                              { "axial", "the part along the link" },
+                                              { NULL, NULL } };
+static const scene_choice JACOBIANS[] = { { "dropped", "without its negative term" },
+                                          { "full",
+                                            "with it; a solve that meets negative curvature stops and is counted" },
+                                          { NULL, NULL } };
+static const scene_choice INTEGRATORS[] = { { "euler", "implicit Euler, first order" },
+                                            { "bdf2", "implicit, second order" },
+                                            { NULL, NULL } };
+static const scene_choice LINKS[] = {
+    { "mesh", "edges stretch, diagonals bend" },
+    { "quad", "of a plane, first neighbours stretch, second neighbours bend; with `stiffness_model: link`" },
+    { NULL, NULL }
+};
 
 static const scene_field IMPLICIT_FIELDS[] = {
-    { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness ), .choices = STIFFNESS_OF },
+    { "stiffness_model", SCENE_CHOICE, .at = IMPLICIT( stiffness ), .choices = STIFFNESS_OF,
+      .help = "What a stiffness belongs to." },
     { "stretch_stiffness", SCENE_NUMBER, .at = IMPLICIT( stretch_stiffness ), .range = ANY_STIFFNESS,
-      .unit = STIFFNESSES },
+      .unit = STIFFNESSES, .help = "Stretch stiffness of a link, or of the material." },
     { "bend_stiffness", SCENE_NUMBER, .at = IMPLICIT( bend_stiffness ), .range = ANY_STIFFNESS,
-      .unit = ROD_RIGIDITIES },
-    { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES },
+      .unit = ROD_RIGIDITIES, .help = "Bending stiffness of a diagonal, with `stiffness_model: link`." },
+    { "bend_rigidity", SCENE_NUMBER, .at = IMPLICIT( bend_rigidity ), .range = ANY_STIFFNESS, .unit = RIGIDITIES,
+      .help = "Bending rigidity of the cloth, with `stiffness_model: material`." },
     { "compression_stiffness", SCENE_NUMBER, .at = IMPLICIT( compression_stiffness ), .range = ANY_STIFFNESS,
-      .unit = STIFFNESSES },
-    { "link_damping", SCENE_NUMBER, .at = IMPLICIT( damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS },
-    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS },
-    { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS },
-    { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS },
-    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS },
-    { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ) },
-    { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( stiff_repeats ), .range = RANGE( 1, 64 ) },
-    { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ) },
-    { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ) },
-    { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ) },
-    { "speculative", SCENE_SWITCH, .at = IMPLICIT( look_ahead ) },
-    { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS },
+      .unit = STIFFNESSES,
+      .help = "Slope of the force where a compressed link starts to bend; 0 takes `stretch_stiffness`." },
+    { "link_damping", SCENE_NUMBER, .at = IMPLICIT( damping ), .range = ANY_STIFFNESS, .unit = LINK_DAMPINGS,
+      .help = "Damping of a link." },
+    { "weights", SCENE_CHOICE, .at = IMPLICIT( weights ), .choices = WEIGHTS,
+      .help = "Weight of the force of a neighbour." },
+    { "damping_form", SCENE_CHOICE, .at = IMPLICIT( damping_form ), .choices = DAMPING_FORMS,
+      .help = "Which relative velocity of the ends of a link is damped." },
+    { "jacobian", SCENE_CHOICE, .at = IMPLICIT( jacobian ), .choices = JACOBIANS,
+      .help = "Derivative of bending forces." },
+    { "integrator", SCENE_CHOICE, .at = IMPLICIT( integrator ), .choices = INTEGRATORS, .help = "Time integration." },
+    { "newton_iterations", SCENE_WHOLE, .at = IMPLICIT( newton_repeats ), .range = RANGE( 1, 64 ),
+      .help = "Linear solves of a substep." },
+    { "max_newton_iterations", SCENE_WHOLE, .at = IMPLICIT( stiff_repeats ), .range = RANGE( 1, 64 ),
+      .help = "Linear solves of a stiff substep at most; 1 makes as many as in other substeps, which is cheaper and "
+              "can gain energy." },
+    { "tolerance", SCENE_NUMBER, .at = IMPLICIT( tolerance ), .range = RANGE( 1e-7, 0.1 ),
+      .help = "Residual at which a solve ends, relative to that of standing still." },
+    { "max_iterations", SCENE_WHOLE, .at = IMPLICIT( max_iterations ), .range = RANGE( 0, 1000000 ),
+      .help = "Iterations of a solve at most; 0 takes three per vertex." },
+    { "warm_start", SCENE_SWITCH, .at = IMPLICIT( warm_start ), .help = "Starts a solve from the last answer." },
+    { "speculative", SCENE_SWITCH, .at = IMPLICIT( look_ahead ),
+      .help = "Lands a vertex on a collider that it would pass into within the substep." },
+    { "links", SCENE_EITHER, .at = AT( has_quad_links ), .choices = LINKS, .help = "Which links the cloth has." },
 };
 static const scene_block IMPLICIT_BLOCK = BLOCK( IMPLICIT_FIELDS );
 
 // ---- a surface ----
 
 static const scene_field TRANSFORM_FIELDS[] = {
-    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE },
-    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
-    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
+    { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE,
+      .help = "Factor of the size of the mesh; the scaled shape is the rest shape." },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation,
+      .help = "Rotation about the origin, before the mesh is moved.", .form = "rotation", .initial = "none" },
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
+      .help = "Displacement after scale and rotation." },
 };
 static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
 static const scene_field COLLISION_FIELDS[] = {
-    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ) },
-    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ),
-      .unit = SPEEDS },
-    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers },
+    { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help =
+          "Distance that vertices keep from colliders; of implicit cloth, the margin within which a vertex is held.",
+      .initial = "a quarter of the mean edge" },
+    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ),
+      .help = "Factor of the friction of the collider." },
+    { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( recovery_speed ), .range = RANGE( 0, 1e6 ), .unit = SPEEDS,
+      .help = "Speed at which a vertex that starts inside is moved out.", .initial = "ten mean edges per second" },
+    { "mask", SCENE_CUSTOM, .at = COLLISION( mask ), .read = scene_read_layers,
+      .help = "Numbers of the collider layers that stop it.", .form = "list of layers, 0 .. 31",
+      .initial = "all layers" },
 };
 static const scene_block COLLISION_BLOCK = BLOCK( COLLISION_FIELDS );
 
-static const char* const SWEEPS[] = { "colour", "list", NULL };
+static const scene_choice SWEEPS[] = {
+    { "colour", "colour by colour, stable at any stiffness" },
+    { "list", "along the mesh from the pins, carries corrections farther, can gain energy" },
+    { NULL, NULL }
+};
 
 // `generate` stands before what names its vertices, and the effects before `compute`.
 static const scene_field SURFACE_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
-    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file },
-    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make },
-    { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name },
-    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair },
-    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require },
-    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK },
-    { "area_density", SCENE_NUMBER, .at = AT( area_density ), .range = RANGE( 1e-12, 1e12 ), .unit = DENSITIES },
-    { "vertex_mass", SCENE_NUMBER, .at = AT( vertex_mass ), .range = RANGE( 1e-12, 1e12 ), .unit = MASSES },
-    { "pins", SCENE_CUSTOM, .read = scene_read_pins },
-    { "pin_box", SCENE_CUSTOM, .read = scene_read_pin_box },
-    { "pin_nearest", SCENE_CUSTOM, .read = scene_read_pin_nearest },
-    { "pin_keyframes", SCENE_CUSTOM, .at = AT( pin_path ), .read = scene_read_pin_path },
+    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
+      .help = "Unique among strands, surfaces and colliders.", .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+    { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
+      .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
+      .initial = "none" },
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make,
+      .help = "Generates the mesh instead of reading it.", .form = "block" },
+    { "instance_of", SCENE_CUSTOM, .read = scene_read_later_name,
+      .help = "Surface above this one, itself no instance, whose fabric this one shares.",
+      .form = "name of a surface", .initial = "none" },
+    { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
+      .help = "Repairs of the mesh before it is used; what was repaired is printed.", .form = "list of words",
+      .initial = "none" },
+    { "require", SCENE_CUSTOM, .at = AT( mesh.demands ), .read = scene_read_require, .choices = SCENE_REQUIRE_WORDS,
+      .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
+      .initial = "none" },
+    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK, .help = "Scales, turns and moves the mesh." },
+    { "area_density", SCENE_NUMBER, .at = AT( area_density ), .range = RANGE( 1e-12, 1e12 ), .unit = DENSITIES,
+      .help = "Mass per area." },
+    { "vertex_mass", SCENE_NUMBER, .at = AT( vertex_mass ), .range = RANGE( 1e-12, 1e12 ), .unit = MASSES,
+      .help = "Mass of every vertex, instead of the density.", .initial = "by area" },
+    { "pins", SCENE_CUSTOM, .read = scene_read_pins,
+      .help = "Vertices that are held, as the file or the generator numbers them.", .form = "list of vertices",
+      .initial = "none" },
+    { "pin_box", SCENE_CUSTOM, .read = scene_read_pin_box,
+      .help = "Holds all vertices that start inside; a box without a vertex is refused.",
+      .form = "{min, max} or a list of them", .initial = "none" },
+    { "pin_nearest", SCENE_CUSTOM, .read = scene_read_pin_nearest,
+      .help = "Holds the vertex that starts nearest to each point.", .form = "list of points [x, y, z]",
+      .initial = "none" },
+    { "pin_keyframes", SCENE_CUSTOM, .at = AT( pin_path ), .read = scene_read_pin_path,
+      .help = "Displacement of all pins from where they started.",
+      .form = "list of keyframes {time, translate, rotate}", .initial = "none" },
     { "pin_pivot", SCENE_VECTOR, .at = AT( pin_pivot ), .range = COORDINATE, .unit = METRES,
-      .given = AT( has_pin_pivot ) },
-    { "velocity", SCENE_VECTOR, .at = AT( velocity ), .range = VELOCITY, .unit = SPEEDS },
-    { "angular_velocity", SCENE_VECTOR, .at = AT( angular_velocity ), .range = VELOCITY, .unit = TURNS },
-    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS },
-    { "damping", SCENE_NUMBER, .at = AT( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES },
-    { "strain_limit", SCENE_CUSTOM, .at = AT( strain_limit ), .read = scene_read_strain_limit },
-    { "cloth", SCENE_BLOCK, .at = AT( has_cloth ), .block = &CLOTH_BLOCK },
-    { "balloon", SCENE_BLOCK, .at = AT( has_balloon ), .block = &BALLOON_BLOCK },
-    { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK },
-    { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ) },
-    { "finest_level", SCENE_WHOLE, .at = AT( finest_level ), .range = RANGE( 1, WISP_FABRIC_MAX_LEVELS ) },
-    { "solve_order", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS },
-    { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size },
-    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK },
-    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK },
-    { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK },
-    { "compute", SCENE_CUSTOM, .read = scene_read_surface_want },
+      .given = AT( has_pin_pivot ), .help = "Point that the keyframes rotate about.",
+      .initial = "the centre of the pins" },
+    { "velocity", SCENE_VECTOR, .at = AT( velocity ), .range = VELOCITY, .unit = SPEEDS,
+      .help = "Velocity at the start." },
+    { "angular_velocity", SCENE_VECTOR, .at = AT( angular_velocity ), .range = VELOCITY, .unit = TURNS,
+      .help = "Angular velocity at the start, about the centre of mass." },
+    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
+      .help = "Gravity of this surface.", .initial = "that of the scene" },
+    { "damping", SCENE_NUMBER, .at = AT( damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
+      .help = "Rate at which all velocities die." },
+    { "strain_limit", SCENE_CUSTOM, .at = AT( strain_limit ), .read = scene_read_strain_limit,
+      .help = "Shortest and longest length of an edge, in rest lengths.",
+      .form = "pair [min, max], min in 0 .. 1, max in 1 .. 1e6", .initial = "none" },
+    { "cloth", SCENE_BLOCK, .at = AT( has_cloth ), .block = &CLOTH_BLOCK,
+      .help = "Cloth by position based dynamics." },
+    { "balloon", SCENE_BLOCK, .at = AT( has_balloon ), .block = &BALLOON_BLOCK,
+      .help = "Balloon: a closed skin filled with gas; not with `cloth`." },
+    { "implicit", SCENE_BLOCK, .at = AT( has_implicit ), .block = &IMPLICIT_BLOCK,
+      .help = "Cloth by an implicit solver; not with `cloth`, `balloon` or `strain_limit`." },
+    { "levels", SCENE_WHOLE, .at = AT( levels ), .range = RANGE( 0, WISP_FABRIC_MAX_LEVELS ),
+      .help = "Number of coarse levels at most, for `cloth.level_passes`." },
+    { "finest_level", SCENE_WHOLE, .at = AT( finest_level ), .range = RANGE( 1, WISP_FABRIC_MAX_LEVELS ),
+      .help = "Vertices of the finest coarse level are about 2 to this power edges apart; needs `levels`." },
+    { "solve_order", SCENE_CHOICE, .at = AT( sweep ), .choices = SWEEPS,
+      .help = "Order in which constraints are projected." },
+    { "tile_size", SCENE_CUSTOM, .at = AT( tile_size ), .read = scene_read_tile_size,
+      .help = "Number of vertices of a tile; 0 lets the engine choose.",
+      .form = "0, or a multiple of 8 in 64 .. 65536", .initial = "0" },
+    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &COLLISION_BLOCK,
+      .help = "Collision with colliders." },
+    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_CONTACT_BLOCK,
+      .help = "Contact with other participants and with itself; not with `implicit`." },
+    { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
+      .help = "Layer of points on the surface, to draw and export; it does not change the motion." },
+    { "compute", SCENE_CUSTOM, .read = scene_read_surface_want, .choices = SCENE_SURFACE_WORDS,
+      .help = "What is computed for output and statistics.", .form = "list of words",
+      .initial = "none; `points` if an output writes the surface" },
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );
 
 #define AT( member ) offsetof( wisp_scene_box, member )
 static const scene_field BOX_FIELDS[] = {
-    { "min", SCENE_VECTOR, .required = true, .at = AT( low ), .range = COORDINATE, .unit = METRES },
-    { "max", SCENE_VECTOR, .required = true, .at = AT( high ), .range = COORDINATE, .unit = METRES },
+    { "min", SCENE_VECTOR, .required = true, .at = AT( low ), .range = COORDINATE, .unit = METRES,
+      .help = "Corner with the smallest coordinates." },
+    { "max", SCENE_VECTOR, .required = true, .at = AT( high ), .range = COORDINATE, .unit = METRES,
+      .help = "Corner with the largest coordinates." },
 };
 #undef AT
 const scene_block SCENE_BOX_BLOCK = BLOCK( BOX_FIELDS );
@@ -195,20 +334,35 @@ const scene_block SCENE_BOX_BLOCK = BLOCK( BOX_FIELDS );
 #define EVENT( member ) offsetof( scene_event, event.member )
 
 static const scene_field EVENT_FIELDS[] = {
-    { "step", SCENE_WHOLE, .at = EVENT( step ), .range = RANGE( 0, 999999 ), .given = AT( has_step ) },
-    { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ) },
-    { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = scene_read_strands_name },
-    { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = scene_read_surface_name },
-    { "gas_ratio", SCENE_NUMBER, .at = EVENT( fill ), .range = RANGE( 1e-3, 1e6 ), .given = EVENT( has_fill ) },
+    { "step", SCENE_WHOLE, .at = EVENT( step ), .range = RANGE( 0, 999999 ), .given = AT( has_step ),
+      .help = "Step before which the event comes, counted from 0.", .initial = "by `time`" },
+    { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ),
+      .help = "Time instead of `step`; the event comes before the first step that starts then or later.",
+      .initial = "by `step`" },
+    { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = scene_read_strands_name,
+      .help = "Strands with `dynamics.drag_coefficient`; they take `wind` only.", .form = "name of strands",
+      .initial = "none" },
+    { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = scene_read_surface_name,
+      .help = "Surface; exactly one of `strands` and `surface` is given.", .form = "name of a surface",
+      .initial = "none" },
+    { "gas_ratio", SCENE_NUMBER, .at = EVENT( fill ), .range = RANGE( 1e-3, 1e6 ), .given = EVENT( has_fill ),
+      .help = "New gas ratio of a balloon.", .initial = "unchanged" },
     { "inflation_rate", SCENE_NUMBER, .at = EVENT( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
-      .given = EVENT( has_inflation_rate ) },
-    { "outlet_open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ) },
-    { "wind", SCENE_VECTOR, .at = EVENT( wind ), .range = WIND, .unit = SPEEDS, .given = EVENT( has_wind ) },
+      .given = EVENT( has_inflation_rate ), .help = "New inflation rate of a balloon.", .initial = "unchanged" },
+    { "outlet_open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ),
+      .help = "Opens or closes the outlet of a balloon.", .initial = "unchanged" },
+    { "wind", SCENE_VECTOR, .at = EVENT( wind ), .range = WIND, .unit = SPEEDS, .given = EVENT( has_wind ),
+      .help = "New velocity of the air, for cloth with drag or lift and strands with drag.", .initial = "unchanged" },
     { "velocity", SCENE_VECTOR, .at = EVENT( velocity ), .range = VELOCITY, .unit = SPEEDS,
-      .given = EVENT( has_velocity ) },
+      .given = EVENT( has_velocity ),
+      .help = "New velocity of all vertices; [0, 0, 0] where only `angular_velocity` is given.",
+      .initial = "unchanged" },
     { "angular_velocity", SCENE_VECTOR, .at = EVENT( angular_velocity ), .range = VELOCITY, .unit = TURNS,
-      .given = EVENT( has_angular_velocity ) },
-    { "release", SCENE_SWITCH, .at = EVENT( release ) },
+      .given = EVENT( has_angular_velocity ),
+      .help =
+          "New angular velocity of all vertices about the centre of mass; [0, 0, 0] where only `velocity` is given.",
+      .initial = "unchanged" },
+    { "release", SCENE_SWITCH, .at = EVENT( release ), .help = "Releases all pins for good." },
 };
 #undef AT
 const scene_block SCENE_EVENT_BLOCK = BLOCK( EVENT_FIELDS );

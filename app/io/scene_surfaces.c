@@ -235,10 +235,19 @@ wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at
 
 // ---- what is wanted ----
 
+const scene_choice SCENE_SURFACE_WORDS[] = {
+    { "points", "positions" },
+    { "normals", "unit normals of vertices" },
+    { "strain", "relative error of the length of each edge" },
+    { "speed", "speed of each vertex" },
+    { "motion_stats", "mass, momentum, energy, volume, largest strain and speed" },
+    { "effect_stats", "forces, pressure and volume of a balloon; solves of an implicit cloth" },
+    { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
+    { NULL, NULL },
+};
+
 wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, void* at )
 {
-    static const char* const words[] = { "points",       "normals",      "strain",          "speed",
-                                         "motion_stats", "effect_stats", "collision_stats", NULL };
     wisp_scene_surface* s = at;
     bool* const wants[] = { &s->want_points,  &s->want_normals, &s->want_strain,  &s->want_speed,
                             &s->want_quality, &s->want_figures, &s->want_contacts };
@@ -248,10 +257,10 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
     {
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
-        status = scene_read_choice( r, item, words, &word );
+        status = scene_read_choice( r, item, SCENE_SURFACE_WORDS, &word );
         if ( !status && *wants[word] )
         {
-            return scene_refuse_node( r, item, "'%s' is listed twice", words[word] );
+            return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_SURFACE_WORDS[word].word );
         }
         if ( !status && wants[word] == &s->want_figures && !s->has_balloon && !s->has_implicit )
         {
@@ -420,18 +429,16 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     return status || !s->has_balloon ? status : check_balloon( r, node, s );
 }
 
-static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_surface* surface )
+wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
 {
     const wisp_surface_def def = wisp_default_surface_def();
-    *surface = ( wisp_scene_surface ){
-        .line = node->line,
-        .column = node->column,
+    return ( wisp_scene_surface ){
         .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
         .instance_of = -1,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .area_density = def.area_density,
         .vertex_mass = def.vertex_mass,
-        .gravity = r->scene->gravity,
+        .gravity = gravity,
         .strain_limit = { 0.0f, INFINITY },
         .cloth = wisp_default_cloth_def(),
         .balloon = wisp_default_balloon_def(),
@@ -442,6 +449,13 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
         .contact = wisp_default_contact_def(),
         .boundary = wisp_default_boundary_def(),
     };
+}
+
+static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_scene_surface* surface )
+{
+    *surface = scene_default_surface( r->scene->gravity );
+    surface->line = node->line;
+    surface->column = node->column;
     wisp_status status = scene_read_block( r, node, &SCENE_SURFACE_BLOCK, surface );
     return status ? status : check_entry( r, node, surface );
 }

@@ -11,21 +11,34 @@
 #define SMALLEST 1e-6
 #define FARTHEST ( (double)WISP_GROOM_FARTHEST )
 
-static const char* const SHAPES[] = { "straight", "wavy", "curly", NULL };
+static const scene_choice SHAPES[] = {
+    { "straight", "a straight line" }, { "wavy", "waves in a plane" }, { "curly", "a helix" }, { NULL, NULL }
+};
 
 static const scene_field MAKE_FIELDS[] = {
-    { "shape", SCENE_CHOICE, .at = AT( shape ), .choices = SHAPES },
-    { "dimension", SCENE_WHOLE, .at = AT( dimension ), .range = RANGE( 2, 3 ) },
-    { "strands", SCENE_WHOLE, .at = AT( strand_count ), .range = RANGE( 1, WISP_GROOM_MADE_CAP / 2 ) },
-    { "vertices", SCENE_WHOLE, .at = AT( vertices_per_strand ), .range = RANGE( 2, WISP_GROOM_MADE_CAP ) },
-    { "length", SCENE_NUMBER, .at = AT( length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES },
-    { "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
-    { "scalp_radius", SCENE_NUMBER, .at = AT( scalp_radius ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES },
-    { "wave_amplitude", SCENE_NUMBER, .at = AT( wave_amplitude ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
-    { "wave_length", SCENE_NUMBER, .at = AT( wave_length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES },
-    { "length_variation", SCENE_NUMBER, .at = AT( length_variation ), .range = RANGE( 0, 0.99 ) },
-    { "diameter", SCENE_NUMBER, .at = AT( thickness ), .range = RANGE( 0, FARTHEST ), .unit = METRES },
-    { "seed", SCENE_SEED, .at = AT( seed ) },
+    { "shape", SCENE_CHOICE, .at = AT( shape ), .choices = SHAPES,
+      .help = "Shape of a strand; defaults of other keys depend on it." },
+    { "dimension", SCENE_WHOLE, .at = AT( dimension ), .range = RANGE( 2, 3 ),
+      .help = "2 sets roots on a line with z = 0; 3 sets them on a head; defaults of other keys depend on it." },
+    { "strands", SCENE_WHOLE, .at = AT( strand_count ), .range = RANGE( 1, WISP_GROOM_MADE_CAP / 2 ),
+      .help = "Number of strands; strands times vertices is at most 134217728." },
+    { "vertices", SCENE_WHOLE, .at = AT( vertices_per_strand ), .range = RANGE( 2, WISP_GROOM_MADE_CAP ),
+      .help = "Number of vertices of each strand." },
+    { "length", SCENE_NUMBER, .at = AT( length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
+      .help = "Length of the centre line of a strand." },
+    { "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
+      .help = "Distance between neighbouring roots, in two dimensions." },
+    { "scalp_radius", SCENE_NUMBER, .at = AT( scalp_radius ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
+      .help = "Radius of the head that the roots are on, in three dimensions." },
+    { "wave_amplitude", SCENE_NUMBER, .at = AT( wave_amplitude ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
+      .help = "Sideways amplitude of waves and curls; a straight strand has none." },
+    { "wave_length", SCENE_NUMBER, .at = AT( wave_length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
+      .help = "Length of a wave along the centre line, at least length / 10000; a straight strand has none." },
+    { "length_variation", SCENE_NUMBER, .at = AT( length_variation ), .range = RANGE( 0, 0.99 ),
+      .help = "With the value v, lengths lie between length (1 - v) and length (1 + v)." },
+    { "diameter", SCENE_NUMBER, .at = AT( thickness ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
+      .help = "Diameter that is stored with every vertex; 0 stores none." },
+    { "seed", SCENE_SEED, .at = AT( seed ), .help = "Seed of lengths and phases." },
 };
 #undef AT
 
@@ -38,56 +51,96 @@ const scene_block SCENE_MAKE_BLOCK = { MAKE_FIELDS, WISP_COUNT( MAKE_FIELDS ) };
 
 static const scene_field FREEZE_FIELDS[] = {
     { "stretch_stiffness", SCENE_NUMBERS, .at = HAIR( stretch_stiffness ), .range = STIFFNESS,
-      .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ) },
+      .list = HAIR( strand_stretch_stiffness ), .list_count = AT( stretch_count ),
+      .help = "Stiffness against stretching; a larger one changes lengths less." },
     { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = STIFFNESS,
-      .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ) },
+      .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ),
+      .help = "Stiffness against bending; a larger one bends less." },
     { "max_bend_angle", SCENE_NUMBER, .at = HAIR( bend_angle_max ), .range = RANGE( 0, 3.14159265358979 ),
-      .unit = RADIANS },
+      .unit = RADIANS, .help = "Largest angle that a segment can bend by." },
 };
 static const scene_block FREEZE_BLOCK = { FREEZE_FIELDS, WISP_COUNT( FREEZE_FIELDS ) };
 
-static const char* const REACHES[] = { "tip", "nearest", NULL };
-static const char* const BLENDS[] = { "arc", "chord", NULL };
-static const char* const DIRECTIONS[] = { "mean", "root", NULL };
+static const scene_choice REACHES[] = { { "tip", "of the tip" },
+                                        { "nearest", "of the nearest vertex" },
+                                        { NULL, NULL } };
+static const scene_choice BLENDS[] = { { "arc", "an arc, which keeps distances to the root" },
+                                       { "chord", "a straight line, which shortens the strand on the way" },
+                                       { NULL, NULL } };
+static const scene_choice DIRECTIONS[] = { { "mean", "from the mean of its vertices to the tip" },
+                                           { "root", "from the root to the tip" },
+                                           { NULL, NULL } };
 
 static const scene_field ALIGN_FIELDS[] = {
     { "intensity", SCENE_NUMBERS, .at = HAIR( intensity ), .range = UNIT_RANGE, .list = HAIR( strand_intensity ),
-      .list_count = AT( intensity_count ) },
-    { "cursor", SCENE_VECTOR, .at = HAIR( cursor ), .range = COORDINATE, .unit = METRES },
-    { "reach", SCENE_NUMBER, .at = HAIR( reach ), .range = RANGE( 0, 1e7 ), .unit = METRES },
-    { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .choices = REACHES },
-    { "blend", SCENE_EITHER, .at = HAIR( blend_chord ), .choices = BLENDS },
-    { "direction", SCENE_EITHER, .at = HAIR( direction_from_root ), .choices = DIRECTIONS },
+      .list_count = AT( intensity_count ),
+      .help = "How far strands turn towards the cursor, from 0 (not at all) to 1 (all the way)." },
+    { "cursor", SCENE_VECTOR, .at = HAIR( cursor ), .range = COORDINATE, .unit = METRES,
+      .help = "Point that the first hair event turns strands towards." },
+    { "reach", SCENE_NUMBER, .at = HAIR( reach ), .range = RANGE( 0, 1e7 ), .unit = METRES,
+      .help = "Strands farther from the cursor than this do not turn." },
+    { "reach_by", SCENE_EITHER, .at = HAIR( reach_nearest ), .choices = REACHES,
+      .help = "Which distance is compared with `reach`." },
+    { "blend", SCENE_EITHER, .at = HAIR( blend_chord ), .choices = BLENDS,
+      .help = "Path of a vertex while its strand turns." },
+    { "direction", SCENE_EITHER, .at = HAIR( direction_from_root ), .choices = DIRECTIONS,
+      .help = "Direction of a strand that is turned towards the cursor." },
 };
 static const scene_block ALIGN_BLOCK = { ALIGN_FIELDS, WISP_COUNT( ALIGN_FIELDS ) };
 
-static const char* const GAPS[] = { "absolute", "signed", "reversed", "none", NULL };
-static const char* const GAP_REFERENCES[] = { "stage", "iteration", NULL };
+static const scene_choice GAPS[] = { { "absolute", "|r1 - r0|, any change brakes" },
+                                     { "signed", "r1 - r0, as in the published equation" },
+                                     { "reversed", "r0 - r1" },
+                                     { "none", "no brake" },
+                                     { NULL, NULL } };
+static const scene_choice GAP_REFERENCES[] = { { "stage", "those before the stage" },
+                                               { "iteration", "those before each iteration" },
+                                               { NULL, NULL } };
 
 static const scene_field CLUMP_FIELDS[] = {
-    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = RANGE( SMALLEST, 1e6 ), .unit = METRES },
-    { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ) },
-    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step ), .range = RANGE( 0, 1e3 ), .unit = METRES },
-    { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS },
-    { "gap_reference", SCENE_EITHER, .at = HAIR( gap_by_iteration ), .choices = GAP_REFERENCES },
-    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( guard ) },
-    { "min_distance", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES },
-    { "min_lambda", SCENE_NUMBER, .at = HAIR( lambda_min ), .range = UNIT_RANGE },
-    { "max_neighbours", SCENE_WHOLE, .at = HAIR( neighbour_limit ), .range = RANGE( 1, 4096 ) },
+    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = RANGE( SMALLEST, 1e6 ), .unit = METRES,
+      .help = "Vertices closer than this attract each other." },
+    { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ),
+      .help = "Iterations of the stage; 0 switches it off." },
+    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step ), .range = RANGE( 0, 1e3 ), .unit = METRES,
+      .help = "Length of the move of a vertex in an iteration, before the brake.",
+      .initial = "a tenth of the radius" },
+    { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS,
+      .help = "How a change of the distance between two vertices brakes their attraction." },
+    { "gap_reference", SCENE_EITHER, .at = HAIR( gap_by_iteration ), .choices = GAP_REFERENCES,
+      .help = "Which distances changes are measured from." },
+    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( guard ),
+      .help = "Keeps two vertices at least `min_distance` apart within an iteration." },
+    { "min_distance", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+      .help = "Smallest distance between two vertices.", .initial = "0.02 of the radius" },
+    { "min_lambda", SCENE_NUMBER, .at = HAIR( lambda_min ), .range = UNIT_RANGE,
+      .help = "Smallest factor that the brake can multiply the attraction by." },
+    { "max_neighbours", SCENE_WHOLE, .at = HAIR( neighbour_limit ), .range = RANGE( 1, 4096 ),
+      .help = "Neighbours of a vertex beyond this number are left out and counted." },
 };
 static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS ) };
 
-static const char* const BASES[] = { "rest", "previous", NULL };
-static const char* const EVENTS[] = { "hair_event", "frame", NULL };
+static const scene_choice BASES[] = { { "rest", "the rest shape" },
+                                      { "previous", "the output of the last update" },
+                                      { NULL, NULL } };
+static const scene_choice EVENTS[] = { { "hair_event", "each hair event" },
+                                       { "frame", "each step" },
+                                       { NULL, NULL } };
 
 static const scene_field FROZEN_HAIR_FIELDS[] = {
-    { "seed", SCENE_SEED, .at = HAIR( seed ) },
-    { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES },
-    { "update_on", SCENE_CHOICE, .at = HAIR( event ), .choices = EVENTS },
-    { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE },
-    { "freeze", SCENE_BLOCK, .at = HAIR( freeze ), .block = &FREEZE_BLOCK },
-    { "align", SCENE_BLOCK, .at = HAIR( align ), .block = &ALIGN_BLOCK },
-    { "clump", SCENE_BLOCK, .at = HAIR( clump ), .block = &CLUMP_BLOCK },
+    { "seed", SCENE_SEED, .at = HAIR( seed ), .help = "Seed of the random numbers of all stages." },
+    { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES, .help = "Shape that each update starts from." },
+    { "update_on", SCENE_CHOICE, .at = HAIR( event ), .choices = EVENTS,
+      .help = "What updates the frozen shape, with new random numbers.",
+      .initial = "`hair_event`; `frame` for ghosts" },
+    { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE,
+      .help = "Number added to denominators, for comparison with the published equations, which have 1e-6." },
+    { "freeze", SCENE_BLOCK, .at = HAIR( freeze ), .block = &FREEZE_BLOCK,
+      .help = "Runs the first stage: lengths almost kept, bends limited." },
+    { "align", SCENE_BLOCK, .at = HAIR( align ), .block = &ALIGN_BLOCK,
+      .help = "Runs the second stage: strands turn towards a cursor." },
+    { "clump", SCENE_BLOCK, .at = HAIR( clump ), .block = &CLUMP_BLOCK,
+      .help = "Runs the third stage: neighbouring vertices attract each other." },
 };
 static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( FROZEN_HAIR_FIELDS ) };
 
@@ -98,52 +151,90 @@ static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( F
 #define TEMPERATURE RANGE( -273.15, 1000 )
 
 static const scene_field CLIMATE_FIELDS[] = {
-    { "temperature_celsius", SCENE_NUMBER, .at = CLIMATE( temperature ), .range = TEMPERATURE, .unit = CELSIUS },
-    { "wetness", SCENE_NUMBER, .at = CLIMATE( wetness ), .range = UNIT_RANGE },
-    { "freezing_celsius", SCENE_NUMBER, .at = CLIMATE( freezing ), .range = TEMPERATURE, .unit = CELSIUS },
-    { "span", SCENE_NUMBER, .at = CLIMATE( span ), .range = RANGE( 1e-3, 1000 ), .unit = CELSIUS },
-    { "curve", SCENE_CUSTOM, .read = scene_read_curve },
+    { "temperature_celsius", SCENE_NUMBER, .at = CLIMATE( temperature ), .range = TEMPERATURE, .unit = CELSIUS,
+      .help = "Temperature of the air." },
+    { "wetness", SCENE_NUMBER, .at = CLIMATE( wetness ), .range = UNIT_RANGE,
+      .help = "Wetness of the hair, from 0 (dry) to 1." },
+    { "freezing_celsius", SCENE_NUMBER, .at = CLIMATE( freezing ), .range = TEMPERATURE, .unit = CELSIUS,
+      .help = "Temperature where ice begins to form." },
+    { "span", SCENE_NUMBER, .at = CLIMATE( span ), .range = RANGE( 1e-3, 1000 ), .unit = KELVIN,
+      .help = "Kelvin below freezing at which all water is ice." },
+    { "curve", SCENE_CUSTOM, .read = scene_read_curve,
+      .help = "Control points of the stiffness as a function of ice; ice rises from 0 to 1, stiffness rises or falls "
+              "throughout.",
+      .form = "list of 2 to 8 pairs [ice, stiffness], ice in 0 .. 1, stiffness in 0.001 .. 1e12",
+      .initial = "[[0, 1], [1, 20]]" },
 };
 static const scene_block CLIMATE_BLOCK = { CLIMATE_FIELDS, WISP_COUNT( CLIMATE_FIELDS ) };
 
 static const scene_field LOOK_FIELDS[] = {
-    { "root_width", SCENE_NUMBER, .at = LOOK( root_width ), .range = UNIT_RANGE, .unit = METRES },
-    { "tip_width", SCENE_NUMBER, .at = LOOK( tip_width ), .range = UNIT_RANGE, .unit = METRES },
-    { "root_colour", SCENE_VECTOR, .at = LOOK( root_colour ), .range = UNIT_RANGE },
-    { "tip_colour", SCENE_VECTOR, .at = LOOK( tip_colour ), .range = UNIT_RANGE },
-    { "colour_bias", SCENE_NUMBER, .at = LOOK( colour_bias ), .range = RANGE( 0.001, 0.999 ) },
+    { "root_width", SCENE_NUMBER, .at = LOOK( root_width ), .range = UNIT_RANGE, .unit = METRES,
+      .help = "Width at the root." },
+    { "tip_width", SCENE_NUMBER, .at = LOOK( tip_width ), .range = UNIT_RANGE, .unit = METRES,
+      .help = "Width at the tip." },
+    { "root_colour", SCENE_VECTOR, .at = LOOK( root_colour ), .range = UNIT_RANGE,
+      .help = "Linear red, green and blue at the root." },
+    { "tip_colour", SCENE_VECTOR, .at = LOOK( tip_colour ), .range = UNIT_RANGE,
+      .help = "Linear red, green and blue at the tip." },
+    { "colour_bias", SCENE_NUMBER, .at = LOOK( colour_bias ), .range = RANGE( 0.001, 0.999 ),
+      .help = "0.5 blends evenly; more shows the colour of the tip nearer to the root." },
 };
 static const scene_block LOOK_BLOCK = { LOOK_FIELDS, WISP_COUNT( LOOK_FIELDS ) };
 
 // ---- an entry of strands ----
 
 static const scene_field TRANSFORM_FIELDS[] = {
-    { "scale", SCENE_NUMBER, .at = AT( scale ), .range = SIZE },
-    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation },
-    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES },
+    { "scale", SCENE_NUMBER, .at = AT( scale ), .range = SIZE,
+      .help = "Factor of the size, about the origin of the strands, before they are turned." },
+    { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation,
+      .help = "Rotation about the origin, before the strands are moved.", .form = "rotation", .initial = "none" },
+    { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
+      .help = "Displacement after scale and rotation." },
 };
 static const scene_block TRANSFORM_BLOCK = { TRANSFORM_FIELDS, WISP_COUNT( TRANSFORM_FIELDS ) };
 
 // `generate` stands before what is numbered by its strands and vertices, and the effects before `compute`.
 static const scene_field STRANDS_FIELDS[] = {
-    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name },
-    { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file },
-    { "generate", SCENE_CUSTOM, .read = scene_read_make },
-    { "scatter", SCENE_BLOCK, .at = AT( is_scattered ), .block = &SCENE_SCATTER_BLOCK },
-    { "curves", SCENE_BLOCK, .at = AT( is_curves ), .block = &SCENE_CURVES_BLOCK },
-    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK },
-    { "dynamics", SCENE_BLOCK, .at = AT( has_dynamics ), .block = &SCENE_DYNAMICS_BLOCK },
-    { "head", SCENE_BLOCK, .at = AT( has_head ), .block = &SCENE_HEAD_BLOCK },
-    { "on_surface", SCENE_CUSTOM, .read = scene_read_later_name },
-    { "grid", SCENE_BLOCK, .at = AT( has_grid ), .block = &SCENE_GRID_BLOCK },
-    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &SCENE_STRAND_COLLISION_BLOCK },
-    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK },
-    { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK },
-    { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK },
-    { "environment", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK },
-    { "appearance", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK },
-    { "compute", SCENE_CUSTOM, .read = scene_read_want },
-    { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ) },
+    { "name", SCENE_CUSTOM, .required = true, .at = AT( name ), .read = scene_read_name,
+      .help = "Unique among strands, surfaces and colliders.", .form = "1 to 64 of the characters A-Z a-z 0-9 _ -" },
+    { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file,
+      .help = "Groom to read (`.hair`, `.tfx`), relative to the folder of the scene.", .form = "path",
+      .initial = "none" },
+    { "generate", SCENE_CUSTOM, .read = scene_read_make, .help = "Generates the strands instead of reading them.",
+      .form = "block" },
+    { "scatter", SCENE_BLOCK, .at = AT( is_scattered ), .block = &SCENE_SCATTER_BLOCK,
+      .help = "Places strands around those of another entry." },
+    { "curves", SCENE_BLOCK, .at = AT( is_curves ), .block = &SCENE_CURVES_BLOCK,
+      .help = "Draws smooth curves through the strands of another entry." },
+    { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK,
+      .help = "Scales, turns and moves the strands; not with `scatter` or `curves`." },
+    { "dynamics", SCENE_BLOCK, .at = AT( has_dynamics ), .block = &SCENE_DYNAMICS_BLOCK,
+      .help = "Makes the strands move." },
+    { "head", SCENE_BLOCK, .at = AT( has_head ), .block = &SCENE_HEAD_BLOCK,
+      .help = "Motion of the body that carries the roots; needs `dynamics`." },
+    { "on_surface", SCENE_CUSTOM, .read = scene_read_later_name,
+      .help = "Surface whose nearest triangles carry the roots; needs `dynamics`, not with `head`.",
+      .form = "name of a surface", .initial = "none" },
+    { "grid", SCENE_BLOCK, .at = AT( has_grid ), .block = &SCENE_GRID_BLOCK,
+      .help = "Interaction between strands through a grid of cells; needs `dynamics`." },
+    { "collision", SCENE_BLOCK, .at = AT( has_collision ), .block = &SCENE_STRAND_COLLISION_BLOCK,
+      .help = "Collision with colliders; needs `dynamics` or `ghosts`." },
+    { "contact", SCENE_BLOCK, .at = AT( has_contact ), .block = &SCENE_STRAND_CONTACT_BLOCK,
+      .help = "Contact with surfaces; needs `dynamics`." },
+    { "ghosts", SCENE_BLOCK, .at = AT( has_ghosts ), .block = &SCENE_GHOSTS_BLOCK,
+      .help = "Makes the strands follow simulated ones; not with `dynamics`." },
+    { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK,
+      .help = "Frozen shape; not with `dynamics`." },
+    { "environment", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK,
+      .help = "Derives the stiffness of all strands from temperature and wetness." },
+    { "appearance", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK,
+      .help = "Width and colour from root to tip." },
+    { "compute", SCENE_CUSTOM, .read = scene_read_want, .choices = SCENE_STRANDS_WORDS,
+      .help = "What is computed for output and statistics.", .form = "list of words",
+      .initial = "none; `points` if an output writes the strands" },
+    { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ),
+      .help = "Whether pictures show the strands.",
+      .initial = "`true`; `false` for strands that ghosts follow or curves run through" },
 };
 #undef AT
 
@@ -153,17 +244,25 @@ const scene_block SCENE_STRANDS_BLOCK = { STRANDS_FIELDS, WISP_COUNT( STRANDS_FI
 
 #define AT( member ) offsetof( wisp_scene_command, member )
 static const scene_field COMMAND_FIELDS[] = {
-    { "step", SCENE_WHOLE, .required = true, .at = AT( step ), .range = RANGE( 0, 999999 ) },
-    { "strands", SCENE_CUSTOM, .required = true, .read = scene_read_command_strands },
-    { "cursor", SCENE_VECTOR, .required = true, .at = AT( cursor ), .range = COORDINATE, .unit = METRES },
+    { "step", SCENE_WHOLE, .required = true, .at = AT( step ), .range = RANGE( 0, 999999 ),
+      .help = "Step before which the event comes, counted from 0." },
+    { "strands", SCENE_CUSTOM, .required = true, .read = scene_read_command_strands,
+      .help = "Strands with `frozen_hair`.", .form = "name of strands" },
+    { "cursor", SCENE_VECTOR, .required = true, .at = AT( cursor ), .range = COORDINATE, .unit = METRES,
+      .help = "Point that strands turn towards." },
 };
 #undef AT
 const scene_block SCENE_COMMAND_BLOCK = { COMMAND_FIELDS, WISP_COUNT( COMMAND_FIELDS ) };
 
 static const scene_field OUTPUT_FIELDS[] = {
-    { "strands", SCENE_CUSTOM, .read = scene_read_output_strands },
-    { "surface", SCENE_CUSTOM, .read = scene_read_output_surface },
-    { "file", SCENE_CUSTOM, .required = true, .read = scene_read_output_file },
+    { "strands", SCENE_CUSTOM, .read = scene_read_output_strands, .help = "Strands to write.",
+      .form = "name of strands", .initial = "none" },
+    { "surface", SCENE_CUSTOM, .read = scene_read_output_surface,
+      .help = "Surface to write; exactly one of the two is given.", .form = "name of a surface", .initial = "none" },
+    { "file", SCENE_CUSTOM, .required = true, .read = scene_read_output_file,
+      .help = "File to write, relative to the working directory; strands as `.hair`, `.usda` or `.obj`, a surface as "
+              "`.obj` or `.ply`.",
+      .form = "path" },
 };
 const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
 
@@ -171,20 +270,34 @@ const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELD
 // Surfaces and strands that move take the scene's gravity unless they have their own.
 #define AT( member ) offsetof( wisp_scene, member )
 static const scene_field SCENE_FIELDS[] = {
-    { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version },
-    { "step_seconds", SCENE_NUMBER, .at = AT( step_seconds ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS },
-    { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ) },
-    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ) },
-    { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ) },
-    { "workers", SCENE_WHOLE, .at = AT( workers ), .range = RANGE( 0, WISP_MAX_WORKERS ) },
-    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS },
-    { "contact", SCENE_CUSTOM, .read = scene_read_contact },
-    { "strands", SCENE_CUSTOM, .read = scene_read_strands },
-    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces },
-    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders },
-    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands },
-    { "events", SCENE_CUSTOM, .read = scene_read_script },
-    { "output", SCENE_CUSTOM, .read = scene_read_outputs },
+    { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version, .help = "Version of the format.",
+      .form = "1" },
+    { "step_seconds", SCENE_NUMBER, .at = AT( step_seconds ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
+      .help = "Length of a step; the default is 1/60." },
+    { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
+    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },
+    { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ),
+      .help = "Iterations of each substep." },
+    { "workers", SCENE_WHOLE, .at = AT( workers ), .range = RANGE( 0, WISP_MAX_WORKERS ),
+      .help = "Number of threads; 0 takes one per core." },
+    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
+      .help = "Gravity of surfaces and moving strands that have none of their own." },
+    { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
+      .form = "block" },
+    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .help = "Strands of hair.", .form = "list of blocks",
+      .initial = "none" },
+    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces,
+      .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
+      .form = "list of blocks", .initial = "none" },
+    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
+      .form = "list of blocks", .initial = "none" },
+    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
+      .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
+      .initial = "none" },
+    { "events", SCENE_CUSTOM, .read = scene_read_script,
+      .help = "Changes of surfaces and strands, before chosen steps.", .form = "list of blocks", .initial = "none" },
+    { "output", SCENE_CUSTOM, .read = scene_read_outputs, .help = "Files to write after the last step.",
+      .form = "list of blocks", .initial = "none" },
 };
 #undef AT
 const scene_block SCENE_BLOCK_OF_ALL = { SCENE_FIELDS, WISP_COUNT( SCENE_FIELDS ) };

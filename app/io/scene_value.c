@@ -178,8 +178,9 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     }
     if ( is_unit( text, prefix ) )
     {
-        return scene_refuse_node( r, node, "'%s' has a unit; %s", quote.text,
-                                  unit ? unit : "this is a plain number without one" );
+        return scene_refuse_node( r, node, "got '%s', expected a number %s%s%s", quote.text,
+                                  unit ? "in " : "without a unit", unit ? unit : "",
+                                  unit ? " without its unit" : "" );
     }
     return scene_refuse_kind( r, node, wanted );
 }
@@ -263,13 +264,15 @@ wisp_status scene_read_switch( scene_reader* r, const scene_node* node, bool* ou
     return WISP_OK;
 }
 
-wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const char* const* choices, int* out )
+wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const scene_choice* choices, int* out )
 {
+    const char* words[SCENE_MAX_CHOICES];
     int count = 0;
     char list[160] = "one of ";
-    for ( size_t used = strlen( list ); choices[count]; ++count )
+    for ( size_t used = strlen( list ); count < SCENE_MAX_CHOICES && choices[count].word; ++count )
     {
-        int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", choices[count] );
+        words[count] = choices[count].word;
+        int n = snprintf( list + used, sizeof list - used, "%s%s", count ? ", " : "", words[count] );
         used += (size_t)n < sizeof list - used ? (size_t)n : sizeof list - used - 1;
     }
     const char* text = scene_text_of( r->tree, node );
@@ -279,18 +282,18 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const ch
     }
     for ( int i = 0; i < count; ++i )
     {
-        if ( strcmp( text, choices[i] ) == 0 )
+        if ( strcmp( text, words[i] ) == 0 )
         {
             *out = i;
             return WISP_OK;
         }
     }
-    const char* now = scene_find_renamed_word( r->path, text, choices, count );
+    const char* now = scene_find_renamed_word( r->path, text, words, count );
     if ( now )
     {
         return scene_refuse_node( r, node, "`%s` is called `%s` now", text, now );
     }
-    const char* near = nearest_word( text, choices, count );
+    const char* near = nearest_word( text, words, count );
     return scene_refuse_node( r, node, "must be %s, not '%s'%s%s%s", list, scene_shorten( text ).text,
                               near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "" );
 }

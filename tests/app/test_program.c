@@ -311,6 +311,20 @@ static void the_summary_goes_to_a_file_when_asked( void** state )
     assert_int_equal( access( "summary.csv", R_OK ), 0 );
 }
 
+static void info_prints_the_keys_of_a_block( void** state )
+{
+    (void)state;
+    run( "info --keys surfaces.cloth" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "### `surfaces[].cloth`" ) );
+    assert_non_null( strstr( result.out, "- `internal_damping` (number, 1/s" ) );
+    assert_null( strstr( result.out, "balloon" ) );
+    run( "info --keys" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "### The scene" ) );
+    assert_refused( "info --keys clot", "--keys: got 'clot', expected a block" );
+}
+
 static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** state )
 {
     (void)state;
@@ -488,6 +502,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_run_prints_passes_counters_and_hash ),
         cmocka_unit_test( every_format_can_be_asked_for ),
         cmocka_unit_test( the_summary_goes_to_a_file_when_asked ),
+        cmocka_unit_test( info_prints_the_keys_of_a_block ),
         cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
         cmocka_unit_test( a_scene_without_wishes_has_a_plan_without_passes ),
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),

@@ -329,23 +329,15 @@ static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
     wisp_scene_release( &json );
 }
 
-static void the_example_of_the_documentation_is_a_scene( void** state )
+static void a_scene_with_keys_of_every_block_is_read( void** state )
 {
     (void)state;
-    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
-    assert_non_null( file );
-    static char text[32768];
-    size_t size = fread( text, 1, sizeof text - 1, file );
-    fclose( file );
-    text[size] = 0;
-    char* begin = strstr( text, "```yaml\n" );
-    assert_non_null( begin );
-    begin += strlen( "```yaml\n" );
-    char* end = strstr( begin, "```" );
-    assert_non_null( end );
-    *end = 0;
-
-    wisp_scene scene = good( begin );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
     assert_int_equal( scene.strands_count, 1 );
     assert_int_equal( scene.strands[0].bend_count, 4 );
     assert_int_equal( scene.command_count, 2 );
@@ -593,7 +585,7 @@ int main( void )
         cmocka_unit_test( files_are_looked_for_beside_the_scene ),
         cmocka_unit_test( the_scenes_of_the_project_are_read ),
         cmocka_unit_test( a_scene_in_json_says_the_same_as_in_yaml ),
-        cmocka_unit_test( the_example_of_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_scene_with_keys_of_every_block_is_read ),
         cmocka_unit_test( a_missing_file_is_an_error_of_the_system ),
         cmocka_unit_test( line_ends_byte_order_marks_and_comments_do_not_matter ),
         cmocka_unit_test( a_byte_order_mark_does_not_push_the_column ),

@@ -208,26 +208,16 @@ static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
     wisp_scene_release( &scene );
 }
 
-static void the_example_of_boundary_particles_and_contact_in_the_documentation_is_a_scene( void** state )
+static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state )
 {
     (void)state;
-    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
-    assert_non_null( file );
-    static char text[131072];
-    size_t size = fread( text, 1, sizeof text - 1, file );
-    fclose( file );
-    assert_true( size < sizeof text - 1 );
-    text[size] = 0;
-    char* begin = strstr( text, "## An example of boundary particles and contact" );
-    assert_non_null( begin );
-    begin = strstr( begin, "```yaml\n" );
-    assert_non_null( begin );
-    begin += strlen( "```yaml\n" );
-    char* end = strstr( begin, "```" );
-    assert_non_null( end );
-    *end = 0;
-
-    wisp_scene scene = parsed( begin );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
+         WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
     assert_true( scene.has_contact && scene.want_contact_figures && scene.want_crossings );
     assert_true( scene.surfaces[0].has_boundary && scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
     assert_true( scene.strands[0].has_contact );
@@ -500,7 +490,7 @@ int main( void )
         cmocka_unit_test( every_key_of_the_contact_of_a_scene_reaches_its_place ),
         cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
         cmocka_unit_test( an_instance_has_a_layer_and_a_contact_of_its_own ),
-        cmocka_unit_test( the_example_of_boundary_particles_and_contact_in_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_scene_with_every_key_of_boundary_and_contact_is_read ),
         cmocka_unit_test( a_layer_is_there_after_a_step_and_lies_on_its_surface ),
         cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
         cmocka_unit_test( a_surface_without_a_layer_has_none ),

@@ -151,26 +151,15 @@ static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
     wisp_scene_release( &scene );
 }
 
-static void the_example_of_implicit_cloth_in_the_documentation_is_a_scene( void** state )
+static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
 {
     (void)state;
-    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
-    assert_non_null( file );
-    static char text[65536];
-    size_t size = fread( text, 1, sizeof text - 1, file );
-    fclose( file );
-    assert_true( size < sizeof text - 1 );
-    text[size] = 0;
-    char* begin = strstr( text, "## An example of implicit cloth" );
-    assert_non_null( begin );
-    begin = strstr( begin, "```yaml\n" );
-    assert_non_null( begin );
-    begin += strlen( "```yaml\n" );
-    char* end = strstr( begin, "```" );
-    assert_non_null( end );
-    *end = 0;
-
-    wisp_scene scene = parsed( begin );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
     assert_int_equal( scene.surface_count, 2 );
     assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
     assert_true( !scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
@@ -471,7 +460,7 @@ int main( void )
         cmocka_unit_test( every_key_of_an_implicit_cloth_reaches_its_place ),
         cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
         cmocka_unit_test( quad_links_are_taken_of_a_plane_and_of_its_instances ),
-        cmocka_unit_test( the_example_of_implicit_cloth_in_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_scene_with_every_key_of_implicit_cloth_is_read ),
         cmocka_unit_test( a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend ),
         cmocka_unit_test( pairs_of_a_grid_are_first_and_second_neighbours_each_once ),
         cmocka_unit_test( a_grid_that_is_no_grid_or_too_large_has_no_pairs ),

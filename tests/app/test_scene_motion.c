@@ -243,25 +243,15 @@ static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise
     wisp_scene_release( &scene );
 }
 
-static void the_example_of_motion_in_the_documentation_is_a_scene( void** state )
+static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
 {
     (void)state;
-    FILE* file = fopen( WISP_SOURCE_ROOT "/docs/scenes.md", "rb" );
-    assert_non_null( file );
-    static char text[65536];
-    size_t size = fread( text, 1, sizeof text - 1, file );
-    fclose( file );
-    text[size] = 0;
-    char* begin = strstr( text, "## An example of strands that move" );
-    assert_non_null( begin );
-    begin = strstr( begin, "```yaml\n" );
-    assert_non_null( begin );
-    begin += strlen( "```yaml\n" );
-    char* end = strstr( begin, "```" );
-    assert_non_null( end );
-    *end = 0;
-
-    wisp_scene scene = good( begin );
+    wisp_scene scene;
+    wisp_error error = { .status = WISP_OK };
+    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "refused: %s", error.sentence );
+    }
     assert_int_equal( scene.strands_count, 3 );
     assert_true( scene.strands[0].has_dynamics && scene.strands[0].has_head && scene.strands[0].has_grid );
     assert_true( scene.strands[1].has_ghosts && scene.strands[2].is_curves );
@@ -415,7 +405,7 @@ int main( void )
         cmocka_unit_test( the_script_is_for_strands_as_well_as_for_surfaces ),
         cmocka_unit_test( scattered_ghosts_follow_what_they_are_scattered_around ),
         cmocka_unit_test( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise ),
-        cmocka_unit_test( the_example_of_motion_in_the_documentation_is_a_scene ),
+        cmocka_unit_test( a_scene_with_every_key_of_moving_strands_is_read ),
         cmocka_unit_test( scattered_strands_are_their_targets_moved_across_the_root_within_the_radius ),
         cmocka_unit_test( scattering_more_strands_around_each_keeps_those_that_there_were ),
         cmocka_unit_test( scattering_too_many_strands_is_refused_before_memory_is_asked_for ),

@@ -1,0 +1,265 @@
+// The reference of all keys: it is what docs/scenes.md holds, it says everything about every key, and old names lead to new
+// ones that are in it.
+#define _XOPEN_SOURCE 700
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+#include "scene_keys.h"
+#include "scene_renamed.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
+
+// @return text for free()
+static char* read_all( FILE* file )
+{
+    const size_t room = 1 << 20;
+    char* text = malloc( room );
+    assert_non_null( text );
+    const size_t size = fread( text, 1, room - 1, file );
+    fclose( file );
+    assert_true( size < room - 1 );
+    text[size] = 0;
+    return text;
+}
+
+static char* keys_of( const char* block, int* count )
+{
+    FILE* file = tmpfile();
+    assert_non_null( file );
+    *count = wisp_scene_write_keys( file, block );
+    rewind( file );
+    return read_all( file );
+}
+
+static char* read_document( void )
+{
+    FILE* file = fopen( DOCUMENT, "rb" );
+    assert_non_null( file );
+    return read_all( file );
+}
+
+// ---- the document ----
+
+static void the_document_has_the_keys_of_the_tables( void** state )
+{
+    (void)state;
+    static const char begin_mark[] = "<!-- keys: begin -->\n", end_mark[] = "<!-- keys: end -->\n";
+    int count = 0;
+    char *document = read_document(), *keys = keys_of( NULL, &count );
+    char* begin = strstr( document, begin_mark );
+    assert_non_null( begin );
+    begin += strlen( begin_mark );
+    char* end = strstr( begin, end_mark );
+    assert_non_null( end );
+    *end = 0;
+    if ( strcmp( begin, keys ) != 0 )
+    {
+        fail_msg( "docs/scenes.md differs from the tables of the reader; run ./dev docs" );
+    }
+    free( keys );
+    free( document );
+}
+
+static void every_example_of_the_document_is_a_scene( void** state )
+{
+    (void)state;
+    static const char fence[] = "```yaml\n";
+    char* document = read_document();
+    int examples = 0;
+    for ( char* at = strstr( document, fence ); at; at = strstr( at, fence ) )
+    {
+        at += strlen( fence );
+        char* end = strstr( at, "```" );
+        assert_non_null( end );
+        wisp_scene scene;
+        wisp_error error = { .status = WISP_OK };
+        if ( wisp_scene_parse( at, (size_t)( end - at ), "example", &scene, &error ) != WISP_OK )
+        {
+            fail_msg( "example %d is refused: %s", examples, error.sentence );
+        }
+        wisp_scene_release( &scene );
+        ++examples;
+        at = end + 3;
+    }
+    assert_true( examples >= 5 );
+    free( document );
+}
+
+// ---- the text ----
+
+static void every_key_has_a_sentence( void** state )
+{
+    (void)state;
+    int count = 0, keys = 0;
+    char* text = keys_of( NULL, &count );
+    assert_true( count > 30 );
+    assert_null( strstr( text, "(null)" ) );
+    for ( char* line = strtok( text, "\n" ); line; line = strtok( NULL, "\n" ) )
+    {
+        if ( strncmp( line, "- `", 3 ) == 0 )
+        {
+            const char* sentence = strstr( line, "): " );
+            assert_non_null( sentence );
+            assert_true( line[strlen( line ) - 1] == '.' );
+            ++keys;
+        }
+    }
+    assert_true( keys > 250 );
+    free( text );
+}
+
+static void a_block_is_written_with_the_blocks_in_it( void** state )
+{
+    (void)state;
+    int count = 0;
+    char* text = keys_of( "frozen_hair", &count );
+    assert_int_equal( count, 4 );
+    assert_non_null( strstr( text, "### `strands[].frozen_hair`\n" ) );
+    assert_non_null( strstr( text, "### `strands[].frozen_hair.clump`\n" ) );
+    assert_null( strstr( text, "### `strands[]`\n" ) );
+    free( text );
+    text = keys_of( "surfaces.cloth", &count );
+    assert_int_equal( count, 1 );
+    free( text );
+    text = keys_of( "scene", &count );
+    assert_int_equal( count, 1 );
+    free( text );
+}
+
+static void an_unknown_block_writes_nothing( void** state )
+{
+    (void)state;
+    int count = 1;
+    char* text = keys_of( "clot", &count );
+    assert_int_equal( count, 0 );
+    assert_string_equal( text, "" );
+    free( text );
+}
+
+static void a_default_is_that_of_the_module( void** state )
+{
+    (void)state;
+    int count = 0;
+    char expected[100], *text = keys_of( "surfaces.balloon", &count );
+    snprintf( expected, sizeof expected, "- `edge_stiffness` (number, N/m, 1e-6 .. 1e12, default %g):",
+              (double)wisp_default_balloon_def().edge_stiffness );
+    assert_non_null( strstr( text, expected ) );
+    free( text );
+}
+
+// ---- old names ----
+
+// What a line of the reference starts with, where its section's last key is `where`, or anywhere.
+static bool is_there( const char* text, const char* where, const char* line )
+{
+    bool counts = !where;
+    for ( const char* at = text; at; at = strchr( at, '\n' ), at = at ? at + 1 : NULL )
+    {
+        if ( strncmp( at, "### ", 4 ) == 0 && where )
+        {
+            const size_t length = strcspn( at, "\n" ), size = strlen( where );
+            const char* end = at + length;
+            end -= end[-1] == '`';
+            end -= end[-1] == ']' ? 2 : 0;
+            counts = (size_t)( end - at ) > size && memcmp( end - size, where, size ) == 0;
+        }
+        if ( counts && strncmp( at, line, strlen( line ) ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void every_old_key_leads_to_a_key_that_is_read( void** state )
+{
+    (void)state;
+    int count = 0;
+    char* text = keys_of( NULL, &count );
+    for ( int i = 0; i < SCENE_RENAMED_KEY_COUNT; ++i )
+    {
+        const scene_renamed* row = &SCENE_RENAMED_KEYS[i];
+        char now[80], old[80];
+        snprintf( now, sizeof now, "- `%s`", row->now );
+        snprintf( old, sizeof old, "- `%s`", row->old );
+        if ( !is_there( text, row->where, now ) || ( row->where && is_there( text, row->where, old ) ) )
+        {
+            fail_msg( "%s -> %s", row->old, row->now );
+        }
+    }
+    free( text );
+}
+
+// Whether a key of that name, in any section, has the word.
+static bool has_word( const char* text, const char* key, const char* word )
+{
+    char key_line[80], word_line[80];
+    snprintf( key_line, sizeof key_line, "\n- `%s`", key );
+    snprintf( word_line, sizeof word_line, "\n  - `%s`", word );
+    const char* at = strstr( text, key_line );
+    bool found = false;
+    while ( at && !found )
+    {
+        const char *place = strstr( at, word_line ), *next = strstr( at + 1, "\n- `" );
+        found = place && ( !next || place < next );
+        at = strstr( at + 1, key_line );
+    }
+    return found;
+}
+
+static void every_old_word_leads_to_a_word_that_is_read( void** state )
+{
+    (void)state;
+    int count = 0;
+    char* text = keys_of( NULL, &count );
+    for ( int i = 0; i < SCENE_RENAMED_WORD_COUNT; ++i )
+    {
+        const scene_renamed* row = &SCENE_RENAMED_WORDS[i];
+        if ( !has_word( text, row->where, row->now ) )
+        {
+            fail_msg( "%s: %s -> %s", row->where, row->old, row->now );
+        }
+    }
+    free( text );
+}
+
+static void an_old_name_counts_only_where_the_new_one_is_known( void** state )
+{
+    (void)state;
+    static const char* const known[] = { "internal_damping", "wind" };
+    const char* now = scene_find_renamed_key( "surfaces[3].cloth", "damping", known, 2 );
+    assert_non_null( now );
+    assert_string_equal( now, "internal_damping" );
+    assert_null( scene_find_renamed_key( "surfaces[3].cloth", "damping", known + 1, 1 ) );
+    assert_null( scene_find_renamed_key( "surfaces[3].cloths", "damping", known, 2 ) );
+    assert_null( scene_find_renamed_key( "surfaces[3].cloth", "dampings", known, 2 ) );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_document_has_the_keys_of_the_tables ),
+        cmocka_unit_test( every_example_of_the_document_is_a_scene ),
+        cmocka_unit_test( every_key_has_a_sentence ),
+        cmocka_unit_test( a_block_is_written_with_the_blocks_in_it ),
+        cmocka_unit_test( an_unknown_block_writes_nothing ),
+        cmocka_unit_test( a_default_is_that_of_the_module ),
+        cmocka_unit_test( every_old_key_leads_to_a_key_that_is_read ),
+        cmocka_unit_test( every_old_word_leads_to_a_word_that_is_read ),
+        cmocka_unit_test( an_old_name_counts_only_where_the_new_one_is_known ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
