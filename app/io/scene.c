@@ -13,7 +13,7 @@ wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node,
     wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &command->strands );
     if ( !status && !r->scene->strands[command->strands].has_frozen_hair )
     {
-        return scene_refuse_node( r, node, "the strands '%s' have no key 'frozen_hair', which alone takes commands",
+        return scene_refuse_node( r, node, "got '%s', expected strands with the key 'frozen_hair'",
                                   r->scene->strands[command->strands].name );
     }
     return status;
@@ -36,8 +36,8 @@ static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_s
     wisp_status status = scene_read_block( r, node, &SCENE_COMMAND_BLOCK, command );
     if ( !status && command->step >= r->scene->steps )
     {
-        return scene_refuse_node( r, node, "step %d never comes: the scene has %d, counted from 0", command->step,
-                                  r->scene->steps );
+        return scene_refuse_node( r, node, "got step %d, expected a step below %d, the number of steps",
+                                  command->step, r->scene->steps );
     }
     return status;
 }
@@ -45,7 +45,7 @@ static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_s
 wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of commands" );
+    wisp_status status = scene_expect_list( r, node, "a list of hair events" );
     if ( status || node->count == 0 )
     {
         return status;
@@ -74,7 +74,7 @@ wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* 
         if ( c->step == before->step && c->strands == before->strands )
         {
             return scene_refuse( r->source, c->line, c->column, r->path,
-                                 "strands '%s' have a command for step %d already, in line %d",
+                                 "got a second entry of strands '%s' for step %d, the first is in line %d",
                                  scene->strands[c->strands].name, c->step, before->line );
         }
     }
@@ -130,7 +130,7 @@ wisp_status scene_read_output_file( scene_reader* r, const scene_node* node, voi
     wisp_status status = scene_read_text( r, node, &output->file );
     if ( !status && !ends_in( output->file, is_surface ? of_surfaces : of_strands ) )
     {
-        return scene_refuse_node( r, node, "'%s' must end in %s, which tells the format",
+        return scene_refuse_node( r, node, "got '%s', expected a file that ends in %s",
                                   scene_shorten( output->file ).text,
                                   is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
     }
@@ -145,8 +145,8 @@ static wisp_status read_output( scene_reader* r, const scene_node* node, wisp_sc
     {
         return scene_refuse_node( r, node,
                                   output->strands >= 0
-                                      ? "has both 'strands' and 'surface'; a file holds one of them"
-                                      : "has neither 'strands' nor 'surface'; one tells what is written" );
+                                      ? "got both 'strands' and 'surface', expected one of them"
+                                      : "got neither 'strands' nor 'surface', expected one of them" );
     }
     return status;
 }
@@ -220,8 +220,7 @@ wisp_status scene_read_version( scene_reader* r, const scene_node* node, void* b
     wisp_status status = scene_read_whole( r, node, &version, &value );
     if ( !status && value != WISP_SCENE_VERSION )
     {
-        return scene_refuse_node( r, node, "the scene has version %d, this program reads version %d", value,
-                                  WISP_SCENE_VERSION );
+        return scene_refuse_node( r, node, "got version %d, expected version %d", value, WISP_SCENE_VERSION );
     }
     return status;
 }

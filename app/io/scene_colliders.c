@@ -112,16 +112,13 @@ wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* 
         def->kinetic_friction = def->static_friction;
         return status;
     }
-    if ( node->count != 2 )
-    {
-        return scene_refuse_node( r, node, "must be a number, or a pair [static, kinetic]" );
-    }
+    wisp_status status = scene_expect_pair( r, node, "a number, or a pair [static, kinetic]" );
     const scene_node* first = scene_first( r->tree, node );
-    wisp_status status = scene_read_number( r, first, &field, &def->static_friction );
+    status = status ? status : scene_read_number( r, first, &field, &def->static_friction );
     status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &field, &def->kinetic_friction );
     if ( !status && def->kinetic_friction > def->static_friction )
     {
-        return scene_refuse_node( r, node, "kinetic friction %g is above static friction %g",
+        return scene_refuse_node( r, node, "got kinetic friction %g, expected at most static friction, %g",
                                   (double)def->kinetic_friction, (double)def->static_friction );
     }
     return status;
@@ -163,14 +160,14 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     status = status ? status : scene_read_block( r, node, &SCENE_COLLIDER_BLOCKS[kind], collider );
     if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_made )
     {
-        return scene_refuse_node( r, node, "has %s; a mesh is read or generated",
+        return scene_refuse_node( r, node, "got %s, expected one of them",
                                   collider->mesh.is_made ? "both 'file' and 'generate'"
                                                          : "neither 'file' nor 'generate'" );
     }
     const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
     if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )
     {
-        return scene_refuse_node( r, size, "'voxel_size' is of a mesh with 'search: voxels'" );
+        return scene_refuse_node( r, size, "'voxel_size' needs 'search: voxels'" );
     }
     return status;
 }

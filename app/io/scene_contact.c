@@ -64,12 +64,12 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
         const scene_node* child = scene_child( r, block, screen_keys[i] );
         if ( child )
         {
-            return scene_refuse_node( r, child, "boundary.%s is of a layer with 'by_screen: true'", screen_keys[i] );
+            return scene_refuse_node( r, child, "boundary.%s needs 'by_screen: true'", screen_keys[i] );
         }
     }
     if ( b->most_spacing > 0.0f && b->least_spacing > b->most_spacing )
     {
-        return scene_refuse_node( r, node, "boundary.min_spacing is %g, above boundary.max_spacing, which is %g",
+        return scene_refuse_node( r, node, "got boundary.min_spacing %g, expected at most boundary.max_spacing, %g",
                                   (double)b->least_spacing, (double)b->most_spacing );
     }
     return WISP_OK;
@@ -193,9 +193,9 @@ static wisp_status check_features( scene_reader* r, const scene_node* node, cons
     const bool exact = settings->features == WISP_CONTACT_EXACT;
     const char* const key = exact ? "particle_spacing" : "displacement_limit";
     const scene_node* child = scene_child( r, node, key );
-    return child ? scene_refuse_node( r, child, "'%s' is of contact with 'primitives: %s'", key,
-                                      exact ? "particles" : "triangles" )
-                 : WISP_OK;
+    return child
+               ? scene_refuse_node( r, child, "'%s' needs 'primitives: %s'", key, exact ? "particles" : "triangles" )
+               : WISP_OK;
 }
 
 wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* at )

@@ -88,8 +88,9 @@ wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom
     }
     if ( samples > WISP_GROOM_MADE_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "curves with %d samples a segment have %lld points, more than %d",
-                          def->samples, (long long)samples, WISP_GROOM_MADE_CAP );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "curves with %d samples per segment have %lld points, expected at most %d", def->samples,
+                          (long long)samples, WISP_GROOM_MADE_CAP );
     }
     wisp_status status = groom_allocate( out, source->strand_count, (int)samples, 0, "curves", error );
     if ( status != WISP_OK )

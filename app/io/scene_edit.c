@@ -128,12 +128,10 @@ static wisp_status refuse_edit( const editor* e, const scene_node* node, const w
     if ( takes_out( edit ) )
     {
         return scene_refuse( &e->source, line, column, "",
-                             "'%s' cannot be taken out here without writing the file anew; take it out by hand",
-                             edit->key );
+                             "'%s' cannot be removed here automatically; remove it by hand", edit->key );
     }
-    return scene_refuse( &e->source, line, column, "",
-                         "'%s' cannot be set to %s here without writing the file anew; set it by hand", edit->key,
-                         edit->value );
+    return scene_refuse( &e->source, line, column, "", "'%s' cannot be set to %s here automatically; set it by hand",
+                         edit->key, edit->value );
 }
 
 // ---- patches ----
@@ -403,7 +401,7 @@ static wisp_status check_apart( const editor* e )
     {
         if ( e->patches[i - 1].at + e->patches[i - 1].removed > e->patches[i].at )
         {
-            return scene_refuse( &e->source, 0, 0, "", "two changes meet at one place; make them by hand" );
+            return scene_refuse( &e->source, 0, 0, "", "two changes are at the same place; make them by hand" );
         }
     }
     return WISP_OK;

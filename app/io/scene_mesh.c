@@ -194,19 +194,19 @@ static wisp_status check_recipe( scene_reader* r, const scene_node* node, const 
     int64_t count = scene_recipe_vertices( recipe );
     if ( count > WISP_SCENE_MAX_VERTICES )
     {
-        return scene_refuse_node( r, node, "has %lld vertices, at most %d are made", (long long)count,
+        return scene_refuse_node( r, node, "got %lld vertices, expected at most %d", (long long)count,
                                   WISP_SCENE_MAX_VERTICES );
     }
     if ( recipe->shape == WISP_MESH_TORUS && !( recipe->tube_radius < recipe->radius ) )
     {
-        return scene_refuse_node( r, node, "tube_radius %g is not below radius %g", (double)recipe->tube_radius,
-                                  (double)recipe->radius );
+        return scene_refuse_node( r, node, "got tube_radius %g, expected less than radius, %g",
+                                  (double)recipe->tube_radius, (double)recipe->radius );
     }
     bool is_delaunay = recipe->shape == WISP_MESH_DELAUNAY || recipe->shape == WISP_MESH_GARMENT;
     // As the maker asks it, in the same arithmetic.
     if ( is_delaunay && !( recipe->depth >= recipe->width / 1e3f && recipe->depth <= recipe->width * 1e3f ) )
     {
-        return scene_refuse_node( r, node, "depth %g is not within a thousandth and a thousand times of width %g",
+        return scene_refuse_node( r, node, "got depth %g, expected a thousandth to a thousand times width, %g",
                                   (double)recipe->depth, (double)recipe->width );
     }
     int64_t grid = (int64_t)recipe->columns * recipe->rows;
@@ -214,7 +214,7 @@ static wisp_status check_recipe( scene_reader* r, const scene_node* node, const 
          ( recipe->vertex_count / recipe->rows < 2 || recipe->vertex_count > 2 * grid ||
            2 * (int64_t)recipe->vertex_count < grid ) )
     {
-        return scene_refuse_node( r, node, "%d vertices are not within half and twice of %d columns times %d rows",
+        return scene_refuse_node( r, node, "got %d vertices, expected half to twice of %d columns times %d rows",
                                   recipe->vertex_count, recipe->columns, recipe->rows );
     }
     return WISP_OK;
@@ -358,7 +358,7 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
     if ( turn.has_axis == turn.is_list )
     {
         return scene_refuse_node( r, node,
-                                  turn.has_axis ? "has an axis and three angles; an axis takes one angle"
+                                  turn.has_axis ? "got an axis and three angles, expected one angle"
                                                 : "one angle needs the key 'axis'" );
     }
     wisp_quat* out = at;
@@ -372,7 +372,7 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
     }
     if ( !( fabsf( turn.axis.x ) + fabsf( turn.axis.y ) + fabsf( turn.axis.z ) >= 1e-6f ) )
     {
-        return scene_refuse_node( r, node, "the axis has no direction" );
+        return scene_refuse_node( r, node, "the axis is zero" );
     }
     *out = turn_about( turn.axis, turn.degrees.x );
     return WISP_OK;
@@ -422,7 +422,7 @@ static wisp_status read_path( scene_reader* r, const scene_node* node, const sce
         status = scene_read_block( r, item, block, &poses[i] );
         if ( !status && i > 0 && !( poses[i].time > poses[i - 1].time ) )
         {
-            return scene_refuse_node( r, item, "time %g does not come after the one before, %g",
+            return scene_refuse_node( r, item, "got time %g, expected more than the time before, %g",
                                       (double)poses[i].time, (double)poses[i - 1].time );
         }
         if ( !status )

@@ -20,8 +20,8 @@ static wisp_status read_pin( scene_reader* r, const scene_node* node, const wisp
     wisp_status status = scene_read_whole( r, node, &field, &vertex );
     if ( !status && strands->is_made && vertex >= made_vertices( strands ) )
     {
-        return scene_refuse_node( r, node, "there is no vertex %d: %lld are made, counted from 0", vertex,
-                                  (long long)made_vertices( strands ) );
+        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex,
+                                  (long long)( made_vertices( strands ) - 1 ) );
     }
     *out = vertex;
     return status;
@@ -55,10 +55,10 @@ wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, v
     wisp_scene_strands* strands = at;
     void* items;
     wisp_status status =
-        scene_begin_list( r, node, "a list of masses, one a vertex", SCENE_MAX_NODES, sizeof( float ), &items );
+        scene_begin_list( r, node, "a list of masses, one per vertex", SCENE_MAX_NODES, sizeof( float ), &items );
     if ( !status && ( !items || ( strands->is_made && node->count != made_vertices( strands ) ) ) )
     {
-        return scene_refuse_node( r, node, "the list has %d masses; it takes one a vertex", node->count );
+        return scene_refuse_node( r, node, "got %d masses, expected one per vertex", node->count );
     }
     float* masses = items;
     int i = 0;
@@ -83,7 +83,7 @@ wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void*
     wisp_status status = scene_read_positions( r, node, straight, &strands->head );
     if ( !status && strands->head.count == 0 )
     {
-        return scene_refuse_node( r, node, "the list is empty; a head that stands still has no key 'head'" );
+        return scene_refuse_node( r, node, "got an empty list, expected keyframes" );
     }
     return status;
 }
@@ -95,13 +95,13 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     int sources = ( s->file != NULL ) + s->is_made + s->is_scattered + s->is_curves;
     if ( sources == 0 )
     {
-        return scene_refuse_node(
-            r, node,
-            "has none of 'file', 'generate', 'scatter' and 'curves'; one tells where the strands come from" );
+        return scene_refuse_node( r, node,
+                                  "got none of 'file', 'generate', 'scatter' and 'curves', expected one of them" );
     }
     if ( sources > 1 )
     {
-        return scene_refuse_node( r, node, "has more than one of 'file', 'generate', 'scatter' and 'curves'" );
+        return scene_refuse_node(
+            r, node, "got more than one of 'file', 'generate', 'scatter' and 'curves', expected one of them" );
     }
     return WISP_OK;
 }
@@ -116,7 +116,7 @@ static wisp_status check_curves( scene_reader* r, const scene_node* node )
         const scene_node* child = scene_child( r, node, keys[i] );
         if ( child )
         {
-            return scene_refuse_node( r, child, "curves follow other strands and take no key '%s'", keys[i] );
+            return scene_refuse_node( r, child, "'%s' is not possible with 'curves'", keys[i] );
         }
     }
     return WISP_OK;
@@ -126,21 +126,21 @@ static wisp_status check_dynamics( scene_reader* r, const scene_node* node, cons
 {
     if ( s->has_ghosts )
     {
-        return scene_refuse_node( r, node,
-                                  "has both 'dynamics' and 'ghosts'; ghosts follow and do not move by themselves" );
+        return scene_refuse_node( r, node, "got both 'dynamics' and 'ghosts', expected one of them" );
     }
     if ( s->has_frozen_hair )
     {
         return scene_refuse_node(
-            r, node, "has both 'dynamics' and 'frozen_hair'; strands that move wear it on ghosts that follow them" );
+            r, node, "got both 'dynamics' and 'frozen_hair', expected one of them; ghosts can have 'frozen_hair'" );
     }
     if ( s->mass_count > 0 && s->dynamics.vertex_mass > 0.0f )
     {
-        return scene_refuse_node( r, node, "has both dynamics.vertex_mass and dynamics.vertex_masses" );
+        return scene_refuse_node( r, node,
+                                  "got both dynamics.vertex_mass and dynamics.vertex_masses, expected one of them" );
     }
     if ( s->has_head && scene_child( r, node, "on_surface" ) )
     {
-        return scene_refuse_node( r, node, "has both 'head' and 'on_surface'; roots go with one of them" );
+        return scene_refuse_node( r, node, "got both 'head' and 'on_surface', expected one of them" );
     }
     return WISP_OK;
 }
@@ -155,8 +155,7 @@ static wisp_status check_still( scene_reader* r, const scene_node* node, const w
         const bool follows = s->has_ghosts && strcmp( keys[i], "collision" ) == 0;
         if ( child && !follows )
         {
-            return scene_refuse_node( r, child, "'%s' is of strands that move, but these have no key 'dynamics'",
-                                      keys[i] );
+            return scene_refuse_node( r, child, "'%s' needs the key 'dynamics'", keys[i] );
         }
     }
     return WISP_OK;
@@ -172,13 +171,12 @@ wisp_status scene_check_strands( scene_reader* r, const scene_node* node, const 
     const scene_node* transform = s->is_scattered ? scene_child( r, node, "transform" ) : NULL;
     if ( !status && transform )
     {
-        return scene_refuse_node( r, transform, "scattered strands stand around others and take no key 'transform'" );
+        return scene_refuse_node( r, transform, "'transform' is not possible with 'scatter'" );
     }
     if ( !status && s->has_ghosts && !s->is_scattered &&
          !scene_child( r, scene_child( r, node, "ghosts" ), "targets" ) )
     {
-        return scene_refuse_node( r, node,
-                                  "ghosts.targets is missing, and there is no 'scatter' that could tell them" );
+        return scene_refuse_node( r, node, "got neither ghosts.targets nor 'scatter', expected one of them" );
     }
     return status ? status : s->has_dynamics ? check_dynamics( r, node, s ) : check_still( r, node, s );
 }
@@ -214,16 +212,16 @@ static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i
     const wisp_scene_strands* source = &r->scene->strands[s->scatter.around];
     if ( s->scatter.around >= i )
     {
-        return scene_refuse_node( r, node, "'%s' is not above this entry in the list", source->name );
+        return scene_refuse_node( r, node, "got '%s', expected an entry above this one", source->name );
     }
     if ( source->is_scattered || source->is_curves )
     {
-        return scene_refuse_node( r, node, "'%s' are neither read nor made", source->name );
+        return scene_refuse_node( r, node, "got '%s', expected strands with 'file' or 'generate'", source->name );
     }
     int64_t made = source->is_made ? made_vertices( source ) * s->scatter.count : 0;
     return made <= WISP_GROOM_MADE_CAP
                ? WISP_OK
-               : scene_refuse_node( r, node, "%d strands around each of '%s' are %lld vertices, more than %d",
+               : scene_refuse_node( r, node, "%d strands around each of '%s' have %lld vertices, expected at most %d",
                                     s->scatter.count, source->name, (long long)made, WISP_GROOM_MADE_CAP );
 }
 
@@ -239,7 +237,7 @@ static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i 
     wisp_scene_strands* source = &r->scene->strands[s->curves_of];
     if ( source->is_curves )
     {
-        return scene_refuse_node( r, node, "'%s' are curves themselves", source->name );
+        return scene_refuse_node( r, node, "got '%s', expected strands that are not curves", source->name );
     }
     source->is_shown = source->has_show && source->is_shown;
     return WISP_OK;
@@ -256,8 +254,7 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i 
     const scene_node* fed = scene_child( r, scene_child( r, entry, "ghosts" ), "feedback" );
     if ( s->ghosts.feedback && ( s->ghosts.frame != WISP_GHOST_FRAME_OFF || s->ghosts.target_count != 1 ) )
     {
-        return scene_refuse_node( r, fed,
-                                  "feedback integrates places; it needs 'frame: off' and one target a ghost" );
+        return scene_refuse_node( r, fed, "'feedback' needs 'frame: off' and 'target_count: 1'" );
     }
     const scene_node* node = enter( r, entry, "ghosts", "targets" );
     s->targets = s->scatter.around;
@@ -269,8 +266,8 @@ static wisp_status bind_ghosts( scene_reader* r, const scene_node* entry, int i 
     wisp_scene_strands* targets = &r->scene->strands[s->targets];
     if ( !targets->has_dynamics )
     {
-        return scene_refuse_node( r, node ? node : entry,
-                                  "ghosts follow strands that move, but '%s' have no key 'dynamics'", targets->name );
+        return scene_refuse_node( r, node ? node : entry, "got '%s', expected strands with the key 'dynamics'",
+                                  targets->name );
     }
     targets->is_shown = targets->has_show && targets->is_shown;
     return WISP_OK;

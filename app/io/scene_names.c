@@ -140,7 +140,7 @@ wisp_status scene_begin_list( scene_reader* r, const scene_node* node, const cha
     }
     if ( node->count > most )
     {
-        return scene_refuse_node( r, node, "has %d entries, at most %d are read", node->count, most );
+        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count, most );
     }
     *items = scene_take( r->scene, (size_t)node->count, size );
     return *items ? WISP_OK : scene_no_memory( r );

@@ -106,7 +106,7 @@ wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const sc
     }
     if ( node->count != 3 )
     {
-        return scene_refuse_node( r, node, "must be a list of three numbers, not of %d", node->count );
+        return scene_refuse_node( r, node, "got a list of %d, expected a list of three numbers", node->count );
     }
     float parts[3];
     const scene_node* part = scene_first( r->tree, node );
@@ -131,16 +131,16 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     char* base = (char*)strands;
     if ( node->kind != SCENE_LIST )
     {
-        return node->kind == SCENE_MAP ? scene_refuse_kind( r, node, "a number, or a list with one a strand" )
+        return node->kind == SCENE_MAP ? scene_refuse_kind( r, node, "a number, or a list with one per strand" )
                                        : scene_read_number( r, node, field, (float*)(void*)( base + field->at ) );
     }
     if ( node->count == 0 )
     {
-        return scene_refuse_node( r, node, "the list is empty; it takes one number a strand" );
+        return scene_refuse_node( r, node, "got an empty list, expected one number per strand" );
     }
     if ( strands->is_made && node->count != strands->recipe.strand_count )
     {
-        return scene_refuse_node( r, node, "the list has %d numbers, but %d strands are made", node->count,
+        return scene_refuse_node( r, node, "got %d numbers, expected %d, one per strand", node->count,
                                   strands->recipe.strand_count );
     }
     float* values = scene_take( r->scene, (size_t)node->count, sizeof *values );
@@ -285,7 +285,7 @@ static wisp_status refuse_unknown( const scene_reader* r, const scene_node* node
     }
     else
     {
-        snprintf( message, sizeof message, "unknown key '%s', known are %s", scene_shorten( key ).text, list );
+        snprintf( message, sizeof message, "unknown key '%s', expected one of %s", scene_shorten( key ).text, list );
     }
     return scene_refuse( r->source, node->key_line, node->key_column, r->path, "%s", message );
 }

@@ -133,5 +133,8 @@ wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char
 /// Three numbers, each as the field says.
 wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out );
 
-/// Say that a value is of the wrong kind. @param wanted such as "a number"
+/// Make sure that a value is a list of two. @param wanted such as "a pair [time, gas_ratio]"
+wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* wanted );
+
+/// Refuse a value of the wrong kind. @param wanted such as "a number"
 wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted );

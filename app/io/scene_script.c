@@ -27,13 +27,13 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
     if ( read->has_step == read->has_time )
     {
         return scene_refuse_node( r, node,
-                                  read->has_step ? "has both 'step' and 'time'"
-                                                 : "has neither 'step' nor 'time'; one tells when it happens" );
+                                  read->has_step ? "got both 'step' and 'time', expected one of them"
+                                                 : "got neither 'step' nor 'time', expected one of them" );
     }
     double step = read->has_step ? (double)read->event.step : step_of( r->scene, read->time );
     if ( !( step < (double)r->scene->steps ) )
     {
-        return scene_refuse_node( r, node, "step %.0f never comes: the scene has %d, counted from 0", step,
+        return scene_refuse_node( r, node, "got step %.0f, expected a step below %d, the number of steps", step,
                                   r->scene->steps );
     }
     read->event.step = (int)step;
@@ -51,7 +51,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
                                               : NULL;
     if ( key && !s->has_balloon )
     {
-        return scene_refuse_node( r, node, "'%s' is a balloon's, but the surface '%s' has no key 'balloon'", key,
+        return scene_refuse_node( r, node, "'%s' needs a balloon, but the surface '%s' has no key 'balloon'", key,
                                   s->name );
     }
     if ( e->has_open && s->balloon.outlet_count == 0 && !s->has_outlet_nearest )
@@ -60,7 +60,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     }
     if ( e->has_fill && e->fill < s->balloon.least_fill )
     {
-        return scene_refuse_node( r, node, "gas_ratio %g is below the min_gas_ratio of '%s', which is %g",
+        return scene_refuse_node( r, node, "got gas_ratio %g, expected at least min_gas_ratio of '%s', %g",
                                   (double)e->fill, s->name, (double)s->balloon.least_fill );
     }
     // Keyframes would overwrite it before anything was seen of it.
@@ -81,16 +81,16 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
     if ( e->has_fill || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
          e->release )
     {
-        return scene_refuse_node( r, node, "strands take 'wind' alone" );
+        return scene_refuse_node( r, node, "strands take only 'wind'" );
     }
     if ( !e->has_wind )
     {
-        return scene_refuse_node( r, node, "does nothing: it has no wind" );
+        return scene_refuse_node( r, node, "got no change, expected 'wind'" );
     }
     return s->has_dynamics && s->dynamics.drag > 0.0f
                ? WISP_OK
-               : scene_refuse_node( r, node, "wind needs air: the strands '%s' have no dynamics.drag_coefficient",
-                                    s->name );
+               : scene_refuse_node(
+                     r, node, "'wind' needs drag, but the strands '%s' have no dynamics.drag_coefficient", s->name );
 }
 
 static wisp_status check_event( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
@@ -98,8 +98,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     if ( ( e->strands >= 0 ) == ( e->surface >= 0 ) )
     {
         return scene_refuse_node( r, node,
-                                  e->strands >= 0 ? "has both 'strands' and 'surface'; an entry is for one of them"
-                                                  : "has neither 'strands' nor 'surface'; one tells what it is for" );
+                                  e->strands >= 0 ? "got both 'strands' and 'surface', expected one of them"
+                                                  : "got neither 'strands' nor 'surface', expected one of them" );
     }
     if ( e->strands >= 0 )
     {
@@ -109,16 +109,16 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     if ( !( e->has_fill || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
             e->has_angular_velocity || e->release ) )
     {
-        return scene_refuse_node(
-            r, node,
-            "does nothing: it has none of gas_ratio, inflation_rate, outlet_open, wind, velocity, "
-            "angular_velocity and release: true" );
+        return scene_refuse_node( r, node,
+                                  "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
+                                  "velocity, angular_velocity and release: true" );
     }
     if ( e->has_wind && !( s->has_cloth && ( s->cloth.drag > 0.0f || s->cloth.lift > 0.0f ) ) )
     {
-        return scene_refuse_node(
-            r, node, "wind needs air: the surface '%s' has no cloth.drag_coefficient and no cloth.lift_coefficient",
-            s->name );
+        return scene_refuse_node( r, node,
+                                  "'wind' needs drag or lift, but the surface '%s' has no cloth.drag_coefficient and "
+                                  "no cloth.lift_coefficient",
+                                  s->name );
     }
     if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
     {
@@ -149,10 +149,10 @@ static wisp_status refuse_equal_events( scene_reader* r )
         if ( e->step == before->step && e->strands == before->strands && e->surface == before->surface )
         {
             return scene_refuse( r->source, e->line, e->column, r->path,
-                                 "the %s '%s' %s an entry for step %d already, in line %d",
+                                 "got a second entry of %s '%s' for step %d, the first is in line %d",
                                  e->strands >= 0 ? "strands" : "surface",
                                  e->strands >= 0 ? scene->strands[e->strands].name : scene->surfaces[e->surface].name,
-                                 e->strands >= 0 ? "have" : "has", e->step, before->line );
+                                 e->step, before->line );
         }
     }
     return WISP_OK;

@@ -26,7 +26,7 @@ wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
     wisp_status status = scene_read_text( r, node, &name );
     if ( !status && !is_name( name ) )
     {
-        return scene_refuse_node( r, node, "'%s' is not a name: 1 to %d of the characters A-Z a-z 0-9 _ -",
+        return scene_refuse_node( r, node, "got '%s', expected 1 to %d of the characters A-Z a-z 0-9 _ -",
                                   scene_shorten( name ).text, WISP_SCENE_MAX_NAME );
     }
     *(const char**)at = name;
@@ -75,7 +75,7 @@ wisp_status scene_read_make( scene_reader* r, const scene_node* node, void* base
 
     if ( !status && (int64_t)recipe->strand_count * recipe->vertices_per_strand > WISP_GROOM_MADE_CAP )
     {
-        return scene_refuse_node( r, node, "%d strands of %d vertices are more than %d vertices",
+        return scene_refuse_node( r, node, "got %d strands of %d vertices, expected at most %d vertices in all",
                                   recipe->strand_count, recipe->vertices_per_strand, WISP_GROOM_MADE_CAP );
     }
     return status;
@@ -87,12 +87,9 @@ static wisp_status read_control_point( scene_reader* r, const scene_node* node, 
 {
     static const scene_field ice = { "ice", SCENE_NUMBER, .range = { 0, 1 } };
     static const scene_field stiffness = { "stiffness", SCENE_NUMBER, .range = { 1e-3, 1e12 } };
-    if ( node->kind != SCENE_LIST || node->count != 2 )
-    {
-        return scene_refuse_node( r, node, "must be a pair [ice, stiffness]" );
-    }
+    wisp_status status = scene_expect_pair( r, node, "a pair [ice, stiffness]" );
     const scene_node* first = scene_first( r->tree, node );
-    wisp_status status = scene_read_number( r, first, &ice, &climate->ice[i] );
+    status = status ? status : scene_read_number( r, first, &ice, &climate->ice[i] );
     if ( !status )
     {
         status = scene_read_number( r, scene_next( r->tree, first ), &stiffness, &climate->stiffness[i] );
@@ -135,7 +132,7 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
     }
     if ( node->count < 2 || node->count > WISP_CLIMATE_MAX_POINTS )
     {
-        return scene_refuse_node( r, node, "must have 2 to %d points, not %d", WISP_CLIMATE_MAX_POINTS, node->count );
+        return scene_refuse_node( r, node, "got %d points, expected 2 to %d", node->count, WISP_CLIMATE_MAX_POINTS );
     }
     climate->point_count = node->count;
     const scene_node* point = scene_first( r->tree, node );
@@ -149,7 +146,7 @@ wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* bas
         }
         if ( i > 0 && turns_back( climate, i ) )
         {
-            return scene_refuse_node( r, point, "stiffness turns back; it must rise or fall throughout" );
+            return scene_refuse_node( r, point, "stiffness must rise or fall throughout" );
         }
         scene_leave( r, outside );
     }
@@ -194,21 +191,16 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
         }
         if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_look )
         {
-            return scene_refuse_node( r, item,
-                                      "'%s' comes from the appearance, but these strands have no key 'appearance'",
-                                      SCENE_STRANDS_WORDS[word].word );
+            return scene_refuse_node( r, item, "'%s' needs the key 'appearance'", SCENE_STRANDS_WORDS[word].word );
         }
         const bool moves = s->has_dynamics || ( word >= OF_COLLISION && s->has_ghosts );
         if ( !status && word >= OF_DYNAMICS && !moves )
         {
-            return scene_refuse_node( r, item, "'%s' is of strands that move, but these have no key 'dynamics'",
-                                      SCENE_STRANDS_WORDS[word].word );
+            return scene_refuse_node( r, item, "'%s' needs the key 'dynamics'", SCENE_STRANDS_WORDS[word].word );
         }
         if ( !status && word >= OF_COLLISION && !s->has_collision )
         {
-            return scene_refuse_node( r, item,
-                                      "'%s' come from a collision, but these strands have no key 'collision'",
-                                      SCENE_STRANDS_WORDS[word].word );
+            return scene_refuse_node( r, item, "'%s' needs the key 'collision'", SCENE_STRANDS_WORDS[word].word );
         }
         if ( !status )
         {
@@ -272,7 +264,7 @@ wisp_status scene_read_strands( scene_reader* r, const scene_node* node, void* b
     }
     if ( node->count > WISP_SCENE_MAX_STRANDS )
     {
-        return scene_refuse_node( r, node, "has %d entries, at most %d are read", node->count,
+        return scene_refuse_node( r, node, "got %d entries, expected at most %d", node->count,
                                   WISP_SCENE_MAX_STRANDS );
     }
     scene->strands = scene_take( scene, (size_t)node->count, sizeof *scene->strands );

@@ -19,8 +19,7 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, const w
     int64_t count = scene_recipe_vertices( &surface->mesh.recipe );
     if ( !status && surface->mesh.is_made && vertex >= count )
     {
-        return scene_refuse_node( r, node, "there is no vertex %d: %lld are made, counted from 0", vertex,
-                                  (long long)count );
+        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
     }
     *out = vertex;
     return status;
@@ -85,7 +84,7 @@ static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene
     wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
     if ( !status && ( box->low.x > box->high.x || box->low.y > box->high.y || box->low.z > box->high.z ) )
     {
-        return scene_refuse_node( r, node, "a corner of 'min' is above that of 'max', so the box is empty" );
+        return scene_refuse_node( r, node, "got an empty box, expected 'min' below 'max'" );
     }
     return status;
 }
@@ -127,12 +126,9 @@ wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, vo
     static const scene_field least = { "least", SCENE_NUMBER, .range = UNIT_RANGE };
     static const scene_field most = { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) };
     float* limit = at;
-    if ( node->kind != SCENE_LIST || node->count != 2 )
-    {
-        return scene_refuse_node( r, node, "must be a pair [least, most] of shares of the rest length" );
-    }
+    wisp_status status = scene_expect_pair( r, node, "a pair [min, max] in rest lengths" );
     const scene_node* first = scene_first( r->tree, node );
-    wisp_status status = scene_read_number( r, first, &least, &limit[0] );
+    status = status ? status : scene_read_number( r, first, &least, &limit[0] );
     return status ? status : scene_read_number( r, scene_next( r->tree, first ), &most, &limit[1] );
 }
 
@@ -143,7 +139,7 @@ wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void*
     wisp_status status = scene_read_whole( r, node, &field, size );
     if ( !status && *size != 0 && ( *size < 64 || *size % 8 != 0 ) )
     {
-        return scene_refuse_node( r, node, "%d is not a tile size: 0, or a multiple of 8 in [64, 65536]", *size );
+        return scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
     }
     return status;
 }
@@ -154,8 +150,8 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     wisp_status status = scene_expect_list( r, node, "a list of vertices" );
     if ( !status && ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET ) )
     {
-        return scene_refuse_node( r, node, "must have 1 to %d vertices, not %d", WISP_BALLOON_MAX_OUTLET,
-                                  node->count );
+        return scene_refuse_node( r, node, "got %d vertices, expected 1 to %d", node->count,
+                                  WISP_BALLOON_MAX_OUTLET );
     }
     if ( !status )
     {
@@ -170,16 +166,13 @@ static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scen
 {
     static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
     static const scene_field share = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
-    if ( node->kind != SCENE_LIST || node->count != 2 )
-    {
-        return scene_refuse_node( r, node, "must be a pair [time, gas_ratio]" );
-    }
+    wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
     const scene_node* first = scene_first( r->tree, node );
-    wisp_status status = scene_read_number( r, first, &time, &fill->time );
+    status = status ? status : scene_read_number( r, first, &time, &fill->time );
     status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &share, &fill->fill );
     if ( !status && before && !( fill->time > before->time ) )
     {
-        return scene_refuse_node( r, first, "time %g does not come after the one before, %g", (double)fill->time,
+        return scene_refuse_node( r, first, "got time %g, expected more than the time before, %g", (double)fill->time,
                                   (double)before->time );
     }
     return status;
@@ -264,13 +257,11 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
         }
         if ( !status && wants[word] == &s->want_figures && !s->has_balloon && !s->has_implicit )
         {
-            return scene_refuse_node(
-                r, item, "'effect_stats' need the key 'balloon' or 'implicit', but this surface has none of them" );
+            return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
         }
         if ( !status && wants[word] == &s->want_contacts && !s->has_collision )
         {
-            return scene_refuse_node(
-                r, item, "'collision_stats' come from a collision, but this surface has no key 'collision'" );
+            return scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" );
         }
         if ( !status )
         {
@@ -291,25 +282,24 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_made + instance;
     if ( sources == 0 )
     {
-        return scene_refuse_node(
-            r, node, "has none of 'file', 'generate' and 'instance_of'; one tells where the mesh comes from" );
+        return scene_refuse_node( r, node, "got none of 'file', 'generate' and 'instance_of', expected one of them" );
     }
     if ( sources > 1 )
     {
-        return scene_refuse_node( r, node, "has more than one of 'file', 'generate' and 'instance_of'" );
+        return scene_refuse_node( r, node,
+                                  "got more than one of 'file', 'generate' and 'instance_of', expected one of them" );
     }
     for ( int i = 0; instance && i < WISP_COUNT( fabric_keys ); ++i )
     {
         const scene_node* child = scene_child( r, node, fabric_keys[i] );
         if ( child )
         {
-            return scene_refuse_node(
-                r, child, "an instance has the fabric of its source, and no key '%s' of its own", fabric_keys[i] );
+            return scene_refuse_node( r, child, "'%s' is not possible with 'instance_of'", fabric_keys[i] );
         }
     }
     const scene_node* transform = scene_child( r, node, "transform" );
     const scene_node* scale = instance && transform ? scene_child( r, transform, "scale" ) : NULL;
-    return scale ? scene_refuse_node( r, scale, "an instance has the size of its source" ) : WISP_OK;
+    return scale ? scene_refuse_node( r, scale, "'scale' is not possible with 'instance_of'" ) : WISP_OK;
 }
 
 static wisp_status check_cloth( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
@@ -318,7 +308,7 @@ static wisp_status check_cloth( scene_reader* r, const scene_node* node, const w
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     if ( !( fabsf( warp.x ) + fabsf( warp.y ) + fabsf( warp.z ) >= 1e-5f ) )
     {
-        return scene_refuse_node( r, node, "cloth.warp has no direction" );
+        return scene_refuse_node( r, node, "cloth.warp is zero" );
     }
     if ( s->cloth.level_passes > 0 && s->levels == 0 && !instance )
     {
@@ -326,8 +316,7 @@ static wisp_status check_cloth( scene_reader* r, const scene_node* node, const w
     }
     if ( s->levels > 0 && s->cloth.level_passes == 0 )
     {
-        return scene_refuse_node( r, node, "'levels' is %d, but nothing uses them: cloth.level_passes is 0",
-                                  s->levels );
+        return scene_refuse_node( r, node, "'levels' is %d, but cloth.level_passes is 0", s->levels );
     }
     return WISP_OK;
 }
@@ -337,7 +326,8 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
     const wisp_balloon_def* b = &s->balloon;
     if ( b->outlet_count > 0 && s->has_outlet_nearest )
     {
-        return scene_refuse_node( r, node, "has both balloon.outlet and balloon.outlet_nearest" );
+        return scene_refuse_node( r, node,
+                                  "got both balloon.outlet and balloon.outlet_nearest, expected one of them" );
     }
     if ( b->outlet_open && b->outlet_count == 0 && !s->has_outlet_nearest )
     {
@@ -349,7 +339,7 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
     }
     if ( b->fill < b->least_fill )
     {
-        return scene_refuse_node( r, node, "balloon.gas_ratio is %g, below balloon.min_gas_ratio, which is %g",
+        return scene_refuse_node( r, node, "got balloon.gas_ratio %g, expected at least balloon.min_gas_ratio, %g",
                                   (double)b->fill, (double)b->least_fill );
     }
     for ( int i = 0; i < s->fill_path_count; ++i )
@@ -357,8 +347,8 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
         if ( s->fill_path[i].fill < b->least_fill )
         {
             return scene_refuse_node(
-                r, node, "balloon.gas_ratio_keyframes[%d] is %g, below balloon.min_gas_ratio, which is %g", i,
-                (double)s->fill_path[i].fill, (double)b->least_fill );
+                r, node, "got %g in balloon.gas_ratio_keyframes[%d], expected at least balloon.min_gas_ratio, %g",
+                (double)s->fill_path[i].fill, i, (double)b->least_fill );
         }
     }
     return WISP_OK;
@@ -369,8 +359,7 @@ static wisp_status check_quad_links( scene_reader* r, const scene_node* node, co
 {
     return mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
-               : scene_refuse_node(
-                     r, node, "implicit.links are 'quad', which a mesh of 'generate: { shape: plane }' alone has" );
+               : scene_refuse_node( r, node, "implicit.links 'quad' needs 'generate: { shape: plane }'" );
 }
 
 static wisp_status check_implicit( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
@@ -378,18 +367,16 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
     if ( s->has_cloth || s->has_balloon )
     {
-        return scene_refuse_node( r, node, "has both '%s' and 'implicit'; a surface is one or the other",
+        return scene_refuse_node( r, node, "got both '%s' and 'implicit', expected one of them",
                                   s->has_cloth ? "cloth" : "balloon" );
     }
     if ( s->strain_limit[0] > 0.0f || s->strain_limit[1] < INFINITY )
     {
-        return scene_refuse_node( r, node, "has both 'strain_limit' and 'implicit', which knows no such limits" );
+        return scene_refuse_node( r, node, "got both 'strain_limit' and 'implicit', expected one of them" );
     }
     if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
     {
-        return scene_refuse_node( r, node,
-                                  "implicit.stiffness_model is 'material', which needs the links of the mesh, but "
-                                  "implicit.links are 'quad'" );
+        return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );
     }
     return s->has_quad_links && !instance ? check_quad_links( r, node, &s->mesh ) : WISP_OK;
 }
@@ -404,7 +391,7 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     }
     if ( s->has_cloth && s->has_balloon )
     {
-        return scene_refuse_node( r, node, "has both 'cloth' and 'balloon'; a surface is one or the other" );
+        return scene_refuse_node( r, node, "got both 'cloth' and 'balloon', expected one of them" );
     }
     if ( ( s->pin_path.count > 0 || s->has_pin_pivot ) && !pinned )
     {
@@ -413,15 +400,15 @@ static wisp_status check_entry( scene_reader* r, const scene_node* node, const w
     }
     if ( s->has_cloth && s->cloth.tethers && !pinned )
     {
-        return scene_refuse_node( r, node, "cloth.tethers reach to pins, but nothing is pinned" );
+        return scene_refuse_node( r, node, "cloth.tethers needs pins, but nothing is pinned" );
     }
     if ( s->levels > 0 && !s->has_cloth )
     {
-        return scene_refuse_node( r, node, "'levels' are used by cloth alone, and there is no key 'cloth'" );
+        return scene_refuse_node( r, node, "'levels' needs the key 'cloth'" );
     }
     if ( s->levels == 0 && scene_child( r, node, "finest_level" ) != NULL )
     {
-        return scene_refuse_node( r, node, "'finest_level' is where levels begin, but 'levels' is 0" );
+        return scene_refuse_node( r, node, "'finest_level' needs 'levels' above 0" );
     }
     status = s->has_boundary ? scene_check_boundary( r, node, s ) : WISP_OK;
     status = status || !s->has_implicit ? status : check_implicit( r, node, s );
@@ -474,11 +461,11 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     const wisp_scene_surface* source = &r->scene->surfaces[surface->instance_of];
     if ( surface->instance_of >= i )
     {
-        return scene_refuse_node( r, node, "'%s' is not above this entry in the list", source->name );
+        return scene_refuse_node( r, node, "got '%s', expected an entry above this one", source->name );
     }
     if ( source->instance_of >= 0 )
     {
-        return scene_refuse_node( r, node, "'%s' is an instance itself; name '%s', whose fabric it has", source->name,
+        return scene_refuse_node( r, node, "got '%s', which is an instance, expected '%s'", source->name,
                                   r->scene->surfaces[source->instance_of].name );
     }
     if ( surface->has_cloth && surface->cloth.level_passes > 0 && source->levels == 0 )
@@ -488,7 +475,7 @@ static wisp_status find_source( scene_reader* r, const scene_node* node, int i )
     if ( surface->has_cloth && surface->cloth.tethers &&
          source->pin_count + source->pin_box_count + source->pin_nearest_count == 0 )
     {
-        return scene_refuse_node( r, node, "cloth.tethers reach to the pins of '%s', which has none", source->name );
+        return scene_refuse_node( r, node, "cloth.tethers needs pins, but '%s' has none", source->name );
     }
     return surface->has_quad_links ? check_quad_links( r, node, &source->mesh ) : WISP_OK;
 }
@@ -522,9 +509,10 @@ static wisp_status count_vertices( scene_reader* r, const scene_node* node )
         const wisp_scene_mesh* mesh = &r->scene->surfaces[surface->instance_of >= 0 ? surface->instance_of : i].mesh;
         sum += mesh->is_made ? scene_recipe_vertices( &mesh->recipe ) : 0;
     }
-    return sum <= WISP_SCENE_MAX_VERTICES ? WISP_OK
-                                          : scene_refuse_node( r, node, "the surfaces have %lld vertices, at most %d",
-                                                               (long long)sum, WISP_SCENE_MAX_VERTICES );
+    return sum <= WISP_SCENE_MAX_VERTICES
+               ? WISP_OK
+               : scene_refuse_node( r, node, "got %lld vertices in all surfaces, expected at most %d", (long long)sum,
+                                    WISP_SCENE_MAX_VERTICES );
 }
 
 wisp_status scene_read_surfaces( scene_reader* r, const scene_node* node, void* at )

@@ -134,21 +134,20 @@ static wisp_status check_letters( const scene_source* source )
         int length = decode( text + at, source->size - at, &c );
         if ( length == 0 )
         {
-            return scene_refuse( source, line, column, "", "byte 0x%02x is not UTF-8; save the file as UTF-8",
-                                 text[at] );
+            return scene_refuse( source, line, column, "", "got byte 0x%02x, expected UTF-8", text[at] );
         }
         if ( c == 0 )
         {
-            return scene_refuse( source, line, column, "", "a NUL byte; a scene is text" );
+            return scene_refuse( source, line, column, "", "got a NUL byte, expected text" );
         }
         if ( !is_printable( c ) )
         {
-            return scene_refuse( source, line, column, "", "control character U+%04X is not allowed in a scene",
+            return scene_refuse( source, line, column, "", "got control character U+%04X, expected text",
                                  (unsigned)c );
         }
         if ( c == '%' && column == 1 )
         {
-            return scene_refuse( source, line, column, "", "a YAML directive; a scene has no use for them" );
+            return scene_refuse( source, line, column, "", "YAML directives are not supported" );
         }
 
         at += (size_t)length;
@@ -193,7 +192,7 @@ static wisp_status refuse_syntax( builder* b )
     }
     if ( letter_at( b, &p->problem_mark ) == '\t' )
     {
-        return refuse_mark( b, &p->problem_mark, "a tab where YAML wants spaces; indent with spaces" );
+        return refuse_mark( b, &p->problem_mark, "got a tab, expected spaces" );
     }
     return scene_refuse( b->source, (int)p->problem_mark.line + 1, (int)p->problem_mark.column + 1, "",
                          "not YAML: %s%s%s", p->context ? p->context : "", p->context ? ", " : "",
@@ -226,8 +225,8 @@ static wisp_status grow_nodes( builder* b, const yaml_mark_t* mark )
     scene_tree* tree = b->tree;
     if ( tree->node_count == SCENE_MAX_NODES )
     {
-        return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
-                             "a scene holds at most %d values", SCENE_MAX_NODES );
+        return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "expected at most %d values",
+                             SCENE_MAX_NODES );
     }
     if ( tree->node_count == tree->node_capacity )
     {
@@ -288,12 +287,12 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
     bool plain = event->data.scalar.style == YAML_PLAIN_SCALAR_STYLE;
     if ( memchr( value, 0, length ) )
     {
-        return refuse_mark( b, mark, "the text holds a NUL character" );
+        return refuse_mark( b, mark, "got a NUL character, expected text" );
     }
     // libyaml drops the tag "!", which turns a number into text: only the byte itself tells.
     if ( event->data.scalar.plain_implicit && length > 0 && letter_at( b, mark ) == '!' )
     {
-        return refuse_mark( b, mark, "a YAML tag; a scene has no use for them" );
+        return refuse_mark( b, mark, "YAML tags are not supported" );
     }
 
     uint32_t text = 0;
@@ -324,12 +323,12 @@ static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_
 {
     if ( wants_key( b ) )
     {
-        return refuse_mark( b, mark, "a list or mapping is not usable as a key" );
+        return refuse_mark( b, mark, "got a list or mapping, expected a key" );
     }
     if ( b->depth == SCENE_MAX_DEPTH )
     {
         return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "",
-                             "lists and mappings are nested more than %d deep", SCENE_MAX_DEPTH );
+                             "expected at most %d levels of lists and mappings", SCENE_MAX_DEPTH );
     }
     wisp_status status = add_node( b, kind, mark );
     if ( !status )
@@ -346,9 +345,9 @@ static wisp_status refuse_properties( const builder* b, const yaml_mark_t* mark,
 {
     if ( anchor )
     {
-        return refuse_mark( b, mark, "an anchor (&); write the values out where they are used" );
+        return refuse_mark( b, mark, "YAML anchors (&) are not supported; repeat the value" );
     }
-    return tag ? refuse_mark( b, mark, "a YAML tag; a scene has no use for them" ) : WISP_OK;
+    return tag ? refuse_mark( b, mark, "YAML tags are not supported" ) : WISP_OK;
 }
 
 static wisp_status take_event( builder* b, const yaml_event_t* event )
@@ -358,9 +357,9 @@ static wisp_status take_event( builder* b, const yaml_event_t* event )
     switch ( event->type )
     {
         case YAML_DOCUMENT_START_EVENT:
-            return b->documents++ ? refuse_mark( b, mark, "a second document; a scene file holds one" ) : WISP_OK;
+            return b->documents++ ? refuse_mark( b, mark, "got a second document, expected one" ) : WISP_OK;
         case YAML_ALIAS_EVENT:
-            return refuse_mark( b, mark, "an alias (*); write the values out where they are used" );
+            return refuse_mark( b, mark, "YAML aliases (*) are not supported; repeat the value" );
         case YAML_SCALAR_EVENT:
             status = refuse_properties( b, mark, event->data.scalar.anchor, event->data.scalar.tag );
             return status ? status : take_scalar( b, event );
@@ -404,7 +403,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
     scene_source source = *given;
     if ( source.size > SCENE_MAX_BYTES )
     {
-        return scene_refuse( &source, 0, 0, "", "the scene is larger than %zu MiB", SCENE_MAX_BYTES >> 20 );
+        return scene_refuse( &source, 0, 0, "", "expected at most %zu MiB", SCENE_MAX_BYTES >> 20 );
     }
     // A byte order mark says nothing in UTF-8, and would push the columns of the first line.
     if ( source.size >= 3 && memcmp( source.text, "\xef\xbb\xbf", 3 ) == 0 )
@@ -430,7 +429,7 @@ wisp_status scene_tree_build( const scene_source* given, scene_tree* tree )
 
     if ( !status && tree->node_count == 0 )
     {
-        return scene_refuse( &source, 0, 0, "", "the scene is empty; it needs at least the line 'wisp: 1'" );
+        return scene_refuse( &source, 0, 0, "", "got an empty file, expected at least the line 'wisp: 1'" );
     }
     return status;
 }

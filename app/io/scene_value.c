@@ -127,16 +127,16 @@ wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, co
 {
     if ( node->kind != SCENE_SCALAR )
     {
-        return scene_refuse_node( r, node, "must be %s, not a %s", wanted,
-                                  node->kind == SCENE_LIST ? "list" : "mapping" );
+        return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == SCENE_LIST ? "list" : "mapping",
+                                  wanted );
     }
     const char* text = scene_text_of( r->tree, node );
     if ( text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
-        return scene_refuse_node( r, node, "must be %s, but nothing is written here", wanted );
+        return scene_refuse_node( r, node, "got nothing, expected %s", wanted );
     }
-    return scene_refuse_node( r, node, "must be %s, not %s'%s'", wanted, node->plain ? "" : "the text ",
-                              scene_shorten( text ).text );
+    return scene_refuse_node( r, node, "got %s'%s', expected %s", node->plain ? "" : "the text ",
+                              scene_shorten( text ).text, wanted );
 }
 
 // A text that is a number, whole or not. On refusal the sentence guesses what was meant.
@@ -153,7 +153,7 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     scene_quote quote = scene_shorten( text );
     if ( prefix == 0 && is_not_finite( text ) )
     {
-        return scene_refuse_node( r, node, "'%s' is not a finite number", quote.text );
+        return scene_refuse_node( r, node, "got '%s', expected a finite number", quote.text );
     }
     if ( prefix == 0 )
     {
@@ -161,12 +161,13 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     }
     if ( prefix == length && !node->plain )
     {
-        return scene_refuse_node( r, node, "must be %s, not text: write %s without quotes", wanted, quote.text );
+        return scene_refuse_node( r, node, "got the text '%s', expected %s; write it without quotes", quote.text,
+                                  wanted );
     }
     if ( prefix == length && has_leading_zero( text ) )
     {
-        return scene_refuse_node(
-            r, node, "'%s' begins with a zero, which means octal in YAML 1.1; write decimal digits", quote.text );
+        return scene_refuse_node( r, node, "got '%s', which is octal in YAML 1.1, expected no leading zero",
+                                  quote.text );
     }
     if ( prefix == length )
     {
@@ -174,7 +175,7 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     }
     if ( text[prefix] == ',' && is_digit( text[prefix + 1] ) )
     {
-        return scene_refuse_node( r, node, "'%s' has a comma; write a decimal point", quote.text );
+        return scene_refuse_node( r, node, "got '%s', expected a decimal point instead of the comma", quote.text );
     }
     if ( is_unit( text, prefix ) )
     {
@@ -187,7 +188,7 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
 
 static wisp_status refuse_range( const scene_reader* r, const scene_node* node, const scene_range* range )
 {
-    return scene_refuse_node( r, node, "%s is out of range, must be in [%.9g, %.9g]",
+    return scene_refuse_node( r, node, "got %s, expected a value in [%.9g, %.9g]",
                               scene_shorten( scene_text_of( r->tree, node ) ).text, range->low, range->high );
 }
 
@@ -294,8 +295,18 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
         return scene_refuse_node( r, node, "`%s` is called `%s` now", text, now );
     }
     const char* near = nearest_word( text, words, count );
-    return scene_refuse_node( r, node, "must be %s, not '%s'%s%s%s", list, scene_shorten( text ).text,
-                              near ? ", did you mean '" : "", near ? near : "", near ? "'?" : "" );
+    return scene_refuse_node( r, node, "got '%s', expected %s%s%s%s", scene_shorten( text ).text, list,
+                              near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "" );
+}
+
+wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* wanted )
+{
+    if ( node->kind != SCENE_LIST )
+    {
+        return scene_refuse_kind( r, node, wanted );
+    }
+    return node->count == 2 ? WISP_OK
+                            : scene_refuse_node( r, node, "got a list of %d, expected %s", node->count, wanted );
 }
 
 wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out )
@@ -308,7 +319,7 @@ wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char
     size_t length = strlen( text );
     if ( length > 1000 )
     {
-        return scene_refuse_node( r, node, "the text has %zu letters, at most 1000 are read", length );
+        return scene_refuse_node( r, node, "got %zu letters, expected at most 1000", length );
     }
     char* copy = scene_take( r->scene, length + 1, 1 );
     if ( !copy )

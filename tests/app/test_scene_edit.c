@@ -235,12 +235,11 @@ static void keys_that_do_not_go_alone_are_refused( void** state )
     (void)state;
     const wisp_scene_edit no_pins = { "surfaces", 0, NULL, "pins", "" };
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    pins: [0]\n    cloth: {}\n", no_pins,
-                       FROM ":5:11: 'pins' cannot be taken out here" );
-    assert_not_edited( "wisp: 1\nsubsteps:\n  3\n", no_substeps, "'substeps' cannot be taken out here" );
+                       FROM ":5:11: 'pins' cannot be removed here" );
+    assert_not_edited( "wisp: 1\nsubsteps:\n  3\n", no_substeps, "'substeps' cannot be removed here" );
     // Whether a comma belongs to a comment cannot be told from its line.
-    assert_not_edited( "{ wisp: 1, # first,\n  substeps: 3\n}\n", no_substeps,
-                       "'substeps' cannot be taken out here" );
-    assert_not_edited( "{ wisp: 1, substeps: 3 # last\n}\n", no_substeps, "'substeps' cannot be taken out here" );
+    assert_not_edited( "{ wisp: 1, # first,\n  substeps: 3\n}\n", no_substeps, "'substeps' cannot be removed here" );
+    assert_not_edited( "{ wisp: 1, substeps: 3 # last\n}\n", no_substeps, "'substeps' cannot be removed here" );
     const wisp_scene_edit no_name = { "surfaces", 0, NULL, "name", "" };
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), no_name, "name" );
 }
@@ -252,7 +251,7 @@ static void two_keys_that_want_one_comma_are_refused( void** state )
     const wisp_scene_edit edits[2] = { { NULL, 0, NULL, "steps", "" }, no_substeps };
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_edit_file( FROM, edits, 2, TO, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, FROM ": two changes meet at one place" ) );
+    assert_non_null( strstr( error.sentence, FROM ": two changes are at the same place" ) );
     remove( FROM );
 }
 

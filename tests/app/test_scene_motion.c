@@ -344,7 +344,7 @@ static void scattering_too_many_strands_is_refused_before_memory_is_asked_for( v
     const wisp_scene_scatter scatter = { .around = 0, .count = 6710887, .radius = 0.01f, .seed = 3 };
     assert_int_equal( wisp_scene_make_scatter( &scatter, &source, &out, &error ), WISP_BAD_INPUT );
     assert_string_equal( error.sentence,
-                         "6710887 strands around each of 5 are 134217740 vertices, more than 134217728" );
+                         "6710887 strands around each of 5 have 134217740 vertices, expected at most 134217728" );
     assert_null( out.points );
     wisp_groom_release( &source );
 }

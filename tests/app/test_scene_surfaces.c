@@ -365,10 +365,10 @@ static void lists_of_surfaces_and_colliders_have_an_end( void** state )
 {
     (void)state;
     char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
-    demand_refusal( text, "scenes/test.yaml:3:3: surfaces: has 10001 entries, at most 10000 are read" );
+    demand_refusal( text, "scenes/test.yaml:3:3: surfaces: got 10001 entries, expected at most 10000" );
     free( text );
     text = repeat( "wisp: 1\ncolliders:\n", "  - 0\n", WISP_SCENE_MAX_COLLIDERS + 1 );
-    demand_refusal( text, "scenes/test.yaml:3:3: colliders: has 1001 entries, at most 1000 are read" );
+    demand_refusal( text, "scenes/test.yaml:3:3: colliders: got 1001 entries, expected at most 1000" );
     free( text );
 }
 
@@ -380,8 +380,8 @@ static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
                          "      gas_ratio_keyframes:\n",
                          "        - [1, 1]\n", 200000 );
     demand_refusal( text,
-                    "scenes/test.yaml:8:12: surfaces[0].balloon.gas_ratio_keyframes[1]: time 1 does not come after "
-                    "the one before, 1" );
+                    "scenes/test.yaml:8:12: surfaces[0].balloon.gas_ratio_keyframes[1]: got time 1, expected more "
+                    "than the time before, 1" );
     free( text );
 }
 
