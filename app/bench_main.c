@@ -43,29 +43,31 @@ enum
     KEY_LONG,
 };
 
-static const char doc[] = "Measure: time, error and hash side by side. Without a CASE all of them run.\n"
+static const char doc[] = "Measure time, error and hash together. Without a CASE all cases run.\n"
                           "\v"
-                          "A hash that differs between worker counts, an error above its tolerance or a hard case "
-                          "that breaks is a check that failed; its line begins with FAILED.\n" STATUS_HELP;
+                          "A check fails if hashes differ between worker counts, if an error is above its\n"
+                          "tolerance, or if a hard case breaks. Its line begins with FAILED.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp bench --list\n"
+                          "  wisp bench cloth --quick --report cloth.html\n"
+                          "\n" STATUS_HELP_UNMET( "a check failed" );
 
 static const struct argp_option option_list[] = {
-    { "list", KEY_LIST, NULL, 0, "Print the cases and what each is for", 0 },
-    { "quick", KEY_QUICK, NULL, 0,
-      "Fewer samples and settings, without the largest sizes: 20 seconds a case instead of 90", 0 },
-    { "seconds", KEY_SECONDS, "S", 0, "About how long a case may take", 0 },
-    { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64 (default 2)", 0 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "Results as text (default), markdown, csv, json or gbench", 0 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE instead of standard output", 0 },
-    { "report", KEY_REPORT, "FILE", 0, "Also write one HTML page to FILE: charts, pictures, tables and notes", 0 },
-    { "pictures", KEY_PICTURES, "FOLDER", 0,
-      "Write pictures of the cases `figures`, `boundary` and `contact` to FOLDER, which is made if need be, and link "
-      "them",
-      0 },
-    { "compare", KEY_COMPARE, NULL, 0,
-      "The case `cloth` compares one cloth by pbd, xpbd and implicit with a converged run instead", 0 },
-    { "scene", KEY_SCENE, "NAME", 0,
-      "A scene of the case `accuracy`; more than once or with commas for several. Without it all of them run", 0 },
-    { "long", KEY_LONG, NULL, 0, "The case `stability` makes a million steps at rest as well", 0 },
+    { 0, 0, 0, 0, "Measurement:", 1 },
+    { "list", KEY_LIST, NULL, 0, "Print the cases and what each measures", 1 },
+    { "quick", KEY_QUICK, NULL, 0, "Fewer samples and no large sizes: 20 s per case, not 90", 1 },
+    { "seconds", KEY_SECONDS, "S", 0, "Approximate time limit per case", 1 },
+    { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
+    { 0, 0, 0, 0, "Output:", 2 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE; default: standard output", 2 },
+    { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts and pictures", 2 },
+    { 0, 0, 0, 0, "Options of single cases:", 3 },
+    { "pictures", KEY_PICTURES, "FOLDER", 0, "figures, boundary, contact: write pictures to FOLDER", 3 },
+    { "compare", KEY_COMPARE, NULL, 0, "cloth: compare pbd, xpbd and implicit with a reference", 3 },
+    { "scene", KEY_SCENE, "NAME[,NAME...]", 0, "accuracy: only these scenes; can be repeated", 3 },
+    { "long", KEY_LONG, NULL, 0, "stability: also a million steps at rest", 3 },
     { 0 },
 };
 
@@ -125,7 +127,7 @@ static void check_option( struct argp_state* state, const bench_arguments* argum
     }
     if ( runs == false )
     {
-        argp_error( state, "%s is an option of the %s, which is not asked for", option, told );
+        argp_error( state, "%s is an option of the %s, which does not run", option, told );
     }
 }
 

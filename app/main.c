@@ -2,6 +2,7 @@
 
 #include "nearest.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct program_verb
@@ -16,19 +17,24 @@ static const program_verb verbs[] = {
 };
 
 static const char program_doc[] =
-    "Wisp simulates thin things: cloth, balloons, hair.\n"
+    "Simulate thin things on the CPU: cloth, balloons and hair.\n"
     "\n"
-    "Verbs:\n"
-    "  run SCENE      simulate a scene and write what it asks for\n"
-    "  plan SCENE     the passes that a scene needs, and why\n"
-    "  bench [CASE]   measure, with the error beside every time\n"
-    "  info FILE      what is in a mesh, groom, scene, recording or result, and what is wrong with it\n"
-    "  render FILE    pictures of a scene, recording, mesh or groom\n"
-    "  tune SCENE     the cheapest setting that meets an error, or the most accurate within a time\n"
+    "Commands:\n"
+    "  run SCENE      simulate a scene, write its files and print a summary\n"
+    "  render FILE    draw pictures of a scene, recording, mesh or groom\n"
+    "  info FILE      describe a file and report what is wrong with it\n"
+    "  plan SCENE     list the passes that a scene needs, and why\n"
+    "  tune SCENE     find the cheapest configuration within an error or time\n"
+    "  bench [CASE]   measure time and error together\n"
     "\v"
-    "'wisp VERB --help' tells more about a verb.\n" STATUS_HELP;
+    "'wisp COMMAND --help' describes the arguments and options of a command.\n"
+    "\n"
+    "Examples:\n"
+    "  wisp run data/scenes/flag.yaml --record flag.wisp\n"
+    "  wisp render flag.wisp -o flag.png\n"
+    "\n" STATUS_HELP_UNMET( "a benchmark check failed, or a tuning target was not met" );
 
-// Options before the verb belong to the program; everything from the verb on belongs to the verb.
+// Options before the command belong to the program. Everything after it belongs to the command.
 static error_t parse_program( int key, char* argument, struct argp_state* state )
 {
     (void)argument;
@@ -39,7 +45,7 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which verb? one of run, plan, bench, info, render, tune" );
+            argp_error( state, "expected a command: run, render, info, plan, tune or bench" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -56,11 +62,11 @@ static int unknown_verb( const char* word )
     const char* nearest = nearest_word( word, names, WISP_COUNT( verbs ) );
     if ( nearest )
     {
-        fprintf( stderr, "wisp: there is no verb '%s'; did you mean '%s'?\n", word, nearest );
+        fprintf( stderr, "wisp: got command '%s'; did you mean '%s'?\n", word, nearest );
     }
     else
     {
-        fprintf( stderr, "wisp: there is no verb '%s', only run, plan, bench, info, render and tune\n", word );
+        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune or bench\n", word );
     }
     return STATUS_USAGE;
 }
@@ -68,10 +74,12 @@ static int unknown_verb( const char* word )
 int main( int argc, char** argv )
 {
     int place = 0;
-    // argp calls the program by argv[0] in its messages, and a message begins alike wherever the program lies.
+    // Lines of --help up to 100 columns, and without a note about long and short options below each list.
+    setenv( "ARGP_HELP_FMT", "rmargin=100,no-dup-args-note", 0 );
+    // argp starts its messages with argv[0]: the name is the same wherever the program lies.
     char program[] = "wisp";
     argv[0] = program;
-    const struct argp parser = { .parser = parse_program, .args_doc = "VERB [ARGUMENT...]", .doc = program_doc };
+    const struct argp parser = { .parser = parse_program, .args_doc = "COMMAND [ARGUMENT...]", .doc = program_doc };
     argp_parse( &parser, argc, argv, ARGP_IN_ORDER, NULL, &place );
 
     for ( int i = 0; i < WISP_COUNT( verbs ); ++i )

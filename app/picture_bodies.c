@@ -6,14 +6,14 @@
 
 wisp_status picture_no_memory( const picture_source* source, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its bodies", source->path );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its bodies", source->path );
 }
 
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error )
 {
     if ( count < 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is nothing in it to be seen", source->path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: contains nothing to draw", source->path );
     }
     source->bodies = calloc( (size_t)count, sizeof *source->bodies );
     source->points = calloc( (size_t)count, sizeof *source->points );

@@ -53,10 +53,9 @@ static int frame_of( const plan* p, int picture )
 
 static wisp_status check_frame( const picture_source* source, int frame, wisp_error* error )
 {
-    return frame < source->frame_count
-               ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "%s: there is no frame %d, the last one is %d", source->path,
-                            frame, source->frame_count - 1 );
+    return frame < source->frame_count ? WISP_OK
+                                       : wisp_fail( error, WISP_BAD_INPUT, "%s: got frame %d, expected 0 to %d",
+                                                    source->path, frame, source->frame_count - 1 );
 }
 
 static wisp_status choose( drawing* d, wisp_error* error )
@@ -110,7 +109,7 @@ static wisp_status check_sheet( const drawing* d, wisp_error* error )
     return fits ? WISP_OK
                 : wisp_fail(
                       error, WISP_BAD_INPUT,
-                      "%s: %d pictures of %d x %d pixels are too much for one sheet; take fewer or smaller ones",
+                      "%s: %d pictures of %d x %d pixels are too large for one sheet; draw fewer or smaller ones",
                       d->options->output, d->plan.count, d->render.width, d->render.height );
 }
 
@@ -123,9 +122,9 @@ static wisp_status make_sheet_room( drawing* d, wisp_error* error )
     }
     d->sheet = calloc( (size_t)d->plan.count, sizeof *d->sheet );
     d->labels = calloc( (size_t)d->plan.count, sizeof *d->labels );
-    return d->sheet && d->labels
-               ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory for a sheet of %d pictures", d->plan.count );
+    return d->sheet && d->labels ? WISP_OK
+                                 : wisp_fail( error, WISP_NO_MEMORY,
+                                              "render: out of memory for a sheet of %d pictures", d->plan.count );
 }
 
 // ---- the camera, the light of all pictures ----
@@ -268,7 +267,7 @@ static wisp_status write_sheet( const drawing* d, wisp_error* error )
     const char** labels = calloc( (size_t)d->plan.count, sizeof *labels );
     if ( !labels )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a sheet of %d pictures", d->plan.count );
+        return wisp_fail( error, WISP_NO_MEMORY, "render: out of memory for a sheet of %d pictures", d->plan.count );
     }
     for ( int i = 0; i < d->plan.count; ++i )
     {
@@ -314,7 +313,8 @@ static wisp_status check_folder( const char* output, wisp_error* error )
     char folder[PATH_SIZE] = ".";
     if ( strlen( output ) + sizeof( "_2147483647" ) >= sizeof( folder ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "-o: the name of the picture is longer than %d characters",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "-o: got a file name that is too long, expected at most %d characters",
                           PATH_SIZE - (int)sizeof( "_2147483647" ) );
     }
     if ( slash )
@@ -323,8 +323,7 @@ static wisp_status check_folder( const char* output, wisp_error* error )
     }
     return access( folder, W_OK | X_OK ) == 0
                ? WISP_OK
-               : wisp_fail( error, WISP_IO_ERROR, "%s: its folder cannot be written to: %s", output,
-                            strerror( errno ) );
+               : wisp_fail( error, WISP_IO_ERROR, "%s: cannot be written: %s", output, strerror( errno ) );
 }
 
 // ---- all together ----

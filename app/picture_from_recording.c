@@ -244,7 +244,7 @@ static wisp_status finish_playback( picture_source* source, wisp_error* error )
 
 static wisp_status refuse_empty( const picture_source* source, wisp_error* error )
 {
-    return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no whole frame", source->path );
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: got no complete frame, expected at least one", source->path );
 }
 
 wisp_status picture_open_recording( picture_source* source, const picture_source_def* def, wisp_error* error )
@@ -287,12 +287,12 @@ static wisp_status read_triangles( picture_source* source, const picture_source_
     if ( !def->mesh )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: a point cache has no triangles; name a mesh that has them with --mesh", def->path );
+                          "%s: a point cache has no triangles; --mesh names a mesh that has them", def->path );
     }
     wisp_status status = wisp_mesh_read( def->mesh, &p->mesh, error );
     if ( status == WISP_OK && p->mesh.vertex_count != point_count )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: it has %d vertices, and %s has %d points", def->mesh,
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, but %s has %d points", def->mesh,
                             p->mesh.vertex_count, def->path, point_count );
     }
     return status;

@@ -304,7 +304,7 @@ static wisp_status add_bodies( picture_source* source, simulation* s, wisp_error
     }
     if ( status == WISP_OK && source->value != PICTURE_BODY && !has_values )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no surface, and only surfaces have strain and speed",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got no surface, but only surfaces have strain and speed",
                           source->path );
     }
     return status;

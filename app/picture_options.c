@@ -28,8 +28,8 @@ void picture_parse_numbers( struct argp_state* state, const char* option, const 
         char wanted = i + 1 < count ? ',' : '\0';
         if ( end == at || *end != wanted || !isfinite( out[i] ) )
         {
-            argp_error( state, "%s: '%s' is not %d number%s", option, text, count,
-                        count == 1 ? "" : "s with commas between them" );
+            argp_error( state, "%s: got '%s', expected %d number%s", option, text, count,
+                        count == 1 ? "" : "s separated by commas" );
         }
         at = end + 1;
     }
@@ -42,7 +42,7 @@ void picture_parse_size( struct argp_state* state, const char* text, picture_opt
     long height = *end == 'x' ? strtol( end + 1, &end, 10 ) : 0;
     if ( *end || width < 1 || height < 1 || width > RENDER_MAX_SIDE || height > RENDER_MAX_SIDE )
     {
-        argp_error( state, "--size: '%s' is not a size such as 640x480, each side from 1 to %d", text,
+        argp_error( state, "--size: got '%s', expected a size such as 640x480, each side from 1 to %d", text,
                     RENDER_MAX_SIDE );
     }
     out->width = (int)width;
@@ -71,7 +71,8 @@ void picture_parse_frames( struct argp_state* state, const char* text, picture_o
     at = parse_part( at, 1, &out->step, &is_good );
     if ( !is_good || *at || out->step < 1 || ( out->last != PICTURE_FRAME_END && out->last < out->first ) )
     {
-        argp_error( state, "--frames: '%s' is not FIRST:LAST or FIRST:LAST:STEP with whole numbers that rise", text );
+        argp_error( state, "--frames: got '%s', expected FIRST:LAST or FIRST:LAST:STEP with rising whole numbers",
+                    text );
     }
     out->choice = PICTURE_FRAMES;
 }
@@ -137,7 +138,7 @@ void picture_parse_background( struct argp_state* state, const char* text, pictu
     }
     if ( !end || *end )
     {
-        argp_error( state, "--background: '%s' is not a colour such as #20242c, or two with a comma between them",
+        argp_error( state, "--background: got '%s', expected a colour such as #20242c, or two separated by a comma",
                     text );
     }
 }

@@ -101,7 +101,7 @@ wisp_status picture_open_still( picture_source* source, file_kind kind, const pi
 {
     if ( def->value != PICTURE_BODY )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: one shape without a motion has neither strain nor speed",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: a single shape without motion has no strain and no speed",
                           source->path );
     }
     source->input = &still_input;
@@ -126,8 +126,7 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
 {
     if ( def->mesh && kind != FILE_POINT_CACHE )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: --mesh gives triangles to a point cache (.pc2), and this is none", def->path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: --mesh expects a point cache (.pc2)", def->path );
     }
     switch ( kind )
     {
@@ -146,8 +145,8 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
     }
     return wisp_fail(
         error, WISP_BAD_INPUT,
-        "%s: neither a scene (.yaml, .yml, .json), nor a recording (.wisp, .pc2), nor a mesh (.obj, .ply), "
-        "nor a groom (.hair, .tfx)",
+        "%s: unknown kind of file, expected a scene (.yaml, .yml, .json), a recording (.wisp, .pc2), a mesh (.obj, "
+        ".ply) or a groom (.hair, .tfx)",
         def->path );
 }
 
@@ -165,8 +164,7 @@ static wisp_status check_layers( const picture_source* source, const picture_sou
         return WISP_OK;
     }
     return wisp_fail( error, WISP_BAD_INPUT,
-                      "%s: it has no boundary points; a surface of a scene has some with the key 'boundary'",
-                      def->path );
+                      "%s: has no boundary points; the key 'boundary' adds them to a surface of a scene", def->path );
 }
 
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error )
@@ -205,7 +203,7 @@ wisp_status picture_source_find( picture_source* source, double seconds, int* fr
 {
     if ( !source->has_seconds )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: its frames have no times; name one with --frame",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: its frames have no times; select one with --frame",
                           source->path );
     }
     int low = 0, high = source->frame_count;
@@ -230,8 +228,8 @@ wisp_status picture_source_find( picture_source* source, double seconds, int* fr
     double found = is_nearer_to_next ? after : before;
     if ( fabs( found - seconds ) > source->step )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no frame at %g s; the nearest is at %g s",
-                          source->path, seconds, found );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: no frame at %g s; the nearest is at %g s", source->path,
+                          seconds, found );
     }
     return WISP_OK;
 }

@@ -218,7 +218,7 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
     if ( !made )
     {
         picture_stage_release( out );
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a picture of it", source->path );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its picture", source->path );
     }
     out->scene.meshes = out->meshes;
     out->scene.curves = out->curves;

@@ -1,5 +1,5 @@
-// The plan as a graph for Graphviz: a cluster a loop, in it a cluster a stage, and an edge from who wrote a component last
-// to who reads it. What comes round from the last time of a loop, or from the last step, is dashed.
+// The plan as a graph for Graphviz: a cluster per loop, in it a cluster per stage, and an edge from the last writer of a
+// component to each reader. Values of the previous iteration or step have dashed edges.
 #include "plan_sheet.h"
 
 #include <string.h>
@@ -105,7 +105,7 @@ static bool lists( const char* const* names, const char* name )
     return false;
 }
 
-// Who writes what a pass reads: the last one before it, else the last one of all. @return -1: the scene supplies it
+// Find the writer of what a pass reads: the last one before it, else the last of all. @return -1: the scene supplies it
 static int writer_of( const wisp_plan_report* report, int reader, const char* component )
 {
     for ( int step = 1; step < report->kept_count; ++step )
@@ -158,7 +158,7 @@ static void print_absent( FILE* out, const wisp_plan_report* report )
         {
             fprintf( out, "  absent_%d [shape=note, style=dashed, label=\"", i );
             print_escaped( out, m->name );
-            fputs( " is absent:\\n", out );
+            fputs( "\\n", out );
             print_escaped( out, m->because );
             fputs( "\"];\n", out );
         }

@@ -1,4 +1,4 @@
-// The plan for programs; docs/plan.md says what each name means. Unknown numbers are null.
+// The plan for programs; docs/outputs.md says what each name means. Unknown numbers are null.
 #include "plan_sheet.h"
 
 #include <jansson.h>
@@ -40,22 +40,22 @@ static json_t* place( const wisp_plan_pass* p )
     return p->state != WISP_PLAN_KEPT
                ? json_null()
                : json_pack( "{s:s, s:i, s:i, s:b, s:o, s:i, s:i, s:i, s:i, s:I}", "loop", p->loop, "wave", p->wave,
-                            "node", p->node, "fused", p->is_fused, "joined", text( p->joined ), "entities",
+                            "node", p->node, "fused", p->is_fused, "fusion", text( p->joined ), "entities",
                             p->entities, "items", p->items, "blocks", p->blocks, "runs", p->runs, "bytes",
                             (json_int_t)p->bytes );
 }
 
 static json_t* pass_object( const plan_sheet* sheet, int i )
 {
-    static const char* const STATES[] = { "missing", "apart", "kept out", "unwanted", "kept" };
+    static const char* const STATES[] = { "missing", "split", "excluded", "unrequested", "active" };
     const wisp_plan_pass* p = sheet->report->passes + i;
     const double share = plan_sheet_share( sheet, i );
     return json_pack( "{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "name",
                       p->name, "module", p->module, "state", STATES[p->state], "stage", p->stage, "domain", p->domain,
-                      "place", place( p ), "needs", list( p->needs ), "lacks", list( p->lacks ), "reads",
-                      list( p->reads ), "writes", list( p->writes ), "across", list( p->across ), "missing",
-                      list( p->missing ), "kept_by", reasons( p ), "because", p->because, "predicted_share",
-                      number( p->share ), "measured_share", number( share ), "measured_ms_per_step",
+                      "place", place( p ), "requires", list( p->needs ), "excludes", list( p->lacks ), "reads",
+                      list( p->reads ), "writes", list( p->writes ), "foreign", list( p->across ), "missing",
+                      list( p->missing ), "reasons", reasons( p ), "because", p->because, "predicted_fraction",
+                      number( p->share ), "measured_fraction", number( share ), "measured_ms_per_step",
                       number( isfinite( share ) ? 1e3 * sheet->seconds[i] / sheet->steps : (double)NAN ) );
 }
 
@@ -66,7 +66,7 @@ static json_t* modules( const wisp_plan_report* report )
     {
         const wisp_plan_module* m = report->modules + i;
         json_array_append_new( array, json_pack( "{s:s, s:b, s:i, s:i, s:o, s:o}", "name", m->name, "present",
-                                                 m->kept_count > 0, "passes", m->pass_count, "kept", m->kept_count,
+                                                 m->kept_count > 0, "passes", m->pass_count, "active", m->kept_count,
                                                  "missing", text( m->missing ), "because",
                                                  text( m->kept_count > 0 ? NULL : m->because ) ) );
     }
@@ -94,10 +94,10 @@ bool plan_sheet_json( const plan_sheet* sheet, FILE* out )
         json_array_append_new( passes, pass_object( sheet, i ) );
     }
     json_t* root =
-        json_pack( "{s:i, s:s, s:s, s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o}", "wisp_plan", 1, "scene", sheet->scene,
-                   "hash", hash, "kept", report->kept_count, "nodes", report->node_count, "waves", report->wave_count,
-                   "substeps", report->substeps, "iterations", report->iterations, "passes", passes, "modules",
-                   modules( report ), "measured", measured( sheet ) );
+        json_pack( "{s:i, s:s, s:s, s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o}", "wisp_plan", 2, "scene", sheet->scene,
+                   "hash", hash, "active", report->kept_count, "nodes", report->node_count, "waves",
+                   report->wave_count, "substeps", report->substeps, "iterations", report->iterations, "passes",
+                   passes, "modules", modules( report ), "measured", measured( sheet ) );
     char* written = root != NULL ? json_dumps( root, JSON_INDENT( 2 ) ) : NULL;
     if ( written != NULL )
     {

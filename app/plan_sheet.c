@@ -29,7 +29,7 @@ wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, w
     sheet->seconds = calloc( (size_t)sheet->report->pass_count + 1, sizeof( double ) );
     if ( sheet->seconds == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of the passes" );
+        return wisp_fail( error, WISP_NO_MEMORY, "plan: out of memory for the times of the passes" );
     }
     const uint64_t plans = wisp_world_counter( world->world, WISP_COUNT_PLANS );
     while ( sheet->steps < steps && status == WISP_OK )

@@ -1,5 +1,5 @@
-/// What `wisp plan` tells: the plan of a scene as the engine explains it, and the times of some steps beside it. Each form
-/// in which it is written down has a file of its own.
+/// What `wisp plan` prints: the plan of a scene as the engine explains it, and the times of its first steps. Each output
+/// format has a file of its own.
 #pragma once
 
 #include "wisp/explain.h"
@@ -25,7 +25,8 @@ void plan_sheet_release( plan_sheet* sheet );
 /// Share of a pass in the time that all passes took, in [0, 1]; NaN if nothing was measured.
 double plan_sheet_share( const plan_sheet* sheet, int pass );
 
-void plan_sheet_text( const plan_sheet* sheet, FILE* out );
+/// @param is_verbose also what each pass reads, writes and costs, and every absent pass
+void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out );
 void plan_sheet_dot( const plan_sheet* sheet, FILE* out );
 /// @return false without memory
 bool plan_sheet_json( const plan_sheet* sheet, FILE* out );

@@ -1,5 +1,85 @@
-// The plan for people: the engine's line of a pass, and below it what the pass works on and what that costs.
+// The plan for people. The short form has one line per active pass and one per absent module; the verbose form adds
+// what each pass works on, what that costs, and every absent pass.
 #include "plan_sheet.h"
+
+#include <string.h>
+
+// ---- the short form ----
+
+static bool is_reader( const wisp_plan_pass* p, const char* name )
+{
+    for ( int i = 0; i < p->reason_count; ++i )
+    {
+        if ( p->reasons[i].reader != NULL && strcmp( p->reasons[i].reader, name ) == 0 )
+        {
+            return true;
+        }
+    }
+    return false;
+}
+
+// Why a pass is active, in a few words: a request of the scene, or the next reader in plan order and how many others.
+static void short_reason( const wisp_plan_report* report, int pass, char* out, size_t size )
+{
+    const wisp_plan_pass* p = report->passes + pass;
+    int readers = 0;
+    const char* next = "nothing";
+    for ( int i = 0; i < p->reason_count; ++i )
+    {
+        if ( p->reasons[i].reader == NULL )
+        {
+            snprintf( out, size, "requested by the scene" );
+            return;
+        }
+    }
+    for ( int step = report->kept_count - 1; step > 0; --step )
+    {
+        const char* name = report->passes[( pass + step ) % report->kept_count].name;
+        const bool reads = is_reader( p, name );
+        readers += reads ? 1 : 0;
+        next = reads ? name : next;
+    }
+    const int others = readers - 1;
+    snprintf( out, size, others > 0 ? "read by %s and %d other%s" : "read by %s", next, others,
+              others == 1 ? "" : "s" );
+}
+
+static int name_width( const wisp_plan_report* report )
+{
+    int width = 4;
+    for ( int i = 0; i < report->kept_count; ++i )
+    {
+        const int length = (int)strlen( report->passes[i].name );
+        width = length > width ? length : width;
+    }
+    return width;
+}
+
+static void print_short( FILE* out, const plan_sheet* sheet )
+{
+    const wisp_plan_report* report = sheet->report;
+    const int width = name_width( report );
+    if ( report->kept_count == 0 )
+    {
+        fputs( "no active pass: the scene requests nothing\n", out );
+        return;
+    }
+    fprintf( out, "%-8s  %-*s  entities  traffic %%  time %%  why\n", "stage", width, "pass" );
+    for ( int i = 0; i < report->kept_count; ++i )
+    {
+        const wisp_plan_pass* p = report->passes + i;
+        char reason[160], time[16] = "-";
+        short_reason( report, i, reason, sizeof( reason ) );
+        if ( sheet->pass_seconds > 0.0 )
+        {
+            snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_share( sheet, i ) );
+        }
+        fprintf( out, "%-8s  %-*s  %8d  %9.1f  %6s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->share,
+                 time, reason );
+    }
+}
+
+// ---- the verbose form ----
 
 static void print_list( FILE* out, const char* word, const char* const* names )
 {
@@ -11,20 +91,21 @@ static void print_list( FILE* out, const char* word, const char* const* names )
 
 static void print_uses( FILE* out, const wisp_plan_pass* p )
 {
-    fprintf( out, "      stage %s;", p->stage );
-    print_list( out, " needs ", p->needs );
-    print_list( out, p->needs[0] != NULL ? "; lacks " : " lacks ", p->lacks );
-    print_list( out, p->needs[0] != NULL || p->lacks[0] != NULL ? "; reads " : " reads ", p->reads );
-    print_list( out, p->reads[0] != NULL ? "; writes " : " writes ", p->writes );
-    print_list( out, "; of others ", p->across );
+    fprintf( out, "      stage %s", p->stage );
+    print_list( out, "; requires ", p->needs );
+    print_list( out, "; excludes ", p->lacks );
+    print_list( out, "; reads ", p->reads );
+    print_list( out, "; writes ", p->writes );
+    print_list( out, "; of other entities ", p->across );
     fputc( '\n', out );
 }
 
 static void print_cost( FILE* out, const plan_sheet* sheet, int pass )
 {
     const wisp_plan_pass* p = sheet->report->passes + pass;
-    fprintf( out, "      %d x a step; entities %d, items (%s) %d, blocks %d; predicted %.1f %%", p->runs, p->entities,
-             p->domain, p->items, p->blocks, 100.0 * p->share );
+    fprintf( out, "      %d run%s per step; %d entit%s, %d items (%s) in %d block%s; predicted %.1f %%", p->runs,
+             p->runs == 1 ? "" : "s", p->entities, p->entities == 1 ? "y" : "ies", p->items, p->domain, p->blocks,
+             p->blocks == 1 ? "" : "s", 100.0 * p->share );
     if ( sheet->pass_seconds > 0.0 )
     {
         fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_share( sheet, pass ) );
@@ -32,45 +113,9 @@ static void print_cost( FILE* out, const plan_sheet* sheet, int pass )
     fputc( '\n', out );
 }
 
-static void print_modules( FILE* out, const wisp_plan_report* report )
-{
-    fputs( "modules\n", out );
-    for ( int i = 0; i < report->module_count; ++i )
-    {
-        const wisp_plan_module* m = report->modules + i;
-        if ( m->kept_count > 0 )
-        {
-            fprintf( out, "  %-19s %d of %d passes\n", m->name, m->kept_count, m->pass_count );
-        }
-        else
-        {
-            fprintf( out, "  %-19s absent from the plan: %s\n", m->name, m->because );
-        }
-    }
-}
-
-static void print_steps( FILE* out, const plan_sheet* sheet )
-{
-    if ( sheet->steps == 0 )
-    {
-        fputs( "nothing is measured: no step was made\n", out );
-        return;
-    }
-    const double outside = sheet->step_seconds - sheet->pass_seconds;
-    fprintf( out, "measured on one worker: %d steps of %.4f ms, of which %.4f ms are not in a pass\n", sheet->steps,
-             1e3 * sheet->step_seconds / sheet->steps, 1e3 * outside / sheet->steps );
-    if ( sheet->plan_changes > 0 )
-    {
-        fprintf( out, "the plan changed %d times within these steps; what is told is that of the start\n",
-                 sheet->plan_changes );
-    }
-}
-
-void plan_sheet_text( const plan_sheet* sheet, FILE* out )
+static void print_verbose( FILE* out, const plan_sheet* sheet )
 {
     char line[512];
-    wisp_plan_report_text( sheet->report, line, sizeof( line ) );
-    fprintf( out, "%s\n", line );
     for ( int i = 0; i < sheet->report->pass_count; ++i )
     {
         wisp_plan_pass_text( sheet->report->passes + i, line, sizeof( line ) );
@@ -81,6 +126,58 @@ void plan_sheet_text( const plan_sheet* sheet, FILE* out )
             print_cost( out, sheet, i );
         }
     }
-    print_modules( out, sheet->report );
+}
+
+// ---- both forms ----
+
+static void print_modules( FILE* out, const wisp_plan_report* report, bool is_verbose )
+{
+    fputs( is_verbose ? "\nmodules\n" : "\nabsent modules\n", out );
+    for ( int i = 0; i < report->module_count; ++i )
+    {
+        const wisp_plan_module* m = report->modules + i;
+        if ( m->kept_count == 0 )
+        {
+            fprintf( out, "  %-15s %s%s\n", m->name, is_verbose ? "absent: " : "", m->because );
+        }
+        else if ( is_verbose )
+        {
+            fprintf( out, "  %-15s %d of %d passes\n", m->name, m->kept_count, m->pass_count );
+        }
+    }
+}
+
+static void print_steps( FILE* out, const plan_sheet* sheet )
+{
+    fputc( '\n', out );
+    if ( sheet->steps == 0 )
+    {
+        fputs( "nothing was measured: --steps 0\n", out );
+        return;
+    }
+    const double outside = sheet->step_seconds - sheet->pass_seconds;
+    fprintf( out, "measured on one worker: %d steps of %.4f ms, %.4f ms of each outside of passes\n", sheet->steps,
+             1e3 * sheet->step_seconds / sheet->steps, 1e3 * outside / sheet->steps );
+    if ( sheet->plan_changes > 0 )
+    {
+        fprintf( out, "the plan changed %d time%s within these steps; shown is the plan of the start\n",
+                 sheet->plan_changes, sheet->plan_changes == 1 ? "" : "s" );
+    }
+}
+
+void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out )
+{
+    char line[512];
+    wisp_plan_report_text( sheet->report, line, sizeof( line ) );
+    fprintf( out, "%s\n\n", line );
+    if ( is_verbose )
+    {
+        print_verbose( out, sheet );
+    }
+    else
+    {
+        print_short( out, sheet );
+    }
+    print_modules( out, sheet->report, is_verbose );
     print_steps( out, sheet );
 }

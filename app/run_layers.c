@@ -48,7 +48,7 @@ struct run_layers
 
 static wisp_status no_memory( const run_layers* l, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for what is told of its layers", l->world->scene->name );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for layer statistics", l->world->scene->name );
 }
 
 // ---- opening ----
@@ -93,7 +93,8 @@ static wisp_status prepare( run_layers* l, int steps, wisp_error* error )
 {
     if ( l->file && l->layer_count == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "--boundary: %s has no surface with the key 'boundary'",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "--boundary: %s has no surface with the key 'boundary', expected at least one",
                           l->world->scene->name );
     }
     l->stride = ( steps + ROWS_MAX - 1 ) / ROWS_MAX;
@@ -120,7 +121,7 @@ wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int 
     run_layers* l = calloc( 1, sizeof *l );
     if ( !l )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for what is told of layers" );
+        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for layer statistics" );
     }
     l->world = world;
     l->file = def->file;
@@ -306,20 +307,19 @@ static void tell_layer( const run_layers* l, int surface, results* out )
         return;
     }
     results_add_note( out,
-                      "%s: %d boundary points, %d on edges and %d inside triangles; %.1f %% of %d elements were "
-                      "sampled anew in the last step.",
+                      "%s: %d boundary points, %d on edges, %d inside triangles; last step resampled %.1f %% of %d "
+                      "elements",
                       entry->name, f.points, f.edge_points, f.inner_points,
                       100.0 * share_of( f.changed_elements, f.elements ), f.elements );
     if ( f.refused )
     {
-        results_add_note( out,
-                          "%s: %.0f boundary points are more than its limit of %d, and the layer stayed as it was.",
+        results_add_note( out, "%s: got %.0f boundary points, expected at most %d: the previous points were kept",
                           entry->name, f.wanted, entry->boundary.limit );
     }
     if ( f.skipped_elements > 0 )
     {
-        results_add_note( out, "%s: %d elements with a corner that is not finite have no boundary points.",
-                          entry->name, f.skipped_elements );
+        results_add_note( out, "%s: %d elements without boundary points, because a corner is not finite", entry->name,
+                          f.skipped_elements );
     }
 }
 
@@ -328,23 +328,23 @@ static void tell_contact( const run_layers* l, results* out )
     const wisp_contact_figures* f = &l->last.contact;
     if ( !l->last.has_contact )
     {
-        results_add_note( out, "Contact: no guest takes part." );
+        results_add_note( out, "contact: no entity takes part" );
         return;
     }
-    char gap[80] = "no two came near each other";
+    char gap[80] = "no pair came close";
     if ( isfinite( l->least_gap ) )
     {
-        snprintf( gap, sizeof gap, "the least gap was %.4f of a thickness", (double)l->least_gap );
+        snprintf( gap, sizeof gap, "the smallest gap was %.4f thicknesses", (double)l->least_gap );
     }
-    results_add_note( out, "Contact of %d guests: at most %d pairs pressed at once, %s, %lld ways were cut.",
+    results_add_note( out, "contact of %d entities: at most %d pairs active at once, %s, %lld displacements limited",
                       f->guests, l->most_contacts, gap, (long long)l->guarded );
     char crossings[60] = "";
     if ( f->crossings >= 0 )
     {
-        snprintf( crossings, sizeof crossings, ", %d edges cross triangles", f->crossings );
+        snprintf( crossings, sizeof crossings, ", %d edges intersect triangles", f->crossings );
     }
     results_add_note(
-        out, "Contact, last step: %d pairs press%s, impulses come to %.3e N s, their sum to %.1e N s.", f->contacts,
+        out, "contact, last step: %d active pairs%s, impulses %.3e N s, their vector sum %.1e N s", f->contacts,
         crossings, f->impulse,
         sqrt( f->pushed[0] * f->pushed[0] + f->pushed[1] * f->pushed[1] + f->pushed[2] * f->pushed[2] ) );
 }
@@ -376,7 +376,7 @@ void run_layers_report( const run_layers* l, results* out )
     }
     if ( l->layer_count > 0 )
     {
-        results_add_note( out, "Boundary points, whole run: %.2f %% of the elements were sampled anew a step.",
+        results_add_note( out, "boundary points, whole run: %.2f %% of the elements were resampled per step",
                           100.0 * share_of( l->changed, l->elements ) );
     }
     if ( l->has_contact )
@@ -385,7 +385,7 @@ void run_layers_report( const run_layers* l, results* out )
     }
     if ( l->file )
     {
-        results_add_note( out, "Boundary points written: %d files, the last is %s", l->written,
+        results_add_note( out, "boundary points written: %d files, the last is %s", l->written,
                           l->written > 0 ? l->path : "none" );
     }
 }

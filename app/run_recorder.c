@@ -29,7 +29,7 @@ struct run_recorder
 
 static wisp_status no_memory( const run_recorder* r, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a recording of it", r->world->scene->name );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its recording", r->world->scene->name );
 }
 
 // ---- bodies ----
@@ -150,7 +150,7 @@ static wisp_status find_tracks( const run_recorder* r, const run_recorder_def* d
         }
         if ( track->vertex >= r->list[body].vertex_count )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "--track: %s has no vertex %d, the last one is %d",
+            return wisp_fail( error, WISP_BAD_INPUT, "--track: %s: got vertex %d, expected 0 to %d",
                               r->list[body].name, track->vertex, r->list[body].vertex_count - 1 );
         }
         points[i] = ( wisp_track_point ){ body, track->vertex };
@@ -192,20 +192,21 @@ static wisp_status check_proof( run_recorder* r, wisp_error* error )
     const wisp_scene* scene = r->world->scene;
     if ( info.frame_count < 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has no whole frame", r->proof_name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got no complete frame, expected at least one", r->proof_name );
     }
     if ( info.body_count != r->count )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has %d bodies, and %s has %d", r->proof_name,
-                          info.body_count, scene->name, r->count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d bodies, but %s has %d", r->proof_name, info.body_count,
+                          scene->name, r->count );
     }
     for ( int i = 0; i < r->count; ++i )
     {
         if ( !same_body( &r->list[i], wisp_recording_body( r->proof, i ) ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT,
-                              "%s: body %d has another name, or other vertices, triangles or strands than %s of %s",
-                              r->proof_name, i, r->list[i].name, scene->name );
+            return wisp_fail(
+                error, WISP_BAD_INPUT,
+                "%s: body %d differs in its name or in its number of vertices, triangles or strands from %s of %s",
+                r->proof_name, i, r->list[i].name, scene->name );
         }
     }
     double steps = info.step_seconds / (double)scene->step_seconds;
@@ -214,8 +215,9 @@ static wisp_status check_proof( run_recorder* r, wisp_error* error )
     // The recorder multiplied by the number of steps, which is exact enough to be compared with a small tolerance.
     return fabs( steps - r->proof_every ) <= 1e-6 * steps
                ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "%s: its frames are %g s apart, which are not whole steps of %g s",
-                            r->proof_name, info.step_seconds, (double)scene->step_seconds );
+               : wisp_fail( error, WISP_BAD_INPUT,
+                            "%s: got frames %g s apart, expected a multiple of the step of %g s", r->proof_name,
+                            info.step_seconds, (double)scene->step_seconds );
 }
 
 static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wisp_error* error )
@@ -238,7 +240,7 @@ static wisp_status compare_body( const run_recorder* r, int body, int frame, dou
         if ( memcmp( &now[v], &then[v], sizeof now[v] ) != 0 )
         {
             return wisp_fail( error, WISP_CONFLICT,
-                              "%s: frame %d at %g s: %s differs, vertex %d is at (%.9g, %.9g, %.9g) and was at "
+                              "%s: frame %d at %g s: %s differs at vertex %d: got (%.9g, %.9g, %.9g), expected "
                               "(%.9g, %.9g, %.9g)",
                               r->proof_name, frame, time, r->list[body].name, v, (double)now[v].x, (double)now[v].y,
                               (double)now[v].z, (double)then[v].x, (double)then[v].y, (double)then[v].z );
@@ -258,11 +260,11 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
     }
     if ( status == WISP_OK && old_hash != 0 && old_hash != hash )
     {
-        status =
-            wisp_fail( error, WISP_CONFLICT,
-                       "%s: frame %d at %g s: all points are equal, but the state of the world is %016llx and was "
-                       "%016llx",
-                       r->proof_name, frame, time, (unsigned long long)hash, (unsigned long long)old_hash );
+        status = wisp_fail(
+            error, WISP_CONFLICT,
+            "%s: frame %d at %g s: all points are equal, but the world differs: got hash %016llx, expected "
+            "%016llx",
+            r->proof_name, frame, time, (unsigned long long)hash, (unsigned long long)old_hash );
     }
     r->verified += status == WISP_OK;
     return status;
@@ -304,7 +306,7 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
     run_recorder* r = calloc( 1, sizeof *r );
     if ( !r )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
+        return wisp_fail( error, WISP_NO_MEMORY, "run: out of memory for a recording" );
     }
     r->world = world;
     r->every = def->every;

@@ -127,8 +127,8 @@ wisp_status tune_knobs_find( const wisp_scene* scene, tune_knobs* out, wisp_erro
     *out = ( tune_knobs ){ .level_passes = tune_level_passes( scene ) };
     if ( !moves( scene ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: nothing in the scene moves in time, so there is nothing to tune", scene->name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: nothing in the scene moves, so there is nothing to tune",
+                          scene->name );
     }
     for ( int which = 0; which < FIELD_COUNT; ++which )
     {
@@ -264,7 +264,7 @@ wisp_status tune_knobs_edits( const tune_knobs* knobs, const int* choice, const 
     *count = 0;
     if ( !list.edits )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the changes", scene->name );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the changes", scene->name );
     }
     for ( int k = 0; k < knobs->count; ++k )
     {

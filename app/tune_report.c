@@ -30,7 +30,7 @@ static void add_row( results* out, const tune_scene_def* def, const tune_scene_f
                      const wisp_tune_result* found, const wisp_tune_visit* visit )
 {
     results_row* row = results_add_row( out, last_part( def->scene->name ),
-                                        is_chosen( def->knobs, found, visit ) ? "chosen" : "tried" );
+                                        is_chosen( def->knobs, found, visit ) ? "chosen" : "trial" );
     if ( !row )
     {
         return;
@@ -40,14 +40,14 @@ static void add_row( results* out, const tune_scene_def* def, const tune_scene_f
     {
         results_put( &row->size, def->knobs->knobs[k].name, def->knobs->values[k][visit->choice[k]] );
     }
-    results_put( &row->size, "front", visit->is_front ? 1.0 : 0.0 );
+    results_put( &row->size, "is_pareto", visit->is_front ? 1.0 : 0.0 );
     results_put( &row->size, "halted", visit->sample.is_halted ? 1.0 : 0.0 );
     row->workers = facts->workers;
     row->ms_median = visit->sample.ms;
     row->steps = facts->steps * visit->run_count;
     if ( !visit->sample.is_halted )
     {
-        snprintf( row->error_reference, sizeof row->error_reference, "%d times the finest substeps",
+        snprintf( row->error_reference, sizeof row->error_reference, "reference: %d times the finest substeps",
                   TUNE_TRUTH_FACTOR );
         results_put( &row->error, "rms_m", visit->sample.error );
         results_put( &row->error, "largest_m", visit->sample.largest );
@@ -74,7 +74,7 @@ static void add_line( results* out, int table, const tune_knobs* knobs, const wi
     snprintf( texts[knobs->count + 3], sizeof texts[0], "%s",
               is_chosen( knobs, found, visit ) ? "chosen"
               : halted                         ? "halted"
-              : visit->is_front                ? "front"
+              : visit->is_front                ? "Pareto"
                                                : "" );
     results_add_cells( out, table, cells );
 }
@@ -93,72 +93,80 @@ static void add_table( results* out, const tune_scene_def* def, const wisp_tune_
     {
         header[k] = knobs->knobs[k].name;
     }
-    header[knobs->count] = "ms a step";
-    header[knobs->count + 1] = "error m";
-    header[knobs->count + 2] = "largest m";
+    header[knobs->count] = "ms per step";
+    header[knobs->count + 1] = "error (m)";
+    header[knobs->count + 2] = "max error (m)";
     header[knobs->count + 3] = "verdict";
-    const int table = results_add_table( out, "Settings that were run, the fastest first", knobs->count + 4, header );
+    const int table = results_add_table( out, "Configurations, fastest first", knobs->count + 4, header );
     for ( int v = 0; v < found->visit_count; ++v )
     {
         add_line( out, table, knobs, found, &found->visits[v] );
     }
 }
 
-static void add_truth_note( results* out, const tune_scene_def* def, const tune_scene_facts* facts )
+static void add_reference( results* out, int table, const tune_scene_def* def, const tune_scene_facts* facts )
 {
     int finest[WISP_TUNE_MAX_KNOBS];
     for ( int k = 0; k < def->knobs->count; ++k )
     {
         finest[k] = def->knobs->knobs[k].value_count - 1;
     }
-    char setting[240];
+    char setting[240], text[320];
     name_setting( def->knobs, finest, setting, sizeof setting );
-    results_add_note(
-        out,
-        "Errors are root mean squares of distances over %d points and %d steps of %g s, against the setting "
-        "%s with %d times these substeps.",
-        facts->points, facts->steps, (double)def->scene->step_seconds, setting, TUNE_TRUTH_FACTOR );
+    snprintf( text, sizeof text, "%s; %d times the substeps", setting, TUNE_TRUTH_FACTOR );
+    results_add_cells( out, table, ( const char* const[] ){ "reference", text } );
+    snprintf( text, sizeof text, "root mean square distance over %d points and %d steps of %g s", facts->points,
+              facts->steps, (double)def->scene->step_seconds );
+    results_add_cells( out, table, ( const char* const[] ){ "error", text } );
 }
 
-static void add_verdict( results* out, const tune_scene_def* def, const wisp_tune_result* found )
+static void add_verdict( results* out, int table, const tune_scene_def* def, const wisp_tune_result* found )
 {
-    char setting[240], target[60];
+    char setting[240], text[320], target[60];
     name_setting( def->knobs, found->choice, setting, sizeof setting );
     if ( def->error > 0.0 )
     {
-        snprintf( target, sizeof target, "an error of %g m", def->error );
+        snprintf( target, sizeof target, "error at most %g m", def->error );
     }
     else
     {
-        snprintf( target, sizeof target, "%g ms a step", def->budget_ms );
+        snprintf( target, sizeof target, "at most %g ms per step", def->budget_ms );
     }
+    snprintf( text, sizeof text, "%s: %s", found->is_met ? "met" : "not met", target );
+    results_add_cells( out, table, ( const char* const[] ){ "target", text } );
     if ( found->achieved.is_halted )
     {
-        results_add_failure( out, "Not met: %s; every setting that was run left its bounds.", target );
+        results_add_cells( out, table,
+                           ( const char* const[] ){ "nearest", "none: every configuration became unstable" } );
+        return;
     }
-    else if ( !found->is_met )
-    {
-        results_add_failure( out, "Not met: %s; nearest comes %s, with %.4f ms a step and an error of %.3e m.",
-                             target, setting, found->achieved.ms, found->achieved.error );
-    }
-    else
-    {
-        results_add_note( out, "Met: %s, by %s, with %.4f ms a step and an error of %.3e m (largest %.3e m).", target,
-                          setting, found->achieved.ms, found->achieved.error, found->achieved.largest );
-    }
-    results_add_note( out, "%d runs of %d settings in %.1f s%s.", found->run_count, found->visit_count,
-                      found->seconds, found->is_cut ? ", ended by a limit: there may be better ones" : "" );
+    results_add_cells( out, table, ( const char* const[] ){ found->is_met ? "chosen" : "nearest", setting } );
+    snprintf( text, sizeof text, "%.4f ms per step, error %.3e m, maximum %.3e m", found->achieved.ms,
+              found->achieved.error, found->achieved.largest );
+    results_add_cells( out, table, ( const char* const[] ){ "reached", text } );
+}
+
+static void add_search( results* out, int table, const wisp_tune_result* found )
+{
+    char text[160];
+    snprintf( text, sizeof text, "%d run%s of %d configuration%s in %.1f s%s", found->run_count,
+              found->run_count == 1 ? "" : "s", found->visit_count, found->visit_count == 1 ? "" : "s",
+              found->seconds, found->is_cut ? "; stopped early by a limit, better ones may exist" : "" );
+    results_add_cells( out, table, ( const char* const[] ){ "search", text } );
 }
 
 void tune_report( results* out, const tune_scene_def* def, const tune_scene_facts* facts, wisp_tune_result* found )
 {
     out->machine = machine_describe( facts->isa );
+    out->is_result_first = true;
     qsort( found->visits, (size_t)found->visit_count, sizeof *found->visits, compare_visits );
     for ( int v = 0; v < found->visit_count; ++v )
     {
         add_row( out, def, facts, found, &found->visits[v] );
     }
+    const int head = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
+    add_verdict( out, head, def, found );
+    add_search( out, head, found );
+    add_reference( out, head, def, facts );
     add_table( out, def, found );
-    add_truth_note( out, def, facts );
-    add_verdict( out, def, found );
 }

@@ -90,7 +90,7 @@ static void let_go( void* user, wisp_tune_world* world )
 
 static bool show( void* user, int run_count, int max_runs )
 {
-    progress_show( &( (host*)user )->bar, (double)run_count / max_runs, "settings at most" );
+    progress_show( &( (host*)user )->bar, (double)run_count / max_runs, "of the runs allowed" );
     return true;
 }
 
@@ -140,9 +140,9 @@ wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out,
     host h = { .def = def, .facts = facts, .options = def->world };
     const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;
     h.points = malloc( room * sizeof *h.points + 1 );
-    wisp_status status = h.points
-                             ? search( &h, out, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its points", def->scene->name );
+    wisp_status status =
+        h.points ? search( &h, out, error )
+                 : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its points", def->scene->name );
     free( h.points );
     return status;
 }

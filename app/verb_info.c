@@ -6,15 +6,19 @@
 #include "scene_keys.h"
 #include "world_from_scene.h"
 
-static const char doc[] = "Tell what is in a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, .json), "
-                          "a recording (.wisp, .pc2) "
-                          "or a result (.json), and what is wrong with it.\n"
+static const char doc[] = "Describe a file, and report what is wrong with it.\n"
                           "\v"
-                          "A mesh is examined edge by edge: open borders, wrong winding, shells that are inside out, "
-                          "triangles without area and "
-                          "more, each by its number. A mesh with such flaws is a mesh (status 0); one that cannot be "
-                          "read, or names a vertex "
-                          "that it does not have, is bad input.\n" STATUS_HELP;
+                          "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
+                          "recordings (.wisp, .pc2) and results (.json).\n"
+                          "\n"
+                          "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
+                          "components, degenerate triangles and more; each finding names the elements. Such\n"
+                          "findings are no failure (status 0). A file that cannot be read is (status 2).\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp info data/bunny.obj\n"
+                          "  wisp info data/scenes/flag.yaml\n"
+                          "\n" STATUS_HELP;
 
 typedef struct info_options
 {
@@ -38,14 +42,14 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case ARGP_KEY_ARG:
             if ( given->argument )
             {
-                argp_error( state, "one file at a time, but there is also '%s'", argument );
+                argp_error( state, "got a second file '%s', expected one", argument );
             }
             given->argument = argument;
             return 0;
         case ARGP_KEY_END:
             if ( !given->argument && !given->keys )
             {
-                argp_error( state, "which file?" );
+                argp_error( state, "expected a file" );
             }
             return 0;
         default:
@@ -63,7 +67,7 @@ static wisp_status info_groom( const char* path, wisp_error* error )
     {
         return status;
     }
-    // Told first, refused afterwards: the list of what is wrong helps more than its first element alone.
+    // Describe first and refuse afterwards: the whole list of findings helps more than the first one.
     status = wisp_groom_info( stdout, &groom, path );
     if ( status == WISP_OK )
     {
@@ -76,7 +80,7 @@ static wisp_status info_groom( const char* path, wisp_error* error )
     }
     else
     {
-        wisp_fail( error, status, "%s: it cannot be described (%s)", path, wisp_status_name( status ) );
+        wisp_fail( error, status, "%s: cannot be described: %s", path, wisp_status_name( status ) );
     }
     wisp_groom_release( &groom );
     return status;
@@ -95,7 +99,7 @@ static wisp_status info_mesh( const char* path, wisp_error* error )
     status = wisp_mesh_info( stdout, &mesh, path );
     if ( status != WISP_OK )
     {
-        wisp_fail( error, status, "%s: it cannot be examined (%s)", path, wisp_status_name( status ) );
+        wisp_fail( error, status, "%s: cannot be examined: %s", path, wisp_status_name( status ) );
     }
     wisp_mesh_release( &mesh );
     return status;
@@ -377,10 +381,11 @@ static wisp_status info_file( const char* path, wisp_error* error )
         case FILE_UNKNOWN:
             break;
     }
-    return wisp_fail( error, WISP_BAD_INPUT,
-                      "%s: neither a groom (.hair, .tfx), nor a mesh (.obj, .ply), nor a scene (.yaml, .yml, .json), "
-                      "nor a recording (.wisp, .pc2), nor a result (.json)",
-                      path );
+    return wisp_fail(
+        error, WISP_BAD_INPUT,
+        "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, "
+        ".json), a recording (.wisp, .pc2) or results (.json)",
+        path );
 }
 
 static wisp_status info_keys( const char* block, wisp_error* error )
@@ -403,7 +408,7 @@ int verb_info( int argc, char** argv )
     wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );
     if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
     {
-        status = wisp_fail( &error, WISP_IO_ERROR, "the description could not be written" );
+        status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the description could not be written" );
     }
     return status == WISP_OK ? STATUS_GOOD : verb_fail( &error );
 }

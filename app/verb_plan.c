@@ -10,6 +10,7 @@ enum
 {
     KEY_STEPS = 's',
     KEY_FORMAT = 'f',
+    KEY_VERBOSE = 'v',
 };
 
 enum
@@ -22,19 +23,22 @@ enum
 
 static const char* const format_words[FORMAT_COUNT] = { "text", "dot", "json" };
 
-static const char doc[] =
-    "Print the passes that a scene needs with the reason for each, and what absent ones lack.\n"
-    "\v"
-    "The plan is that of the start of the scene. The predicted share of a pass is that of the bytes it reads and "
-    "writes: rows of its components times its runs a step. The measured share is that of the time all passes took "
-    "together in the first steps, on one worker. docs/plan.md tells what the prediction leaves out, and the names of "
-    "the JSON form.\n"
-    "\n"
-    "A picture: wisp plan SCENE --format dot | dot -Tsvg > plan.svg\n" STATUS_HELP;
+static const char doc[] = "Print the passes that a scene needs, and why each is there.\n"
+                          "\v"
+                          "One line per pass: its stage, the entities it runs on, its predicted percentage\n"
+                          "of the memory traffic, its measured percentage of the time, and why it is active.\n"
+                          "Below are the modules that the scene does not use. docs/outputs.md explains both\n"
+                          "percentages and the JSON format.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp plan data/scenes/flag.yaml\n"
+                          "  wisp plan data/scenes/flag.yaml --format dot | dot -Tsvg > plan.svg\n"
+                          "\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
+    { "verbose", KEY_VERBOSE, 0, 0, "Also print what passes read and write, and absent passes", 0 },
     { "format", KEY_FORMAT, "FORMAT", 0, "text (default), dot for Graphviz, or json", 0 },
-    { "steps", KEY_STEPS, "N", 0, "Measure N steps, default 10; 0 measures nothing", 0 },
+    { "steps", KEY_STEPS, "N", 0, "Measure the first N steps, 10 by default, 0 for none", 0 },
     { 0 },
 };
 
@@ -43,6 +47,7 @@ typedef struct plan_options
     const char* scene;
     int format;
     int steps;
+    bool is_verbose;
 } plan_options;
 
 static error_t parse( int key, char* argument, struct argp_state* state )
@@ -56,25 +61,28 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_STEPS:
             options->steps = option_whole( state, "--steps", argument, 0, STEPS_MAX );
             return 0;
+        case KEY_VERBOSE:
+            options->is_verbose = true;
+            return 0;
         case ARGP_KEY_ARG:
             if ( options->scene )
             {
-                argp_error( state, "one scene at a time, but there is also '%s'", argument );
+                argp_error( state, "got a second scene '%s', expected one", argument );
             }
             options->scene = argument;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which scene?" );
+            argp_error( state, "expected a scene" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
     }
 }
 
-static wisp_status write_sheet( const plan_sheet* sheet, int format, wisp_error* error )
+static wisp_status write_sheet( const plan_sheet* sheet, const plan_options* options, wisp_error* error )
 {
     bool is_written = true;
-    switch ( format )
+    switch ( options->format )
     {
         case FORMAT_DOT:
             plan_sheet_dot( sheet, stdout );
@@ -83,15 +91,15 @@ static wisp_status write_sheet( const plan_sheet* sheet, int format, wisp_error*
             is_written = plan_sheet_json( sheet, stdout );
             break;
         default:
-            plan_sheet_text( sheet, stdout );
+            plan_sheet_text( sheet, options->is_verbose, stdout );
             break;
     }
     if ( is_written == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plan as JSON" );
+        return wisp_fail( error, WISP_NO_MEMORY, "plan: out of memory for the JSON output" );
     }
     return fflush( stdout ) != 0 || ferror( stdout )
-               ? wisp_fail( error, WISP_IO_ERROR, "the plan could not be written" )
+               ? wisp_fail( error, WISP_IO_ERROR, "standard output: the plan could not be written" )
                : WISP_OK;
 }
 
@@ -107,7 +115,7 @@ int verb_plan( int argc, char** argv )
     {
         return verb_fail( &error );
     }
-    // Times of passes are told apart best where nobody else works, and one worker starts no thread.
+    // On one worker no thread competes for time, so the times of passes are clean.
     const scene_world_options world_options = { .workers = 1 };
     scene_world world;
     wisp_status status = scene_world_create( &scene, &world_options, &world, &error );
@@ -115,7 +123,7 @@ int verb_plan( int argc, char** argv )
     {
         plan_sheet sheet;
         status = plan_sheet_make( &world, options.steps, &sheet, &error );
-        status = status == WISP_OK ? write_sheet( &sheet, options.format, &error ) : status;
+        status = status == WISP_OK ? write_sheet( &sheet, &options, &error ) : status;
         plan_sheet_release( &sheet );
         scene_world_destroy( &world );
     }

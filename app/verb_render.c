@@ -31,56 +31,47 @@ enum
     KEY_NORMALS,
 };
 
-static const char doc[] =
-    "Draw pictures of a scene (.yaml, .yml, .json), a recording (.wisp, .pc2), a mesh (.obj, .ply) or a groom "
-    "(.hair, "
-    ".tfx) by ray tracing. A scene is simulated as far as the pictures need; frame 0 is its start, frame N follows "
-    "step "
-    "N. Without further words the last frame is drawn, with a camera that has everything in view in all frames.\n"
-    "\v"
-    "wisp render drape.yaml -o drape.png\n"
-    "wisp render drape.wisp --sheet -o sheet.png\n"
-    "wisp render drape.wisp --frames 0::2 --colour strain -o film.png\n"
-    "wisp render bunny.obj --turntable 36 -o bunny.png\n"
-    "\n"
-    "Several pictures are FILE_0001.png and so on, or one contact sheet.\n" STATUS_HELP;
+static const char doc[] = "Draw pictures of a scene, recording, mesh or groom by ray tracing.\n"
+                          "\v"
+                          "Inputs are scenes (.yaml, .yml, .json), recordings (.wisp, .pc2), meshes (.obj,\n"
+                          ".ply) and grooms (.hair, .tfx). A scene is simulated as far as the pictures need.\n"
+                          "Frame 0 is the start, frame N follows step N; by default the last frame is drawn.\n"
+                          "The default camera shows all bodies in all frames. Several pictures are written as\n"
+                          "FILE_0001.png and so on, or as one contact sheet.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp render data/scenes/flag.yaml -o flag.png\n"
+                          "  wisp render flag.wisp --sheet -o sheet.png\n"
+                          "  wisp render flag.wisp --frames 0::2 --colour strain -o film.png\n"
+                          "  wisp render data/bunny.obj --turntable 36 -o bunny.png\n"
+                          "\n" STATUS_HELP;
 
 static const struct argp_option option_list[] = {
-    { 0, 0, 0, 0, "The picture:", 1 },
-    { "output", KEY_OUTPUT, "FILE.png", 0, "Where it goes; there is no default", 1 },
-    { "size", KEY_SIZE, "WxH", 0, "Pixels, default 640x480, on a sheet 400x300 each", 1 },
-    { "samples", KEY_SAMPLES, "N", 0, "Rays a pixel, 1 to 4096, default 16; more is smoother and slower", 1 },
-    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64, instead of one a core; the picture is the same", 1 },
-    { 0, 0, 0, 0, "When:", 2 },
+    { 0, 0, 0, 0, "Picture:", 1 },
+    { "output", KEY_OUTPUT, "FILE.png", 0, "Write the picture to FILE.png; required", 1 },
+    { "size", KEY_SIZE, "WxH", 0, "Pixels, default 640x480; on a sheet 400x300 each", 1 },
+    { "samples", KEY_SAMPLES, "N", 0, "Rays per pixel, 1 to 4096, default 16", 1 },
+    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64, default one per core", 1 },
+    { 0, 0, 0, 0, "Frames, default the last one:", 2 },
     { "frame", KEY_FRAME, "N", 0, "Frame N, counted from 0", 2 },
     { "time", KEY_TIME, "S", 0, "The frame nearest to S seconds", 2 },
-    { "frames", KEY_FRAMES, "A:B:STEP", 0, "A sequence from frame A to B, both included; each part may be left out",
-      2 },
-    { "sheet", KEY_SHEET, "COLUMNS", OPTION_ARG_OPTIONAL,
-      "One contact sheet of the frames, or of twelve from first to last", 2 },
-    { 0, 0, 0, 0, "From where:", 3 },
+    { "frames", KEY_FRAMES, "A:B:STEP", 0, "Frames A to B, both included; parts can be omitted", 2 },
+    { "sheet", KEY_SHEET, "COLUMNS", OPTION_ARG_OPTIONAL, "One contact sheet of --frames, or of twelve frames", 2 },
+    { 0, 0, 0, 0, "Camera:", 3 },
     { "from", KEY_FROM, "AZIMUTH,ELEVATION", 0,
-      "Degrees about y from +z towards +x, and above the horizon; 32,16, or 0,0 for strands in a plane", 3 },
-    { "fov", KEY_FOV, "DEGREES", 0, "Angle of view from the lower to the upper edge, 1 to 150, default 28", 3 },
-    { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", 0, "Eye and target in metres instead of a camera that finds its place",
-      3 },
-    { "turntable", KEY_TURNTABLE, "N", 0, "N views of one frame, all the way around", 3 },
-    { 0, 0, 0, 0, "What it looks like:", 4 },
+      "Direction in degrees: about y from +z to +x, and up; default 32,16, or 0,0 for strands in a plane", 3 },
+    { "fov", KEY_FOV, "DEGREES", 0, "Vertical angle of view, 1 to 150, default 28", 3 },
+    { "camera", KEY_CAMERA, "X,Y,Z,X,Y,Z", 0, "Eye and target in metres, instead of --from", 3 },
+    { "turntable", KEY_TURNTABLE, "N", 0, "N views around one frame", 3 },
+    { 0, 0, 0, 0, "Appearance:", 4 },
     { "colour", KEY_COLOUR, "WHAT", 0, "body (default), strain or speed", 4 },
     { "color", 0, 0, OPTION_ALIAS | OPTION_HIDDEN, 0, 4 },
-    { "range", KEY_RANGE, "LOW,HIGH", 0,
-      "Strain or speed at the ends of the colours, instead of what the frames have", 4 },
-    { "boundary", KEY_BOUNDARY, "WHAT", 0,
-      "Boundary points of a scene as balls coloured by normal (default), by class: on an edge or inside a triangle, "
-      "or "
-      "none",
-      4 },
-    { "normals", KEY_NORMALS, 0, 0, "Normals of boundary points as short lines", 4 },
-    { "ground", KEY_GROUND, "WHERE", 0,
-      "auto (default): a level plane of the scene, or below the lowest point; none; or y in metres", 4 },
-    { "background", KEY_BACKGROUND, "WHAT", 0,
-      "studio (default), white, dark, a colour such as #20242c, or two: top,bottom", 4 },
-    { "mesh", KEY_MESH, "FILE", 0, "The triangles of a point cache (.obj, .ply)", 4 },
+    { "range", KEY_RANGE, "LOW,HIGH", 0, "Strain or speed at the ends of the colour scale", 4 },
+    { "boundary", KEY_BOUNDARY, "WHAT", 0, "Boundary points by normal (default) or class, or none", 4 },
+    { "normals", KEY_NORMALS, 0, 0, "Draw normals of boundary points", 4 },
+    { "ground", KEY_GROUND, "WHERE", 0, "auto (default), none, or y in metres", 4 },
+    { "background", KEY_BACKGROUND, "WHAT", 0, "studio (default), white, dark, #20242c, or #top,#bottom", 4 },
+    { "mesh", KEY_MESH, "FILE", 0, "Triangles for a point cache (.obj, .ply)", 4 },
     { 0 },
 };
 
@@ -88,7 +79,7 @@ static void choose_frames( struct argp_state* state, picture_options* options, p
 {
     if ( options->choice != PICTURE_LAST )
     {
-        argp_error( state, "one of --frame, --time and --frames, and only once" );
+        argp_error( state, "got several of --frame, --time and --frames, expected one" );
     }
     options->choice = choice;
 }
@@ -98,7 +89,7 @@ static void parse_range( struct argp_state* state, const char* argument, picture
     picture_parse_numbers( state, "--range", argument, 2, options->range );
     if ( !( options->range[0] < options->range[1] ) )
     {
-        argp_error( state, "--range: '%s' does not rise", argument );
+        argp_error( state, "--range: got '%s', expected two rising numbers", argument );
     }
     options->has_range = true;
 }
@@ -118,7 +109,7 @@ static void parse_from( struct argp_state* state, const char* argument, picture_
     picture_parse_numbers( state, "--from", argument, 2, n );
     if ( !( n[1] >= -89.0f && n[1] <= 89.0f ) )
     {
-        argp_error( state, "--from: the elevation %g is not from -89 to 89 degrees", (double)n[1] );
+        argp_error( state, "--from: got an elevation of %g, expected -89 to 89 degrees", (double)n[1] );
     }
     options->view.azimuth_degrees = n[0];
     options->view.elevation_degrees = n[1];
@@ -130,7 +121,7 @@ static void parse_fov( struct argp_state* state, const char* argument, picture_o
     picture_parse_numbers( state, "--fov", argument, 1, &options->view.fov_degrees );
     if ( !( options->view.fov_degrees >= 1.0f && options->view.fov_degrees <= 150.0f ) )
     {
-        argp_error( state, "--fov: '%s' is not from 1 to 150 degrees", argument );
+        argp_error( state, "--fov: got '%s', expected 1 to 150 degrees", argument );
     }
 }
 
@@ -230,19 +221,19 @@ static void check( struct argp_state* state, const picture_options* options )
 {
     if ( !options->output )
     {
-        argp_error( state, "where to? -o FILE.png says it" );
+        argp_error( state, "expected -o FILE.png" );
     }
     if ( !file_ends_in( options->output, ".png" ) )
     {
-        argp_error( state, "-o: '%s' does not end in .png, and pictures are PNG files", options->output );
+        argp_error( state, "-o: got '%s', expected a file name that ends in .png", options->output );
     }
     if ( options->turntable > 0 && options->choice == PICTURE_FRAMES )
     {
-        argp_error( state, "--turntable turns around one frame; --frames names several" );
+        argp_error( state, "--turntable: expected one frame, but --frames selects several" );
     }
     if ( options->has_range && options->source.value == PICTURE_BODY )
     {
-        argp_error( state, "--range belongs to --colour strain or --colour speed" );
+        argp_error( state, "--range: expected together with --colour strain or --colour speed" );
     }
 }
 
@@ -254,12 +245,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case ARGP_KEY_ARG:
             if ( options->source.path )
             {
-                argp_error( state, "one input at a time, but there is also '%s'", argument );
+                argp_error( state, "got a second file '%s', expected one", argument );
             }
             options->source.path = argument;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "of what? a scene, recording, mesh or groom" );
+            argp_error( state, "expected a scene, recording, mesh or groom" );
             return 0;
         case ARGP_KEY_SUCCESS:
             check( state, options );
@@ -279,7 +270,7 @@ int verb_render( int argc, char** argv )
     wisp_status status = picture_draw( &options, &error );
     if ( status == WISP_OK && ( fflush( stdout ) != 0 || ferror( stdout ) ) )
     {
-        status = wisp_fail( &error, WISP_IO_ERROR, "what was drawn could not be told on standard output" );
+        status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the list of pictures could not be written" );
     }
     return status == WISP_OK ? STATUS_GOOD : verb_fail( &error );
 }

@@ -28,31 +28,37 @@ enum
     KEY_LIMIT = 256,
 };
 
-static const char doc[] =
-    "Find the cheapest setting of a scene that meets an error, or the most accurate one within a time.\n"
-    "\v"
-    "Tuned are substeps and iterations, tethers and levels of cloth (off, or their finest_level), tolerance and "
-    "repeats of implicit cloth, stretch_passes of strands that move by the direct solve, as far as the scene has "
-    "them; on all surfaces and strands alike. Settings are run on this machine, which should have nothing else to "
-    "do.\n"
-    "\n"
-    "The error is the root mean square distance, in metres, over all points of surfaces and of strands with "
-    "dynamics, and over 12 looks spread over the run, from the same scene with 16 times the substeps of the "
-    "finest setting, without tethers and levels. Scenes that go another way after the smallest change, as "
-    "crumpling cloth does, cannot meet a small error.\n"
-    "\n"
-    "--output writes the scene with the fields of the choice changed, added or, where levels are off, taken out, "
-    "and everything else as it was, if what was asked for is met.\n"
-    "\n" STATUS_HELP;
+static const char doc[] = "Find the cheapest configuration of a scene within an error, or the most accurate\n"
+                          "one within a time.\n"
+                          "\v"
+                          "Tuned are, as far as the scene uses them: substeps and iterations; tethers and\n"
+                          "levels of cloth; tolerance and Newton iterations of implicit cloth; stretch passes\n"
+                          "of strands. Configurations are timed on this machine, which should be idle.\n"
+                          "\n"
+                          "The error is a root mean square distance in metres, over all points and 12 samples\n"
+                          "of time, from a reference: the same scene with 16 times the finest substeps,\n"
+                          "without tethers and levels. Chaotic scenes, such as crumpling cloth, cannot meet a\n"
+                          "small error.\n"
+                          "\n"
+                          "--output writes the scene with the changed keys, and everything else as it was, if\n"
+                          "the target is met.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp tune data/scenes/hanging_cloth.yaml --error 0.005\n"
+                          "  wisp tune data/scenes/hanging_cloth.yaml --budget 2 -o data/scenes/tuned.yaml\n"
+                          "\n" STATUS_HELP_UNMET( "no configuration meets the target" );
 
 static const struct argp_option option_list[] = {
-    { "error", KEY_ERROR, "METRES", 0, "Find the cheapest setting with at most this error", 0 },
-    { "budget", KEY_BUDGET, "MS", 0, "Find the most accurate setting with at most these milliseconds a step", 0 },
-    { "seconds", KEY_SECONDS, "S", 0, "Simulate S seconds in each run, default the scene's steps, 2 s at most", 0 },
-    { "limit", KEY_LIMIT, "SECONDS", 0, "Begin no run after so many seconds, default 300", 0 },
-    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64, instead of the scene's or one a core", 0 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "Report as text (default), markdown, csv, json or gbench", 0 },
-    { "output", KEY_OUTPUT, "FILE", 0, "Write the scene with the setting that was found to FILE", 0 },
+    { 0, 0, 0, 0, "Target, one of:", 1 },
+    { "error", KEY_ERROR, "METRES", 0, "Cheapest configuration with at most this error", 1 },
+    { "budget", KEY_BUDGET, "MS", 0, "Most accurate configuration within MS ms per step", 1 },
+    { 0, 0, 0, 0, "Search:", 2 },
+    { "seconds", KEY_SECONDS, "S", 0, "Simulate S seconds per run; default: the scene, at most 2", 2 },
+    { "limit", KEY_LIMIT, "SECONDS", 0, "Start no run after this time, default 300", 2 },
+    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 2 },
+    { 0, 0, 0, 0, "Output:", 3 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 3 },
+    { "output", KEY_OUTPUT, "FILE", 0, "Write the tuned scene to FILE; default: not written", 3 },
     { 0 },
 };
 
@@ -60,7 +66,7 @@ static void check( struct argp_state* state, const tune_options* options )
 {
     if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
     {
-        argp_error( state, "--error says how wrong it may be and --budget how long it may take: one of them" );
+        argp_error( state, "expected one of --error and --budget" );
     }
 }
 
@@ -94,12 +100,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case ARGP_KEY_ARG:
             if ( options->scene )
             {
-                argp_error( state, "one scene at a time, but there is also '%s'", argument );
+                argp_error( state, "got a second scene '%s', expected one", argument );
             }
             options->scene = argument;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "which scene?" );
+            argp_error( state, "expected a scene" );
             return 0;
         case ARGP_KEY_SUCCESS:
             check( state, options );
@@ -146,7 +152,8 @@ static wisp_status edit_scene( const tune_options* options, const tune_knobs* kn
     return status;
 }
 
-// What cannot be written is told before minutes go by: every value of every knob is in one of the choices that are tried.
+// Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter is
+// in one of the configurations that are tried.
 static wisp_status check_output( const tune_options* options, const tune_knobs* knobs, const wisp_scene* scene,
                                  wisp_error* error )
 {
@@ -154,10 +161,9 @@ static wisp_status check_output( const tune_options* options, const tune_knobs* 
     if ( reads_files( scene ) && ( length != folder_length( options->output ) ||
                                    strncmp( options->scene, options->output, (size_t)length ) != 0 ) )
     {
-        return wisp_fail(
-            error, WISP_BAD_INPUT,
-            "%s reads files of its folder, which a scene in another one would not find: write %s beside it",
-            options->scene, options->output );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
+                          options->scene, options->output );
     }
     wisp_status status = WISP_OK;
     for ( int value = 0; value < WISP_TUNE_MAX_VALUES && status == WISP_OK; ++value )
@@ -174,7 +180,7 @@ static wisp_status check_output( const tune_options* options, const tune_knobs* 
     return status;
 }
 
-// Written, and read again: what the file says must be what was chosen.
+// Writes the scene and reads it again: the file must hold the chosen configuration.
 static wisp_status write_scene( const tune_options* options, const tune_knobs* knobs, const int* choice,
                                 const wisp_scene* scene, wisp_error* error )
 {
@@ -187,14 +193,14 @@ static wisp_status write_scene( const tune_options* options, const tune_knobs* k
     }
     if ( !tune_knobs_agree( knobs, choice, &written ) )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT,
-                            "%s: the scene that was written has another setting than was chosen", options->output );
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: the written scene differs from the chosen configuration",
+                            options->output );
     }
     wisp_scene_release( &written );
     return status;
 }
 
-// ---- the verb ----
+// ---- the command ----
 
 static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_knobs* knobs, results* out,
                          bool* is_met, wisp_error* error )
@@ -217,11 +223,11 @@ static wisp_status tune( tune_options* options, const wisp_scene* scene, const t
     if ( status == WISP_OK && options->output && found.is_met )
     {
         status = write_scene( options, knobs, found.choice, scene, error );
-        results_add_note( out, "Written: %s", options->output );
+        results_add_note( out, "written: %s", options->output );
     }
     else if ( status == WISP_OK && options->output )
     {
-        results_add_note( out, "Nothing was written to %s.", options->output );
+        results_add_note( out, "not written: %s", options->output );
     }
     wisp_tune_release( &found );
     return status;
@@ -233,7 +239,7 @@ int verb_tune( int argc, char** argv )
     const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &options );
 
-    // Twice: one stays as it was read, the fields of the other change from run to run.
+    // The scene is read twice: the fields of the second copy change from run to run.
     wisp_error error = { 0 };
     wisp_scene scene, varied = { 0 };
     wisp_status status = wisp_scene_read( options.scene, &scene, &error );

@@ -44,9 +44,8 @@ wisp_status verb_check_writable( const char* path, wisp_error* error )
             unlink( path );
         }
     }
-    return number == 0
-               ? WISP_OK
-               : wisp_fail( error, WISP_IO_ERROR, "%s: nothing can be written there: %s", path, strerror( number ) );
+    return number == 0 ? WISP_OK
+                       : wisp_fail( error, WISP_IO_ERROR, "%s: cannot be written: %s", path, strerror( number ) );
 }
 
 int option_whole( struct argp_state* state, const char* option, const char* text, int low, int high )
@@ -56,7 +55,7 @@ int option_whole( struct argp_state* state, const char* option, const char* text
     long value = strtol( text, &end, 10 );
     if ( end == text || *end || errno || value < low || value > high )
     {
-        argp_error( state, "%s: '%s' is not a whole number from %d to %d", option, text, low, high );
+        argp_error( state, "%s: got '%s', expected a whole number from %d to %d", option, text, low, high );
     }
     return (int)value;
 }
@@ -67,7 +66,7 @@ double option_positive( struct argp_state* state, const char* option, const char
     double value = strtod( text, &end );
     if ( end == text || *end || !( value > 0.0 ) || !( value <= high ) )
     {
-        argp_error( state, "%s: '%s' is not a number above 0 and up to %g", option, text, high );
+        argp_error( state, "%s: got '%s', expected a number above 0 and at most %g", option, text, high );
     }
     return value;
 }
@@ -84,7 +83,7 @@ int option_word( struct argp_state* state, const char* option, const char* text,
     const char* nearest = nearest_word( text, words, count );
     if ( nearest )
     {
-        argp_error( state, "%s: there is no '%s'; did you mean '%s'?", option, text, nearest );
+        argp_error( state, "%s: got '%s'; did you mean '%s'?", option, text, nearest );
     }
     char all[200] = "";
     for ( int i = 0; i < count; ++i )
@@ -92,6 +91,6 @@ int option_word( struct argp_state* state, const char* option, const char* text,
         strncat( all, i > 0 ? ", " : "", sizeof( all ) - strlen( all ) - 1 );
         strncat( all, words[i], sizeof( all ) - strlen( all ) - 1 );
     }
-    argp_error( state, "%s: there is no '%s', only %s", option, text, all );
+    argp_error( state, "%s: got '%s', expected one of %s", option, text, all );
     return 0;
 }

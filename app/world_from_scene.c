@@ -113,7 +113,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
     out->grooms = calloc( count, sizeof( wisp_groom ) );
     wisp_status status = out->entities && out->grooms
                              ? create_world( options, out, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its strands", scene->name );
+                             : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its strands", scene->name );
     status = status == WISP_OK ? set_contact( out, error ) : status;
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
@@ -225,7 +225,8 @@ static wisp_status write_strands( scene_world* world, const wisp_scene_output* o
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s",
-                          status == WISP_NO_MEMORY ? "no memory to write it" : wisp_world_message( world->world ) );
+                          status == WISP_NO_MEMORY ? "out of memory to write it"
+                                                   : wisp_world_message( world->world ) );
     }
     return wisp_groom_write( output->file, &world->grooms[output->strands], error );
 }
@@ -237,7 +238,7 @@ static wisp_status write_surface( scene_world* world, const wisp_scene_output* o
     wisp_vec3* points = malloc( (size_t)body.vertex_count * sizeof *points + 1 );
     if ( !points )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to write it" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to write it" );
     }
     wisp_status status = scene_world_points( world, body_number, points, error );
     if ( status == WISP_OK )

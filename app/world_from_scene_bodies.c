@@ -117,7 +117,7 @@ static wisp_status find_component( const scene_world* world, int body, scene_wis
                                    wisp_error* error )
 {
     static const char* const words[] = {
-        [SCENE_WISH_POINTS] = "points to ask for",
+        [SCENE_WISH_POINTS] = "points to request",
         [SCENE_WISH_STRAIN] = "strain",
         [SCENE_WISH_SPEED] = "speed",
         [SCENE_WISH_WIDTH] = "width",

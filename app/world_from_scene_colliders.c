@@ -21,7 +21,7 @@ static wisp_status take_mesh( const wisp_vec3* points, int point_count, const in
     if ( !out->points || !out->triangles )
     {
         wisp_mesh_release( out );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", point_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", point_count );
     }
     memcpy( out->points, points, (size_t)point_count * sizeof *points );
     memcpy( out->triangles, triangles, (size_t)triangle_count * 3 * sizeof *triangles );
@@ -119,7 +119,7 @@ wisp_status scene_colliders_add( scene_world* world, wisp_error* error )
     world->colliders = calloc( (size_t)scene->collider_count + 1, sizeof *world->colliders );
     if ( !world->colliders )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its colliders", scene->name );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its colliders", scene->name );
     }
     wisp_status status = WISP_OK;
     for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )

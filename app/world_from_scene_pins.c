@@ -37,16 +37,16 @@ static wisp_status find_number( const vertex_finder* f, const char* what, int32_
         const int32_t* found = bsearch( &number, f->kept, (size_t)f->kept_count, sizeof number, compare_vertices );
         if ( !found )
         {
-            snprintf( sentence, sizeof sentence, "%s names vertex %d, which is not there or which the repair dropped",
-                      what, number );
+            snprintf( sentence, sizeof sentence,
+                      "%s: got vertex %d, which the mesh does not have or which repair removed", what, number );
             return refuse( f, sentence );
         }
         *vertex = (int32_t)( found - f->kept );
     }
     if ( *vertex >= f->mesh->vertex_count )
     {
-        snprintf( sentence, sizeof sentence, "%s names vertex %d, but the mesh has %d, counted from 0", what, number,
-                  f->mesh->vertex_count );
+        snprintf( sentence, sizeof sentence, "%s: got vertex %d, but the mesh has %d vertices, counted from 0", what,
+                  number, f->mesh->vertex_count );
         return refuse( f, sentence );
     }
     return WISP_OK;
@@ -146,7 +146,7 @@ static wisp_status list_pins( const vertex_finder* f, const unsigned char* marks
     out->pin_targets = moves ? calloc( (size_t)count + 1, sizeof *out->pin_targets ) : NULL;
     if ( !out->pins || ( moves && !out->pin_targets ) )
     {
-        return wisp_fail( f->error, WISP_NO_MEMORY, "no memory for %d pins", count );
+        return wisp_fail( f->error, WISP_NO_MEMORY, "out of memory for %d pins", count );
     }
     for ( int v = 0; v < f->mesh->vertex_count; ++v )
     {
@@ -170,7 +170,8 @@ wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t
     unsigned char* marks = calloc( (size_t)out->mesh.vertex_count + 1, 1 );
     if ( !marks )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the pins of %d vertices", out->mesh.vertex_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the pins of %d vertices",
+                          out->mesh.vertex_count );
     }
     wisp_status status = mark_pins( &finder, marks );
     status = status == WISP_OK ? list_pins( &finder, marks, out ) : status;
@@ -210,7 +211,8 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32
         if ( out->outlet_count == WISP_BALLOON_MAX_OUTLET )
         {
             char sentence[120];
-            snprintf( sentence, sizeof sentence, "more than %d vertices are within balloon.outlet_radius, %g m",
+            snprintf( sentence, sizeof sentence,
+                      "balloon.outlet_radius: got more than %d vertices within %g m, which is the limit",
                       WISP_BALLOON_MAX_OUTLET, (double)entry->outlet_radius );
             return refuse( &finder, sentence );
         }

@@ -15,7 +15,8 @@ static wisp_status check_list( const wisp_scene* scene, int strands, const char*
         return WISP_OK;
     }
     char sentence[200];
-    snprintf( sentence, sizeof( sentence ), "%s lists %d numbers for %d strands", what, listed, strand_count );
+    snprintf( sentence, sizeof( sentence ), "%s: got %d numbers, expected one for each of %d strands", what, listed,
+              strand_count );
     return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
 }
 
@@ -74,8 +75,9 @@ static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp
     if ( status == WISP_OK && entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
     {
         char sentence[100];
-        snprintf( sentence, sizeof( sentence ), "dynamics.vertex_masses lists %d masses for %d vertices",
-                  entry->mass_count, groom->vertex_count );
+        snprintf( sentence, sizeof( sentence ),
+                  "dynamics.vertex_masses: got %d masses, expected one for each of %d vertices", entry->mass_count,
+                  groom->vertex_count );
         status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
     }
     return status;

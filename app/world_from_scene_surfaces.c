@@ -162,7 +162,7 @@ static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** ou
     *out = malloc( (size_t)count * sizeof **out + 1 );
     if ( !*out )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", count );
     }
     memcpy( *out, from, (size_t)count * sizeof **out );
     return WISP_OK;
@@ -194,7 +194,7 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     s->mesh.points = malloc( (size_t)fabric->vertex_count * sizeof( wisp_vec3 ) + 1 );
     if ( !s->mesh.points )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d vertices", fabric->vertex_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d vertices", fabric->vertex_count );
     }
     s->mesh.vertex_count = fabric->vertex_count;
     for ( int v = 0; v < fabric->vertex_count; ++v )
@@ -348,8 +348,8 @@ static wisp_status count_vertices( const scene_world* world, int surface, int64_
         return WISP_OK;
     }
     char sentence[100];
-    snprintf( sentence, sizeof sentence, "the surfaces up to here have %lld vertices, at most %d", (long long)*sum,
-              WISP_SCENE_MAX_VERTICES );
+    snprintf( sentence, sizeof sentence, "got %lld vertices in the surfaces up to this one, expected at most %d",
+              (long long)*sum, WISP_SCENE_MAX_VERTICES );
     return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, sentence, error );
 }
 
@@ -370,7 +370,7 @@ wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
     if ( !needs || !world->surfaces )
     {
         free( needs );
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for its surfaces", scene->name );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its surfaces", scene->name );
     }
     find_needs( scene, needs );
     int64_t sum = 0;

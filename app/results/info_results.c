@@ -100,13 +100,13 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
     static const char* const counts[] = { "workers", "steps" };
     if ( !json_is_object( row ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: rows[%zu] is not an object", path, number );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: rows[%zu]: expected an object", path, number );
     }
     for ( int i = 0; i < WISP_COUNT( texts ); ++i )
     {
         if ( !json_is_string( json_object_get( row, texts[i] ) ) )
         {
-            return wrong( error, path, number, texts[i], "a text is needed" );
+            return wrong( error, path, number, texts[i], "expected a string" );
         }
     }
     for ( int i = 0; i < WISP_COUNT( times ); ++i )
@@ -114,7 +114,7 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
         json_t* time = json_object_get( row, times[i] );
         if ( !is_number_or_null( time ) || ( json_is_number( time ) && json_number_value( time ) < 0.0 ) )
         {
-            return wrong( error, path, number, times[i], "a time of at least 0, or null, is needed" );
+            return wrong( error, path, number, times[i], "expected a time of at least 0, or null" );
         }
     }
     for ( int i = 0; i < WISP_COUNT( counts ); ++i )
@@ -122,18 +122,18 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
         json_t* count = json_object_get( row, counts[i] );
         if ( !json_is_integer( count ) || json_integer_value( count ) < 0 )
         {
-            return wrong( error, path, number, counts[i], "a whole number of at least 0 is needed" );
+            return wrong( error, path, number, counts[i], "expected a whole number of at least 0" );
         }
     }
     json_t* errors = json_object_get( row, "error" );
     if ( !holds_numbers( json_object_get( row, "size" ) ) || !holds_numbers( json_object_get( row, "stages" ) ) ||
          ( !json_is_null( errors ) && !holds_numbers( errors ) ) )
     {
-        return wrong( error, path, number, "size, stages or error", "an object of numbers is needed" );
+        return wrong( error, path, number, "size, stages or error", "expected an object of numbers" );
     }
     return is_hash( json_object_get( row, "hash" ) )
                ? WISP_OK
-               : wrong( error, path, number, "hash", "sixteen hexadecimal digits, or null, are needed" );
+               : wrong( error, path, number, "hash", "expected sixteen hexadecimal digits, or null" );
 }
 
 static wisp_status check( const char* path, json_t* root, wisp_error* error )
@@ -141,17 +141,17 @@ static wisp_status check( const char* path, json_t* root, wisp_error* error )
     json_t* version = json_object_get( root, "wisp_results" );
     if ( !json_is_integer( version ) || json_integer_value( version ) != 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: wisp_results is not 1, the only version there is", path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: wisp_results: expected version 1", path );
     }
     if ( !json_is_object( json_object_get( root, "machine" ) ) ||
          !json_is_object( json_object_get( root, "build" ) ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: machine and build must be objects", path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: machine, build: expected objects", path );
     }
     json_t* rows = json_object_get( root, "rows" );
     if ( !json_is_array( rows ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: rows must be a list", path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: rows: expected a list", path );
     }
     wisp_status status = WISP_OK;
     for ( size_t i = 0; i < json_array_size( rows ) && status == WISP_OK; ++i )

@@ -40,7 +40,7 @@ typedef struct results_row
 /// A table as people read it; a column whose cells all begin like numbers is aligned to the right.
 typedef struct results_table
 {
-    char title[160];
+    char title[160]; ///< empty: a list of labels and values, whose header is not written as text
     int column_count, row_count, row_capacity;
     char** cells; ///< [row_count][column_count], row 0 is the header
 } results_table;
@@ -97,7 +97,8 @@ typedef struct results
     int picture_count, picture_capacity;
     char** notes; ///< sentences below the tables
     int note_count, note_capacity;
-    bool failed; ///< results_add_failure() was called: the run must not count as good
+    bool is_result_first; ///< text and Markdown end with machine and build instead of beginning with them
+    bool failed;          ///< results_add_failure() was called: the run must not count as good
     bool incomplete;
 } results;
 

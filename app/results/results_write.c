@@ -50,31 +50,47 @@ static void write_text_row( const results_table* table, int row, FILE* stream )
     fputc( '\n', stream );
 }
 
+static void write_text_table( const results_table* table, FILE* stream )
+{
+    const bool has_title = table->title[0] != '\0';
+    int width = -2;
+    for ( int column = 0; column < table->column_count; ++column )
+    {
+        width += column_width( table, column ) + 2;
+    }
+    if ( has_title )
+    {
+        fprintf( stream, "\n%s\n\n", table->title );
+    }
+    for ( int row = has_title ? 0 : 1; row < table->row_count; ++row )
+    {
+        write_text_row( table, row, stream );
+        for ( int i = 0; row == 0 && i < width; ++i )
+        {
+            fputc( i + 1 < width ? '-' : '\n', stream );
+        }
+    }
+}
+
 static void write_text( const results* all, FILE* stream )
 {
-    write_machine( all, stream, "" );
+    if ( !all->is_result_first )
+    {
+        write_machine( all, stream, "" );
+    }
     for ( int t = 0; t < all->table_count; ++t )
     {
-        const results_table* table = &all->tables[t];
-        int width = -2;
-        for ( int column = 0; column < table->column_count; ++column )
-        {
-            width += column_width( table, column ) + 2;
-        }
-        fprintf( stream, "\n%s\n\n", table->title );
-        for ( int row = 0; row < table->row_count; ++row )
-        {
-            write_text_row( table, row, stream );
-            for ( int i = 0; row == 0 && i < width; ++i )
-            {
-                fputc( i + 1 < width ? '-' : '\n', stream );
-            }
-        }
+        write_text_table( &all->tables[t], stream );
     }
     fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
         fprintf( stream, "%s\n", all->notes[i] );
+    }
+    if ( all->is_result_first )
+    {
+        fputc( '\n', stream );
+        write_machine( all, stream, "" );
     }
 }
 
@@ -95,11 +111,18 @@ static void write_markdown_cell( const char* text, FILE* stream )
 
 static void write_markdown( const results* all, FILE* stream )
 {
-    write_machine( all, stream, "  " );
+    if ( !all->is_result_first )
+    {
+        write_machine( all, stream, "  " );
+    }
     for ( int t = 0; t < all->table_count; ++t )
     {
         const results_table* table = &all->tables[t];
-        fprintf( stream, "\n### %s\n\n", table->title );
+        fputs( t > 0 || !all->is_result_first ? "\n" : "", stream );
+        if ( table->title[0] != '\0' )
+        {
+            fprintf( stream, "### %s\n\n", table->title );
+        }
         for ( int row = 0; row < table->row_count; ++row )
         {
             for ( int column = 0; column < table->column_count; ++column )
@@ -118,6 +141,11 @@ static void write_markdown( const results* all, FILE* stream )
     for ( int i = 0; i < all->note_count; ++i )
     {
         fprintf( stream, "- %s\n", all->notes[i] );
+    }
+    if ( all->is_result_first )
+    {
+        fputc( '\n', stream );
+        write_machine( all, stream, "  " );
     }
 }
 

@@ -222,7 +222,7 @@ static void tell_module( const writer* w, const wisp_plan_report* report, wisp_p
     if ( nearest->state == WISP_PLAN_MISSING )
     {
         m->missing = explain_name( w->registry, most_missed( w, m->name ) );
-        snprintf( m->because, sizeof( m->because ), "no entity has %s", m->missing );
+        snprintf( m->because, sizeof( m->because ), "needs component %s, which no entity has", m->missing );
     }
     else
     {

@@ -53,47 +53,47 @@ int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass
     return count;
 }
 
-// Readers of the reason's component from this one on.
-static int readers_from( const wisp_plan_pass* p, int at )
-{
-    int count = 0;
-    for ( int i = at; i < p->reason_count && p->reasons[i].component == p->reasons[at].component; ++i )
-    {
-        count += p->reasons[i].reader != NULL ? 1 : 0;
-    }
-    return count;
-}
-
-// Of many readers the last ones are named: they are nearest to what the scene asked for.
-void explain_reasons( wisp_plan_pass* p )
+// Append the readers among the reasons [first, end). Of many only the last are named: they are nearest to the request.
+static void append_readers( wisp_plan_pass* p, int first, int end )
 {
     enum
     {
         NAMED = 3,
     };
     const size_t size = sizeof( p->because );
-    const char* separator = "wanted: ";
-    int unnamed = 0;
-    for ( int i = 0; i < p->reason_count; ++i )
+    const int unnamed = end - first > NAMED ? end - first - NAMED : 0;
+    explain_append( p->because, size, "read by " );
+    for ( int i = first + unnamed; i < end; ++i )
     {
-        const wisp_plan_reason* reason = p->reasons + i;
-        const int left = reason->reader != NULL ? readers_from( p, i ) : 0;
-        if ( left > NAMED )
+        const bool is_last = i + 1 == end && unnamed == 0;
+        explain_append( p->because, size, i == first + unnamed ? "" : is_last ? " and " : ", " );
+        explain_append( p->because, size, p->reasons[i].reader );
+    }
+    if ( unnamed > 0 )
+    {
+        char more[48];
+        snprintf( more, sizeof( more ), " and %d other%s", unnamed, unnamed == 1 ? "" : "s" );
+        explain_append( p->because, size, more );
+    }
+}
+
+// The reasons of one component are neighbours, and a request of the scene is the first of them.
+void explain_reasons( wisp_plan_pass* p )
+{
+    const size_t size = sizeof( p->because );
+    for ( int i = 0, end; i < p->reason_count; i = end )
+    {
+        for ( end = i; end < p->reason_count && p->reasons[end].component == p->reasons[i].component; ++end )
         {
-            ++unnamed;
-            continue;
         }
-        explain_append( p->because, size, separator );
-        explain_append( p->because, size, reason->component );
-        explain_append( p->because, size, " by " );
-        explain_append( p->because, size, reason->reader != NULL ? reason->reader : "the scene" );
-        separator = ", ";
-        if ( left == 1 && unnamed > 0 )
+        const bool is_requested = p->reasons[i].reader == NULL;
+        explain_append( p->because, size, i > 0 ? "; " : "" );
+        explain_append( p->because, size, p->reasons[i].component );
+        explain_append( p->because, size, is_requested ? " requested by the scene" : " " );
+        if ( is_requested == false || end - i > 1 )
         {
-            char more[48];
-            snprintf( more, sizeof( more ), " and by %d more", unnamed );
-            explain_append( p->because, size, more );
-            unnamed = 0;
+            explain_append( p->because, size, is_requested ? " and " : "" );
+            append_readers( p, is_requested ? i + 1 : i, end );
         }
     }
 }
@@ -131,7 +131,7 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
     {
         return WISP_PLAN_MISSING;
     }
-    // A pass without needs suits every entity; in a world that has none, nobody wants it.
+    // A pass without needs suits every entity; in a world without entities it counts as unrequested.
     if ( is_free || ( suits == false && needs == 0 ) )
     {
         return WISP_PLAN_UNWANTED;
@@ -139,8 +139,10 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
     return suits ? WISP_PLAN_KEPT_OUT : WISP_PLAN_APART;
 }
 
+// Append " X", or "s X, Y and Z" of several names.
 static void append_list( wisp_plan_pass* p, const char* const* names )
 {
+    explain_append( p->because, sizeof( p->because ), names[0] != NULL && names[1] != NULL ? "s " : " " );
     for ( int i = 0; names[i] != NULL; ++i )
     {
         explain_append( p->because, sizeof( p->because ), i == 0 ? "" : names[i + 1] == NULL ? " and " : ", " );
@@ -162,10 +164,10 @@ void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_p
     {
         const char *before, *after;
     } WORDS[] = {
-        [WISP_PLAN_MISSING] = { "needs ", ", which no entity has" },
-        [WISP_PLAN_APART] = { "needs ", ", which no entity has together" },
-        [WISP_PLAN_KEPT_OUT] = { "only without ", "" },
-        [WISP_PLAN_UNWANTED] = { "nobody wants ", "" },
+        [WISP_PLAN_MISSING] = { "needs component", ", which no entity has" },
+        [WISP_PLAN_APART] = { "needs component", ", which no single entity has together" },
+        [WISP_PLAN_KEPT_OUT] = { "excluded by component", "" },
+        [WISP_PLAN_UNWANTED] = { "neither requested nor read: component", "" },
     };
     out->state = state_of( r, pass );
     const char* const first_write[] = { out->writes[0], NULL };

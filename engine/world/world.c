@@ -264,13 +264,13 @@ const char* wisp_counter_name( wisp_counter counter )
         "coarse grids",
         "neighbour searches",
         "halted entities",
-        "strands laid out",
-        "unconverged solves",
+        "strand reset",
+        "not converged",
         "indefinite solves",
-        "links without direction",
-        "substeps with lowered stiffness",
-        "substeps of first order",
-        "strands lightened",
+        "degenerate link",
+        "stiffness clamped",
+        "first order substeps",
+        "gravity scaled",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

@@ -79,10 +79,10 @@ static void shares_of_the_json_form_sum_to_one( void** state )
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 4" );
     const json_t* passes = json_object_get( root, "passes" );
-    const int kept = (int)json_integer_value( json_object_get( root, "kept" ) );
-    assert_int_equal( json_integer_value( json_object_get( root, "wisp_plan" ) ), 1 );
+    const int kept = (int)json_integer_value( json_object_get( root, "active" ) );
+    assert_int_equal( json_integer_value( json_object_get( root, "wisp_plan" ) ), 2 );
     assert_int_equal( kept, 6 ); // command, start, freeze, align, vertices in the user's order, width
-    const char* const keys[] = { "predicted_share", "measured_share" };
+    const char* const keys[] = { "predicted_fraction", "measured_fraction" };
     for ( int i = 0; i < WISP_COUNT( keys ); ++i )
     {
         int count = 0;
@@ -101,36 +101,36 @@ static void without_steps_nothing_is_measured_and_all_else_is_told( void** state
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 0" );
     int count = 0;
-    sum_of( json_object_get( root, "passes" ), "measured_share", &count );
+    sum_of( json_object_get( root, "passes" ), "measured_fraction", &count );
     assert_int_equal( count, 0 );
     assert_true( json_is_null( json_object_get( root, "measured" ) ) );
-    assert_true( fabs( sum_of( json_object_get( root, "passes" ), "predicted_share", &count ) - 1.0 ) < 1e-12 );
+    assert_true( fabs( sum_of( json_object_get( root, "passes" ), "predicted_fraction", &count ) - 1.0 ) < 1e-12 );
     json_decref( root );
     run( "plan hair.yaml --steps 0" );
     assert_int_equal( result.status, 0 );
     assert_null( strstr( result.out, "measured 0" ) );
-    assert_non_null( strstr( result.out, "nothing is measured: no step was made" ) );
+    assert_non_null( strstr( result.out, "nothing was measured: --steps 0" ) );
 }
 
-static void a_kept_pass_of_the_json_form_says_who_keeps_it_and_where_it_runs( void** state )
+static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void** state )
 {
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     const json_t* freeze = find( json_object_get( root, "passes" ), "frozen_hair.freeze" );
-    assert_string_equal( word( freeze, "state" ), "kept" );
+    assert_string_equal( word( freeze, "state" ), "active" );
     assert_string_equal( word( freeze, "module" ), "frozen_hair" );
     assert_string_equal( word( freeze, "stage" ), "shape" );
     const json_t* place = json_object_get( freeze, "place" );
     assert_string_equal( word( place, "loop" ), "after" );
     assert_int_equal( json_integer_value( json_object_get( place, "items" ) ), 3 ); // 40 strands, 16 a group
     assert_true( json_integer_value( json_object_get( place, "bytes" ) ) > 0 );
-    const json_t* kept_by = json_object_get( freeze, "kept_by" );
-    assert_true( json_array_size( kept_by ) > 0 );
-    assert_string_equal( word( json_array_get( kept_by, 0 ), "component" ), "strand.position" );
+    const json_t* reasons = json_object_get( freeze, "reasons" );
+    assert_true( json_array_size( reasons ) > 0 );
+    assert_string_equal( word( json_array_get( reasons, 0 ), "component" ), "strand.position" );
     const json_t* width = find( json_object_get( root, "passes" ), "strand_look.width" );
-    const json_t* reason = json_array_get( json_object_get( width, "kept_by" ), 0 );
+    const json_t* reason = json_array_get( json_object_get( width, "reasons" ), 0 );
     assert_string_equal( word( reason, "component" ), "point.width" );
-    assert_true( json_is_null( json_object_get( reason, "reader" ) ) ); // a wish of the scene
+    assert_true( json_is_null( json_object_get( reason, "reader" ) ) ); // a request of the scene
     json_decref( root );
 }
 
@@ -141,7 +141,7 @@ static void every_absent_module_and_pass_has_its_reason_in_every_form( void** st
     const json_t* modules = json_object_get( root, "modules" );
     assert_string_equal( word( find( modules, "balloon" ), "missing" ), "balloon.gas" );
     assert_true( json_is_true( json_object_get( find( modules, "frozen_hair" ), "present" ) ) );
-    static const char* const FORMS[] = { "plan hair.yaml --format text", "plan hair.yaml --format dot" };
+    static const char* const FORMS[] = { "plan hair.yaml --verbose", "plan hair.yaml --format dot" };
     for ( int form = 0; form < WISP_COUNT( FORMS ); ++form )
     {
         run( FORMS[form] );
@@ -162,11 +162,11 @@ static void every_absent_module_and_pass_has_its_reason_in_every_form( void** st
     json_decref( root );
 }
 
-static void the_text_form_says_of_each_pass_what_the_json_form_says( void** state )
+static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
 {
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
-    run( "plan hair.yaml" );
+    run( "plan hair.yaml --verbose" );
     assert_int_equal( result.status, 0 );
     const json_t* passes = json_object_get( root, "passes" );
     for ( size_t i = 0; i < json_array_size( passes ); ++i )
@@ -177,6 +177,30 @@ static void the_text_form_says_of_each_pass_what_the_json_form_says( void** stat
     }
     assert_non_null( strstr( result.out, word( root, "hash" ) ) );
     assert_non_null( strstr( result.out, "measured on one worker: 10 steps" ) );
+    json_decref( root );
+}
+
+static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( void** state )
+{
+    (void)state;
+    json_t* root = read_json( "plan hair.yaml --format json" );
+    run( "plan hair.yaml" );
+    assert_int_equal( result.status, 0 );
+    const json_t* passes = json_object_get( root, "passes" );
+    for ( size_t i = 0; i < json_array_size( passes ); ++i )
+    {
+        char name[128];
+        const bool is_active = strcmp( word( json_array_get( passes, i ), "state" ), "active" ) == 0;
+        snprintf( name, sizeof( name ), " %s ", word( json_array_get( passes, i ), "name" ) );
+        assert_true( ( strstr( result.out, name ) != NULL ) == is_active );
+    }
+    assert_non_null( strstr( result.out, "requested by the scene\n" ) );
+    assert_non_null( strstr( result.out, "read by frozen_hair.align" ) );
+    assert_non_null( strstr( result.out, "needs component balloon.gas, which no entity has\n" ) );
+    for ( const char* line = result.out; *line; line += strcspn( line, "\n" ) + 1 )
+    {
+        assert_true( strcspn( line, "\n" ) <= 100 );
+    }
     json_decref( root );
 }
 
@@ -220,7 +244,7 @@ static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
     {
         char node[128];
         snprintf( node, sizeof( node ), "\"%s\" [label=", word( json_array_get( passes, i ), "name" ) );
-        const bool is_kept = strcmp( word( json_array_get( passes, i ), "state" ), "kept" ) == 0;
+        const bool is_kept = strcmp( word( json_array_get( passes, i ), "state" ), "active" ) == 0;
         const char* first = strstr( result.out, node );
         // an edge ends in the same words, but never begins a line of its own cluster
         char line[144];
@@ -252,9 +276,9 @@ static void an_empty_scene_has_a_plan_in_every_form( void** state )
 {
     (void)state;
     json_t* root = read_json( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format json" );
-    assert_int_equal( json_integer_value( json_object_get( root, "kept" ) ), 0 );
+    assert_int_equal( json_integer_value( json_object_get( root, "active" ) ), 0 );
     int count = 0;
-    sum_of( json_object_get( root, "passes" ), "measured_share", &count );
+    sum_of( json_object_get( root, "passes" ), "measured_fraction", &count );
     assert_int_equal( count, 0 );
     json_decref( root );
     run( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format dot" );
@@ -285,12 +309,12 @@ static void what_runs_together_is_told_in_every_form( void** state )
     json_t* root = read_json( CHAINS "json" );
     const json_t* passes = json_object_get( root, "passes" );
     const json_t* stretch = json_object_get( find( passes, "strands.stretch" ), "place" );
-    assert_string_equal( word( stretch, "joined" ), "strands.substeps" );
+    assert_string_equal( word( stretch, "fusion" ), "strands.substeps" );
     // of strands whose lengths are kept by links
     const json_t* links = json_object_get( find( passes, "strands.links" ), "place" );
-    assert_true( json_is_null( json_object_get( links, "joined" ) ) );
+    assert_true( json_is_null( json_object_get( links, "fusion" ) ) );
     json_decref( root );
-    run( CHAINS "text" );
+    run( CHAINS "text --verbose" );
     assert_non_null( strstr( result.out, "strands.stretch          (fused) (in strands.substeps)" ) );
     run( CHAINS "dot" );
     assert_balanced( result.out );
@@ -301,9 +325,9 @@ static void what_runs_together_is_told_in_every_form( void** state )
 static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void** state )
 {
     (void)state;
-    assert_usage( "plan hair.yaml --format svg", "--format: there is no 'svg'" );
-    assert_usage( "plan hair.yaml --steps -1", "--steps: '-1'" );
-    assert_usage( "plan hair.yaml --steps many", "--steps: 'many'" );
+    assert_usage( "plan hair.yaml --format svg", "--format: got 'svg', expected one of text, dot, json" );
+    assert_usage( "plan hair.yaml --steps -1", "--steps: got '-1'" );
+    assert_usage( "plan hair.yaml --steps many", "--steps: got 'many'" );
     assert_refused( "plan nowhere.yaml --format json", "nowhere.yaml" );
 }
 
@@ -317,9 +341,10 @@ int main( int argc, char** argv )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( shares_of_the_json_form_sum_to_one ),
         cmocka_unit_test( without_steps_nothing_is_measured_and_all_else_is_told ),
-        cmocka_unit_test( a_kept_pass_of_the_json_form_says_who_keeps_it_and_where_it_runs ),
+        cmocka_unit_test( an_active_pass_of_the_json_form_has_its_reasons_and_its_place ),
         cmocka_unit_test( every_absent_module_and_pass_has_its_reason_in_every_form ),
-        cmocka_unit_test( the_text_form_says_of_each_pass_what_the_json_form_says ),
+        cmocka_unit_test( the_verbose_text_names_each_pass_of_the_json_form ),
+        cmocka_unit_test( the_short_text_has_a_line_for_each_active_pass_and_absent_module ),
         cmocka_unit_test( a_graph_is_balanced_and_names_each_kept_pass_once ),
         cmocka_unit_test( a_quote_in_a_name_does_not_end_a_string_of_the_graph ),
         cmocka_unit_test( an_empty_scene_has_a_plan_in_every_form ),

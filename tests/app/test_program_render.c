@@ -189,7 +189,7 @@ static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void*
     assert_true( same_file( "from_scene.png", "from_file.png" ) );
     run( "run cloth.yaml --verify cloth.wisp --workers 3" );
     assert_int_equal( result.status, 0 );
-    assert_non_null( strstr( result.out, "Verified: 7 frames" ) );
+    assert_non_null( strstr( result.out, ": 7 frames, every bit equal" ) );
 }
 
 static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
@@ -364,41 +364,41 @@ static void wrong_words_are_wrong_usage( void** state )
 {
     (void)state;
     static const char* const commands[][2] = {
-        { "render", "of what?" },
+        { "render", "expected a scene, recording, mesh or groom" },
         { "render fly.wisp", "-o FILE.png" },
-        { "render fly.wisp -o a.jpg", "does not end in .png" },
-        { "render fly.wisp stay.wisp -o a.png", "one input at a time" },
-        { "render fly.wisp -o a.png --size 640", "--size: '640'" },
-        { "render fly.wisp -o a.png --size 0x9", "--size: '0x9'" },
+        { "render fly.wisp -o a.jpg", "expected a file name that ends in .png" },
+        { "render fly.wisp stay.wisp -o a.png", "got a second file" },
+        { "render fly.wisp -o a.png --size 640", "--size: got '640'" },
+        { "render fly.wisp -o a.png --size 0x9", "--size: got '0x9'" },
         { "render fly.wisp -o a.png --size 20000x9", "--size" },
-        { "render fly.wisp -o a.png --samples 0", "--samples: '0'" },
-        { "render fly.wisp -o a.png --frame -1", "--frame: '-1'" },
-        { "render fly.wisp -o a.png --frame 1 --time 2", "one of --frame, --time and --frames" },
-        { "render fly.wisp -o a.png --time soon", "--time: 'soon'" },
-        { "render fly.wisp -o a.png --frames 3", "--frames: '3'" },
-        { "render fly.wisp -o a.png --frames 3:1", "--frames: '3:1'" },
-        { "render fly.wisp -o a.png --frames 0:3:0", "--frames: '0:3:0'" },
+        { "render fly.wisp -o a.png --samples 0", "--samples: got '0'" },
+        { "render fly.wisp -o a.png --frame -1", "--frame: got '-1'" },
+        { "render fly.wisp -o a.png --frame 1 --time 2", "got several of --frame, --time and --frames" },
+        { "render fly.wisp -o a.png --time soon", "--time: got 'soon'" },
+        { "render fly.wisp -o a.png --frames 3", "--frames: got '3'" },
+        { "render fly.wisp -o a.png --frames 3:1", "--frames: got '3:1'" },
+        { "render fly.wisp -o a.png --frames 0:3:0", "--frames: got '0:3:0'" },
         { "render fly.wisp -o a.png --frames 0:3:1:1", "--frames" },
         { "render fly.wisp -o a.png --frames 0:99999999999999999999", "--frames" },
         { "render fly.wisp -o a.png --frames 0:1 --turntable 3", "--turntable" },
-        { "render fly.wisp -o a.png --sheet=0", "--sheet: '0'" },
+        { "render fly.wisp -o a.png --sheet=0", "--sheet: got '0'" },
         { "render fly.wisp -o a.png --colour stain", "did you mean 'strain'?" },
-        { "render fly.wisp -o a.png --range 0,1", "--range belongs to" },
-        { "render fly.wisp -o a.png --colour speed --range 1,1", "does not rise" },
-        { "render fly.wisp -o a.png --camera 0,0,0", "--camera: '0,0,0' is not 6 numbers" },
-        { "render fly.wisp -o a.png --from 0,90", "--from: the elevation 90" },
-        { "render fly.wisp -o a.png --from nan,0", "--from: 'nan,0'" },
-        { "render fly.wisp -o a.png --fov 0", "--fov: '0'" },
-        { "render fly.wisp -o a.png --ground floor", "--ground: there is no 'floor'" },
+        { "render fly.wisp -o a.png --range 0,1", "--range: expected together with --colour" },
+        { "render fly.wisp -o a.png --colour speed --range 1,1", "expected two rising numbers" },
+        { "render fly.wisp -o a.png --camera 0,0,0", "--camera: got '0,0,0', expected 6 numbers" },
+        { "render fly.wisp -o a.png --from 0,90", "--from: got an elevation of 90" },
+        { "render fly.wisp -o a.png --from nan,0", "--from: got 'nan,0'" },
+        { "render fly.wisp -o a.png --fov 0", "--fov: got '0'" },
+        { "render fly.wisp -o a.png --ground floor", "--ground: got 'floor', expected one of auto, none" },
         { "render fly.wisp -o a.png --background whit", "did you mean 'white'?" },
-        { "render fly.wisp -o a.png --background #12345", "--background: '#12345'" },
-        { "run hair.yaml --every 0", "--every: '0'" },
+        { "render fly.wisp -o a.png --background #12345", "--background: got '#12345'" },
+        { "run hair.yaml --every 0", "--every: got '0'" },
         { "run hair.yaml --track hair:0", "--track-file" },
         { "run hair.yaml --track-file a.csv", "--track" },
-        { "run hair.yaml --track hair --track-file a.csv", "--track: 'hair'" },
-        { "run hair.yaml --track hair:1, --track-file a.csv", "--track: 'hair:1,'" },
-        { "run hair.yaml --track hair:-1 --track-file a.csv", "--track: 'hair:-1'" },
-        { "run hair.yaml --record w.wisp --verify w.wisp", "--record would write over" },
+        { "run hair.yaml --track hair --track-file a.csv", "--track: got 'hair'" },
+        { "run hair.yaml --track hair:1, --track-file a.csv", "--track: got 'hair:1,'" },
+        { "run hair.yaml --track hair:-1 --track-file a.csv", "--track: got 'hair:-1'" },
+        { "run hair.yaml --record w.wisp --verify w.wisp", "--record: got 'w.wisp', which --verify reads" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
@@ -415,21 +415,21 @@ static void input_that_cannot_be_drawn_is_refused_in_one_sentence( void** state 
     static const char* const commands[][2] = {
         { "render absent.wisp -o b.png", "absent.wisp" },
         { "render . -o b.png", "." },
-        { "render other.txt -o b.png", "neither a scene" },
-        { "render fly.wisp -o b.png --frame 6", "there is no frame 6, the last one is 5" },
-        { "render fly.wisp -o b.png --frames 0:9", "there is no frame" },
-        { "render fly.wisp -o b.png --frames 7:", "there is no frame 7" },
-        { "render hair.yaml -o b.png --frame 4", "there is no frame 4, the last one is 3" },
-        { "render fly.wisp -o b.png --time 9", "there is no frame at 9 s" },
+        { "render other.txt -o b.png", "unknown kind of file, expected a scene" },
+        { "render fly.wisp -o b.png --frame 6", "got frame 6, expected 0 to 5" },
+        { "render fly.wisp -o b.png --frames 0:9", "got frame 9, expected 0 to 5" },
+        { "render fly.wisp -o b.png --frames 7:", "got frame 7" },
+        { "render hair.yaml -o b.png --frame 4", "got frame 4, expected 0 to 3" },
+        { "render fly.wisp -o b.png --time 9", "no frame at 9 s" },
         { "render fly.pc2 -o b.png", "--mesh" },
         { "render fly.pc2 -o b.png --mesh absent.obj", "absent.obj" },
-        { "render fly.pc2 -o b.png --mesh triangle.obj", "it has 3 vertices, and fly.pc2 has 25 points" },
+        { "render fly.pc2 -o b.png --mesh triangle.obj", "got 3 vertices, but fly.pc2 has 25 points" },
         { "render fly.pc2 -o b.png --mesh sheet.obj --time 1", "no times" },
         { "render fly.wisp -o b.png --mesh sheet.obj", "--mesh" },
-        { "render sheet.obj -o b.png --colour strain", "neither strain nor speed" },
+        { "render sheet.obj -o b.png --colour strain", "no strain and no speed" },
         { "render hair.yaml -o b.png --colour strain", "only surfaces" },
         { "render sheet.obj -o b.png --camera 0,0,1,0,0,1", "sheet.obj" },
-        { "render fly.wisp -o b.png --size 16000x16000 --sheet", "too much for one sheet" },
+        { "render fly.wisp -o b.png --size 16000x16000 --sheet", "too large for one sheet" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
@@ -449,7 +449,7 @@ static void output_that_cannot_be_written_is_refused_in_one_sentence( void** sta
     assert_refused( "run hair.yaml --record c.mpg", "c.mpg" );
     assert_refused( "run hair.yaml --track hair:0 --track-file no/such/c.csv", "no/such/c.csv" );
     assert_refused( "run hair.yaml --track hiar:0 --track-file c.csv", "did you mean 'hair'?" );
-    assert_refused( "run hair.yaml --track hair:800 --track-file c.csv", "no vertex 800, the last one is 799" );
+    assert_refused( "run hair.yaml --track hair:800 --track-file c.csv", "got vertex 800, expected 0 to 799" );
     assert_false( exists( "c.csv" ) );
 }
 

@@ -47,10 +47,10 @@ static void a_report_that_cannot_be_written_is_refused_before_anything_is_measur
     (void)state;
     assert_int_equal( mkdir( "folder", 0700 ), 0 );
     assert_refused( "bench collision --quick --seconds 0.01 --report nowhere/page.html",
-                    "nowhere/page.html: nothing can be written there: No such" );
+                    "nowhere/page.html: cannot be written: No such" );
     assert_string_equal( result.out, "" );
     assert_refused( "bench collision --quick --seconds 0.01 --report folder",
-                    "folder: nothing can be written there: Is a directory" );
+                    "folder: cannot be written: Is a directory" );
     assert_refused( "bench collision --quick --seconds 0.01 --output nowhere/out.json --format json",
                     "nowhere/out.json" );
     assert_false( exists( "nowhere" ) );

@@ -116,7 +116,7 @@ static void a_kept_pass_tells_what_it_uses_and_all_who_want_it( void** state )
     assert_int_equal( show->reason_count, 1 );
     assert_string_equal( show->reasons[0].component, "fake.B" );
     assert_null( show->reasons[0].reader );
-    assert_string_equal( make->because, "wanted: fake.A by bend, fake.A by show" );
+    assert_string_equal( make->because, "fake.A read by bend and show" );
     wisp_plan_report_release( report );
     wisp_world_destroy( world );
 }
@@ -140,7 +140,7 @@ static void of_many_readers_words_name_three_and_the_list_has_all( void** state 
     assert_null( make->reasons[0].reader );
     assert_string_equal( make->reasons[5].reader, "r5" );
     assert_string_equal( make->because,
-                         "wanted: fake.A by the scene, fake.A by r3, fake.A by r4, fake.A by r5 and by 2 more" );
+                         "fake.A requested by the scene and read by r3, r4, r5 and 2 others" );
     wisp_plan_report_release( report );
     wisp_world_destroy( world );
 }
@@ -154,10 +154,10 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
         wisp_plan_state state;
         const char *missing, *because;
     } expected[] = {
-        { "needy", WISP_PLAN_MISSING, "M", "needs fake.M, which no entity has" },
-        { "torn", WISP_PLAN_APART, "", "needs fake.K and fake.L, which no entity has together" },
-        { "shy", WISP_PLAN_KEPT_OUT, "", "only without fake.O" },
-        { "idle", WISP_PLAN_UNWANTED, "", "nobody wants fake.D" },
+        { "needy", WISP_PLAN_MISSING, "M", "needs component fake.M, which no entity has" },
+        { "torn", WISP_PLAN_APART, "", "needs components fake.K and fake.L, which no single entity has together" },
+        { "shy", WISP_PLAN_KEPT_OUT, "", "excluded by component fake.O" },
+        { "idle", WISP_PLAN_UNWANTED, "", "neither requested nor read: component fake.D" },
     };
     wisp_world* world = open_chain();
     wisp_plan_report* report = explain( world );
@@ -291,7 +291,7 @@ static void an_absent_module_tells_the_component_that_it_lacks( void** state )
     assert_string_equal( mine->because, "" );
     assert_int_equal( absent->kept_count, 0 );
     assert_string_equal( absent->missing, "other.settings" );
-    assert_string_equal( absent->because, "no entity has other.settings" );
+    assert_string_equal( absent->because, "needs component other.settings, which no entity has" );
     wisp_plan_report_release( report );
     wisp_world_destroy( world );
 }
@@ -305,7 +305,7 @@ static void a_module_that_nobody_wants_says_so_of_its_nearest_pass( void** state
     const wisp_plan_module* m = module_of( report, "fake" );
     assert_int_equal( m->kept_count, 0 );
     assert_null( m->missing );
-    assert_string_equal( m->because, "make: nobody wants fake.A" );
+    assert_string_equal( m->because, "make: neither requested nor read: component fake.A" );
     wisp_plan_report_release( report );
     wisp_world_destroy( world );
 }

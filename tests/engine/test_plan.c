@@ -458,11 +458,11 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
                       own.count - WISP_COUNT( LONE ) + WISP_COUNT( passes ) ); // the engine's own passes, too
     assert_non_null( strstr( p.lines[0], "3 passes" ) );
     assert_non_null( strstr( p.lines[0], "with a substep loop" ) );
-    assert_printed( &p, "before", "make", "fake.A by bend, fake.A by show" );
-    assert_printed( &p, "iteration", "bend", "fake.A by show" );
-    assert_printed( &p, "after", "show", "fake.B by the scene" );
-    assert_printed( &p, "absent", "needy", "needs fake.M, which no entity has" );
-    assert_printed( &p, "absent", "idle", "nobody wants fake.D" );
+    assert_printed( &p, "before", "make", "fake.A read by bend and show" );
+    assert_printed( &p, "iteration", "bend", "fake.A read by show" );
+    assert_printed( &p, "after", "show", "fake.B requested by the scene" );
+    assert_printed( &p, "absent", "needy", "needs component fake.M, which no entity has" );
+    assert_printed( &p, "absent", "idle", "neither requested nor read: component fake.D" );
     wisp_world_destroy( world );
 }
 

@@ -130,19 +130,19 @@ static void a_printed_plan_says_what_keeps_a_pass_away( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
-    assert_line( world, "shy", "absent", "needs fake.N, which no entity has" );
+    assert_line( world, "shy", "absent", "needs component fake.N, which no entity has" );
     wisp_entity kept_out = add_with( world, "NL" );
-    assert_line( world, "shy", "absent", "only without fake.L" );
+    assert_line( world, "shy", "absent", "excluded by component fake.L" );
     want( world, kept_out, "A" );
     assert_int_equal( wisp_world_attach( world, kept_out, letter( 'A' ) ), WISP_OK );
-    assert_line( world, "shy", "absent", "only without fake.L" );
-    // who is not kept out does not want it
+    assert_line( world, "shy", "absent", "excluded by component fake.L" );
+    // the entity that is not excluded does not request it
     wisp_entity free = add_with( world, "N" );
-    assert_line( world, "shy", "absent", "nobody wants fake.A" );
+    assert_line( world, "shy", "absent", "neither requested nor read: component fake.A" );
     want( world, free, "A" );
-    assert_line( world, "shy", "wave", "fake.A by the scene" );
+    assert_line( world, "shy", "wave", "fake.A requested by the scene" );
     assert_int_equal( wisp_remove( world, free ), WISP_OK );
-    assert_line( world, "shy", "absent", "only without fake.L" );
+    assert_line( world, "shy", "absent", "excluded by component fake.L" );
     wisp_world_destroy( world );
 }
 
@@ -189,7 +189,7 @@ static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
     assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
     for ( int i = 0; i < WISP_COUNT( MOVERS ); ++i )
     {
-        assert_line( world, MOVERS[i], "absent", "only without particle.solved" );
+        assert_line( world, MOVERS[i], "absent", "excluded by component particle.solved" );
     }
     step( world );
     wisp_view view;

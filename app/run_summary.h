@@ -1,0 +1,21 @@
+/// The summary of `wisp run`: the result first, then the time of each pass, then counters that are not zero.
+#pragma once
+
+#include "profile_samples.h"
+#include "results.h"
+#include "run_recorder.h"
+#include "run_layers.h"
+#include "world_from_scene.h"
+
+/// What the steps of a run leave behind.
+typedef struct run_record
+{
+    profile_samples profile;
+    double* ms; ///< [steps]
+    int steps;
+    run_layers* layers; ///< or null
+} run_record;
+
+/// Fill the results of a run that has ended. Sorts the times of the record.
+void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
+                    run_recorder_counts counts, results* out );
