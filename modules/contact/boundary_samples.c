@@ -3,6 +3,8 @@
 // primitives, and lets pass what is finer than their spacing.
 #include "boundary_samples.h"
 
+#include "wisp/module/sampling.h"
+
 #include <string.h>
 
 // ---- sampling, at rest ----

@@ -3,6 +3,8 @@
 // (gather_scatter.c).
 #include "contact_mesh.h"
 
+#include "wisp/module/space.h"
+
 #include <string.h>
 
 bool contact_reserve( const contact_work* work, wisp_buffer* buffer, size_t bytes, void** out )

@@ -1,6 +1,8 @@
 // The module: components, passes, settings of a world, and what a host reads of them.
 #include "contact_state.h"
 
+#include "wisp/module/sampling.h"
+
 #include <string.h>
 
 static const uint32_t CONTACT_SETTINGS_MADE = 0x434f4e53;
