@@ -28,14 +28,29 @@ LANE_INLINE int32_t lane_plain_truncate( float a )
     return a >= -0x1p31f && a < 0x1p31f ? (int32_t)a : INT32_MIN;
 }
 
+// One lane. Constant indices, where a loop would have a variable: the compiler then keeps lanes in registers from the
+// start. It takes many times as long over arrays that it has to follow through memory.
+#define PLAIN_ONE( number, expression )                                                                              \
+    {                                                                                                                \
+        enum                                                                                                         \
+        {                                                                                                            \
+            l = number                                                                                               \
+        };                                                                                                           \
+        r.v[l] = expression;                                                                                         \
+    }
+
 #define PLAIN_EACH( R, parameters, name, expression )                                                                \
     LANE_INLINE R name parameters                                                                                    \
     {                                                                                                                \
         R r;                                                                                                         \
-        for ( int l = 0; l < 8; ++l )                                                                                \
-        {                                                                                                            \
-            r.v[l] = expression;                                                                                     \
-        }                                                                                                            \
+        PLAIN_ONE( 0, expression )                                                                                   \
+        PLAIN_ONE( 1, expression )                                                                                   \
+        PLAIN_ONE( 2, expression )                                                                                   \
+        PLAIN_ONE( 3, expression )                                                                                   \
+        PLAIN_ONE( 4, expression )                                                                                   \
+        PLAIN_ONE( 5, expression )                                                                                   \
+        PLAIN_ONE( 6, expression )                                                                                   \
+        PLAIN_ONE( 7, expression )                                                                                   \
         return r;                                                                                                    \
     }
 
@@ -84,6 +99,7 @@ PLAIN_MASK_2( lane8m_or, a.v[l] | b.v[l] )
 PLAIN_MASK_2( lane8m_and_not, a.v[l] & ~b.v[l] )
 PLAIN_EACH( lane8m, ( lane8m a ), lane8m_not, ~a.v[l] )
 
+#undef PLAIN_ONE
 #undef PLAIN_EACH
 #undef PLAIN_FLOAT_2
 #undef PLAIN_INT_2
