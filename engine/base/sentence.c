@@ -36,7 +36,7 @@ void base_sentence( char* out, size_t capacity, const char* format, va_list argu
     int wanted = vsnprintf( text, capacity, format, arguments );
     if ( wanted < 0 )
     {
-        wanted = snprintf( text, capacity, "the sentence could not be formatted" );
+        wanted = snprintf( text, capacity, "the message could not be formatted" );
     }
     size_t length = (size_t)wanted < capacity ? (size_t)wanted : whole_characters( text, capacity - 1 );
 

@@ -11,7 +11,7 @@ const char* wisp_status_name( wisp_status status )
         case WISP_OK:
             return "ok";
         case WISP_NO_MEMORY:
-            return "no memory";
+            return "out of memory";
         case WISP_BAD_INPUT:
             return "bad input";
         case WISP_STALE_ID:

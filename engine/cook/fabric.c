@@ -23,45 +23,47 @@ static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error 
 {
     if ( def->vertex_count < 0 || def->vertex_count > FABRIC_MAX_VERTICES )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d vertices: 0 to %d are possible", def->vertex_count,
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d vertices, expected 0 to %d", def->vertex_count,
                           FABRIC_MAX_VERTICES );
     }
     if ( def->triangle_count < 0 || def->triangle_count > FABRIC_MAX_TRIANGLES )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d triangles: 0 to %d are possible",
-                          def->triangle_count, FABRIC_MAX_TRIANGLES );
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d triangles, expected 0 to %d", def->triangle_count,
+                          FABRIC_MAX_TRIANGLES );
     }
     if ( def->attachment_count < 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a fabric cannot have %d attachments", def->attachment_count );
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d attachments, expected 0 or more",
+                          def->attachment_count );
     }
     if ( ( def->points == NULL && def->vertex_count > 0 ) || ( def->triangles == NULL && def->triangle_count > 0 ) ||
          ( def->attachments == NULL && def->attachment_count > 0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "a fabric of %d vertices, %d triangles and %d attachments lacks one of these lists",
+                          "fabric: got a null list, expected lists of %d vertices, %d triangles and %d attachments",
                           def->vertex_count, def->triangle_count, def->attachment_count );
     }
     if ( def->levels < 0 || def->levels > WISP_FABRIC_MAX_LEVELS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a fabric of %d levels: 0 to %d are possible", def->levels,
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got %d levels, expected 0 to %d", def->levels,
                           WISP_FABRIC_MAX_LEVELS );
     }
     if ( def->finest_level < 1 || def->finest_level > WISP_FABRIC_MAX_LEVELS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a fabric whose finest level is %d: 1 to %d are possible",
-                          def->finest_level, WISP_FABRIC_MAX_LEVELS );
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got finest level %d, expected 1 to %d", def->finest_level,
+                          WISP_FABRIC_MAX_LEVELS );
     }
     if ( (int)def->sweep < 0 || def->sweep >= WISP_SWEEP_COUNT )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "there is no sweep of number %d", (int)def->sweep );
+        return wisp_fail( error, WISP_BAD_INPUT, "fabric: got solve order %d, which does not exist",
+                          (int)def->sweep );
     }
     if ( def->tile_size != 0 && ( def->tile_size < FABRIC_MIN_TILE || def->tile_size > FABRIC_MAX_TILE ||
                                   def->tile_size % WISP_FABRIC_LANES != 0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "tiles of %d vertices: 0 or a multiple of %d in %d to %d is possible", def->tile_size,
-                          WISP_FABRIC_LANES, FABRIC_MIN_TILE, FABRIC_MAX_TILE );
+                          "fabric: got tiles of %d vertices, expected 0 or a multiple of %d from %d to %d",
+                          def->tile_size, WISP_FABRIC_LANES, FABRIC_MIN_TILE, FABRIC_MAX_TILE );
     }
     return WISP_OK;
 }
@@ -75,13 +77,14 @@ static wisp_status check_triangles( const wisp_fabric_def* def, wisp_error* erro
         {
             if ( v[k] < 0 || v[k] >= def->vertex_count )
             {
-                return wisp_fail( error, WISP_BAD_INPUT, "triangle %d names vertex %d, but the mesh has %d vertices",
+                return wisp_fail( error, WISP_BAD_INPUT, "triangle %d: got vertex %d, but the mesh has %d vertices",
                                   t, v[k], def->vertex_count );
             }
         }
         if ( v[0] == v[1] || v[1] == v[2] || v[2] == v[0] )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "triangle %d names vertex %d twice", t,
+            return wisp_fail( error, WISP_BAD_INPUT,
+                              "triangle %d: got vertex %d twice, expected three different ones", t,
                               v[0] == v[1] ? v[0] : v[2] );
         }
     }
@@ -101,8 +104,8 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
         if ( inside == false )
         {
             status = wisp_fail( error, WISP_BAD_INPUT,
-                                "vertex %d at (%g, %g, %g) is not finite or farther than %g m from the origin", v,
-                                (double)p.x, (double)p.y, (double)p.z, (double)FABRIC_MAX_COORDINATE );
+                                "vertex %d: got (%g, %g, %g), expected finite coordinates within %g m of the origin",
+                                v, (double)p.x, (double)p.y, (double)p.z, (double)FABRIC_MAX_COORDINATE );
         }
     }
     if ( status == WISP_OK )
@@ -113,7 +116,7 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
     {
         if ( def->attachments[i] < 0 || def->attachments[i] >= def->vertex_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "attachment %d names vertex %d, but the mesh has %d vertices",
+            status = wisp_fail( error, WISP_BAD_INPUT, "attachment %d: got vertex %d, but the mesh has %d vertices",
                                 i, def->attachments[i], def->vertex_count );
         }
     }
@@ -350,7 +353,7 @@ wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* 
     if ( done == false )
     {
         wisp_fabric_release( (wisp_fabric*)cooked );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to cook a fabric of %d vertices and %d triangles",
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to cook a fabric of %d vertices and %d triangles",
                           def->vertex_count, def->triangle_count );
     }
     *out = &cooked->fabric;

@@ -12,8 +12,8 @@ typedef struct check_state
     wisp_error* error;
 } check_state;
 
-#define BAD( ... ) wisp_fail( c->error, WISP_BAD_INPUT, "the saved fabric has " __VA_ARGS__ )
-#define SHORT_OF_MEMORY wisp_fail( c->error, WISP_NO_MEMORY, "no memory to check a saved fabric" )
+#define BAD( ... ) wisp_fail( c->error, WISP_BAD_INPUT, "saved fabric: got " __VA_ARGS__ )
+#define SHORT_OF_MEMORY wisp_fail( c->error, WISP_NO_MEMORY, "out of memory to check a saved fabric" )
 
 static bool is_vertex( const wisp_fabric* f, int32_t slot )
 {
@@ -37,35 +37,36 @@ static wisp_status check_counts( const check_state* c )
     const wisp_fabric* f = c->f;
     if ( f->vertex_count > FABRIC_MAX_VERTICES || f->triangle_count > FABRIC_MAX_TRIANGLES )
     {
-        return BAD( "%d vertices and %d triangles: too many", f->vertex_count, f->triangle_count );
+        return BAD( "too many vertices (%d) or triangles (%d)", f->vertex_count, f->triangle_count );
     }
     if ( f->tile_size < FABRIC_MIN_TILE || f->tile_size > FABRIC_MAX_TILE || f->tile_size % WISP_FABRIC_LANES != 0 ||
          f->tile_count != fabric_tiles( f->vertex_count, f->tile_size ) )
     {
-        return BAD( "%d tiles of %d vertices, which do not fit %d vertices", f->tile_count, f->tile_size,
+        return BAD( "%d tiles of %d vertices, expected tiles for %d vertices", f->tile_count, f->tile_size,
                     f->vertex_count );
     }
     if ( f->slot_count != fabric_padded( f->vertex_count + f->tile_count ) ||
          f->ring_slice_count != f->slot_count / WISP_FABRIC_LANES )
     {
-        return BAD( "%d slots and %d slices of rings, which do not fit its %d vertices and %d tiles", f->slot_count,
+        return BAD( "%d slots and %d slices of rings, which do not match %d vertices and %d tiles", f->slot_count,
                     f->ring_slice_count, f->vertex_count, f->tile_count );
     }
     if ( (int64_t)f->hinge_count + f->border_edge_count + f->wild_edge_count != f->edge_count ||
          f->edge_count > (int64_t)3 * f->triangle_count )
     {
-        return BAD( "%d edges, %d hinges, %d border edges and %d wild edges: that does not add up", f->edge_count,
-                    f->hinge_count, f->border_edge_count, f->wild_edge_count );
+        return BAD( "%d edges, %d hinges, %d open edges and %d nonmanifold edges, which are inconsistent",
+                    f->edge_count, f->hinge_count, f->border_edge_count, f->wild_edge_count );
     }
     if ( f->link_count < f->edge_count || f->link_count > (int64_t)f->edge_count + f->hinge_count )
     {
-        return BAD( "%d links for %d edges and %d hinges", f->link_count, f->edge_count, f->hinge_count );
+        return BAD( "%d links, which do not match %d edges and %d hinges", f->link_count, f->edge_count,
+                    f->hinge_count );
     }
     if ( f->tether_count > WISP_FABRIC_MAX_TETHERS || f->attachment_count > f->vertex_count ||
          (int)f->sweep >= WISP_SWEEP_COUNT )
     {
-        return BAD( "%d tethers a vertex, %d attachments and sweep %d: one of them is impossible", f->tether_count,
-                    f->attachment_count, (int)f->sweep );
+        return BAD( "%d tethers per vertex, %d attachments and solve order %d, one of which is out of range",
+                    f->tether_count, f->attachment_count, (int)f->sweep );
     }
     return WISP_OK;
 }
@@ -78,7 +79,7 @@ static wisp_status check_vertices( const check_state* c )
         int32_t slot = f->vertex_slot[v];
         if ( is_vertex( f, slot ) == false || f->slot_vertex[slot] != v )
         {
-            return BAD( "vertex %d in slot %d, which does not lead back", v, slot );
+            return BAD( "vertex %d in slot %d, but the vertex has another slot", v, slot );
         }
     }
     for ( int s = 0; s < f->slot_count; ++s )
@@ -92,7 +93,7 @@ static wisp_status check_vertices( const check_state* c )
                       fabsf( p.z ) <= FABRIC_MAX_COORDINATE;
         if ( inside == false || is_length( f->area[s] ) == false )
         {
-            return BAD( "a point or an area in slot %d that is not finite or too large", s );
+            return BAD( "a point or an area in slot %d that is too large or not finite", s );
         }
     }
     return WISP_OK;
@@ -111,7 +112,7 @@ static wisp_status check_attachments( const check_state* c )
         int32_t slot = f->attachments[i];
         if ( is_vertex( f, slot ) == false || attached[slot] )
         {
-            return BAD( "attachment %d at slot %d, which is no vertex or stands there already", i, slot );
+            return BAD( "attachment %d at slot %d, which holds no vertex or is a duplicate", i, slot );
         }
         attached[slot] = true;
     }
@@ -122,7 +123,7 @@ static wisp_status check_attachments( const check_state* c )
         bool known = to == 4 * own || ( is_vertex4( f, to ) && attached[to / 4] );
         if ( known == false || is_length( f->tether_rest[i] ) == false )
         {
-            return BAD( "a tether of slot %d that leads to no attachment or has no length", own );
+            return BAD( "a tether of slot %d without an attachment or without a length", own );
         }
     }
     return WISP_OK;
@@ -139,7 +140,8 @@ static wisp_status check_mesh( const check_state* c )
         if ( is_vertex( f, v[0] ) == false || is_vertex( f, v[1] ) == false || is_vertex( f, v[2] ) == false ||
              v[0] == v[1] || v[1] == v[2] || v[2] == v[0] )
         {
-            return BAD( "triangle %d of the slots %d, %d and %d", t, v[0], v[1], v[2] );
+            return BAD( "triangle %d with the slots %d, %d and %d, which are not three different vertices", t, v[0],
+                        v[1], v[2] );
         }
     }
     for ( int e = 0; e < f->edge_count; ++e )
@@ -148,7 +150,7 @@ static wisp_status check_mesh( const check_state* c )
         bool rising = e == 0 || v[-2] < v[0] || ( v[-2] == v[0] && v[-1] < v[1] );
         if ( v[0] < 0 || v[0] >= v[1] || v[1] >= f->vertex_count || rising == false )
         {
-            return BAD( "edge %d of the slots %d and %d, out of range or out of order", e, v[0], v[1] );
+            return BAD( "edge %d with the slots %d and %d, which are out of range or out of order", e, v[0], v[1] );
         }
     }
     for ( int h = 0; h < f->hinge_count; ++h )
@@ -158,7 +160,8 @@ static wisp_status check_mesh( const check_state* c )
         if ( is_vertex( f, v[0] ) == false || is_vertex( f, v[1] ) == false || is_vertex( f, v[2] ) == false ||
              is_vertex( f, v[3] ) == false || apart == false )
         {
-            return BAD( "hinge %d of the slots %d, %d, %d and %d", h, v[0], v[1], v[2], v[3] );
+            return BAD( "hinge %d with the slots %d, %d, %d and %d, which are not four different vertices", h, v[0],
+                        v[1], v[2], v[3] );
         }
     }
     return WISP_OK;
@@ -179,7 +182,7 @@ static wisp_status check_rings( const check_state* c )
     {
         if ( f->ring_begin[s] != rings.begin[s] || f->ring_begin[s + 1] != rings.begin[s + 1] )
         {
-            return BAD( "rings of slice %d from %d to %d, where its triangles ask for %d to %d", s, f->ring_begin[s],
+            return BAD( "rings of slice %d from %d to %d, expected %d to %d from its triangles", s, f->ring_begin[s],
                         f->ring_begin[s + 1], rings.begin[s], rings.begin[s + 1] );
         }
         for ( int32_t e = rings.begin[s]; e < rings.begin[s + 1]; ++e )
@@ -188,14 +191,14 @@ static wisp_status check_rings( const check_state* c )
             {
                 if ( f->ring4[e][lane] != rings.ring4[e][lane] )
                 {
-                    return BAD( "a ring around slot %d with %d at entry %d, where its triangles ask for %d",
+                    return BAD( "a ring around slot %d with %d at entry %d, expected %d from its triangles",
                                 s * WISP_FABRIC_LANES + lane, f->ring4[e][lane], e - rings.begin[s],
                                 rings.ring4[e][lane] );
                 }
             }
         }
     }
-    return f->ring_begin[0] == 0 ? WISP_OK : BAD( "rings that begin at %d", f->ring_begin[0] );
+    return f->ring_begin[0] == 0 ? WISP_OK : BAD( "rings that begin at %d, expected 0", f->ring_begin[0] );
 }
 
 // ---- schedules ----
@@ -241,7 +244,7 @@ static wisp_status check_schedule( const check_state* c, const char* what, const
     if ( offsets_rise( s->colour_tile, s->colour_count, s->tile_count, 1 ) == false ||
          offsets_rise( s->tile_begin, s->tile_count, s->slot_count, WISP_FABRIC_LANES ) == false )
     {
-        return BAD( "an order of %s whose colours or tiles do not rise to its %d slots", what, s->slot_count );
+        return BAD( "an order of %s whose colours or tiles do not ascend to its %d slots", what, s->slot_count );
     }
     bool* seen = fabric_pool_push_zeroed( c->scratch, (size_t)count, sizeof( bool ) );
     if ( seen == NULL )
@@ -254,7 +257,8 @@ static wisp_status check_schedule( const check_state* c, const char* what, const
         int32_t number = s->constraint[i];
         if ( number < -1 || number >= count || ( number >= 0 && seen[number] ) )
         {
-            return BAD( "an order of %s with number %d at %d, out of range or for the second time", what, number, i );
+            return BAD( "an order of %s with number %d at %d, which is out of range or a duplicate", what, number,
+                        i );
         }
         if ( number >= 0 )
         {
@@ -262,7 +266,7 @@ static wisp_status check_schedule( const check_state* c, const char* what, const
             found += 1;
         }
     }
-    return found == count ? WISP_OK : BAD( "an order of %s that names %d of %d", what, found, count );
+    return found == count ? WISP_OK : BAD( "an order of %s with %d entries, expected %d", what, found, count );
 }
 
 // Who has touched a vertex last, and who has used up a dummy.
@@ -316,7 +320,7 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
     int32_t number = pad4 / 4 - f->vertex_count;
     if ( pad4 < 0 || number < 0 || number >= f->tile_count || touched->dummy[number] )
     {
-        return BAD( "a tile %d in the order of %s that has no dummy of its own", tile, what );
+        return BAD( "tile %d in the order of %s without a dummy of its own", tile, what );
     }
     touched->dummy[number] = true;
     for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
@@ -327,7 +331,7 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
         {
             if ( s->constraint[i] < 0 && slot4[k] != pad4 )
             {
-                return BAD( "a lane %d in the order of %s that is padded by another dummy than its tile's", i, what );
+                return BAD( "lane %d in the order of %s padded by the dummy of another tile", i, what );
             }
             if ( s->constraint[i] >= 0 && touch( touched, slot4[k] / 4, i, tile, colour_begin ) == false )
             {
@@ -382,7 +386,7 @@ static wisp_status check_link_lanes( const check_state* c )
         }
         if ( fine == false )
         {
-            return BAD( "link %d in lane %d with slots or a length that it cannot have", number, i );
+            return BAD( "link %d in lane %d with invalid slots or an invalid length", number, i );
         }
     }
     return WISP_OK;
@@ -399,7 +403,7 @@ static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* l
         {
             if ( slot4[k] != 4 * f->hinges[4 * (size_t)number + (size_t)k] )
             {
-                return BAD( "hinge %d in lane %d with another vertex than its own", number, i );
+                return BAD( "hinge %d in lane %d with a vertex of another hinge", number, i );
             }
         }
     }
@@ -441,7 +445,7 @@ static wisp_status check_level_vertices( const check_state* c, const wisp_fabric
     const wisp_fabric* f = c->f;
     if ( level->vertex_count > f->vertex_count || level->child_count > f->vertex_count )
     {
-        return BAD( "a level %d of %d vertices and %d children, more than there are", number, level->vertex_count,
+        return BAD( "level %d with %d vertices and %d children, which is too many", number, level->vertex_count,
                     level->child_count );
     }
     for ( int i = 0; i < fabric_padded( level->vertex_count ); ++i )
@@ -451,8 +455,7 @@ static wisp_status check_level_vertices( const check_state* c, const wisp_fabric
                                             : slot4 == 4 * f->vertex_count;
         if ( fine == false )
         {
-            return BAD( "a level %d whose vertex %d is not one of the finer level, or stands there twice", number,
-                        i );
+            return BAD( "level %d whose vertex %d is missing from the finer level or is a duplicate", number, i );
         }
         if ( i < level->vertex_count )
         {
@@ -491,7 +494,7 @@ static wisp_status check_children( const check_state* c, const wisp_fabric_level
         }
         if ( fine == false )
         {
-            return BAD( "a level %d whose child %d is not one of the finer level, or has a wrong parent", number, i );
+            return BAD( "level %d whose child %d is missing from the finer level or has a wrong parent", number, i );
         }
         if ( real )
         {
@@ -522,7 +525,7 @@ static wisp_status check_level_links( const check_state* c, const wisp_fabric_le
         }
         if ( fine == false )
         {
-            return BAD( "a level %d whose lane %d links what is not of that level, or has no length", number, i );
+            return BAD( "level %d whose lane %d links vertices of another level or has no length", number, i );
         }
     }
     lane_reader lanes = {

@@ -223,11 +223,11 @@ typedef struct load_state
 static bool load_fails( load_state* s, wisp_status status )
 {
     size_t word = (size_t)( s->cursor - s->content ) / 4;
-    s->status =
-        status == WISP_NO_MEMORY
-            ? wisp_fail( s->error, status, "no memory to load a fabric of %zu bytes",
-                         (size_t)( s->end - s->content ) )
-            : wisp_fail( s->error, status, "the saved fabric ends before what its counts promise at word %zu", word );
+    s->status = status == WISP_NO_MEMORY
+                    ? wisp_fail( s->error, status, "out of memory to load a fabric of %zu bytes",
+                                 (size_t)( s->end - s->content ) )
+                    : wisp_fail( s->error, status,
+                                 "saved fabric: got too few bytes, ends at word %zu before its last array", word );
     return false;
 }
 
@@ -241,8 +241,9 @@ static bool load_number( void* context, int* number )
     *number = (int)(int32_t)read_word( s->cursor );
     if ( *number < 0 )
     {
-        s->status = wisp_fail( s->error, WISP_BAD_INPUT, "the saved fabric has a count of %d at word %zu", *number,
-                               (size_t)( s->cursor - s->content ) / 4 );
+        s->status =
+            wisp_fail( s->error, WISP_BAD_INPUT, "saved fabric: got a count of %d at word %zu, which is out of range",
+                       *number, (size_t)( s->cursor - s->content ) / 4 );
         return false;
     }
     s->cursor += 4;
@@ -277,8 +278,8 @@ static wisp_fabric_level* load_levels( void* context, int count )
     load_state* s = context;
     if ( count > WISP_FABRIC_MAX_LEVELS )
     {
-        s->status = wisp_fail( s->error, WISP_BAD_INPUT, "the saved fabric has %d levels, at most %d are possible",
-                               count, WISP_FABRIC_MAX_LEVELS );
+        s->status = wisp_fail( s->error, WISP_BAD_INPUT, "saved fabric: got %d levels, expected at most %d", count,
+                               WISP_FABRIC_MAX_LEVELS );
         return NULL;
     }
     wisp_fabric_level* levels = fabric_pool_push_zeroed( s->keep, (size_t)count, sizeof( *levels ) );
@@ -293,18 +294,19 @@ static wisp_status check_head( const unsigned char* bytes, size_t size, wisp_err
 {
     if ( size < SAVED_HEAD )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a saved fabric of %zu bytes: its head alone has %d", size,
-                          SAVED_HEAD );
+        return wisp_fail( error, WISP_BAD_INPUT, "saved fabric: got %zu bytes, expected at least %d for the header",
+                          size, SAVED_HEAD );
     }
     if ( memcmp( bytes, SAVED_MAGIC, 8 ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the bytes do not begin like a saved fabric of this version" );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "saved fabric: got an unknown header, expected a fabric saved by this version" );
     }
     uint64_t words = read_long( bytes + 8 );
     if ( ( size - SAVED_HEAD ) % 4 != 0 || words != ( size - SAVED_HEAD ) / 4 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the saved fabric promises %" PRIu64 " words, %zu bytes are there",
-                          words, size - SAVED_HEAD );
+        return wisp_fail( error, WISP_BAD_INPUT, "saved fabric: expected %" PRIu64 " words, got %zu bytes", words,
+                          size - SAVED_HEAD );
     }
     uint64_t hash = 0;
     for ( size_t i = SAVED_HEAD; i < size; i += 4 )
@@ -313,7 +315,7 @@ static wisp_status check_head( const unsigned char* bytes, size_t size, wisp_err
     }
     if ( hash != read_long( bytes + 16 ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the saved fabric's bytes were damaged: its hash does not fit" );
+        return wisp_fail( error, WISP_BAD_INPUT, "saved fabric: the hash does not match, the bytes are damaged" );
     }
     return WISP_OK;
 }
@@ -335,7 +337,7 @@ static wisp_status load( const unsigned char* bytes, size_t size, cook_fabric* c
     }
     if ( state.cursor != state.end )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the saved fabric has %zu words behind its last array",
+        return wisp_fail( error, WISP_BAD_INPUT, "saved fabric: got %zu extra words after the last array",
                           (size_t)( state.end - state.cursor ) / 4 );
     }
     cooked->fabric.hash = read_long( bytes + 16 );
@@ -357,7 +359,7 @@ wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocat
     cook_fabric* cooked = fabric_create( allocator );
     if ( cooked == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to load a fabric of %zu bytes", size );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to load a fabric of %zu bytes", size );
     }
     status = load( bytes, size, cooked, error );
     if ( status != WISP_OK )

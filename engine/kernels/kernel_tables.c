@@ -44,7 +44,7 @@ const wisp_kernels* kernels_select( const char* cap, wisp_error* error )
     }
     if ( cap != NULL && cap[0] != 0 )
     {
-        wisp_fail( error, WISP_BAD_INPUT, "%s is '%s', known are baseline, avx2 and avx512", source, cap );
+        wisp_fail( error, WISP_BAD_INPUT, "%s: got '%s', expected baseline, avx2 or avx512", source, cap );
         return NULL;
     }
     return best;

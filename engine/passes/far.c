@@ -114,7 +114,7 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
     float* before = wisp_parallel_scratch( parallel, span->worker, 2 * numbers * sizeof( float ) );
     if ( before == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the coarse levels of %d particles",
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the coarse levels of %d particles",
                          fabric->slot_count );
         return;
     }

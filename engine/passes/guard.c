@@ -47,11 +47,12 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
     int slot = atomic_load( &loop->first_bad );
     const float* p = loop->position + (size_t)slot * 4;
     char sentence[300];
-    snprintf( sentence, sizeof( sentence ),
-              "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to the step "
-              "before and halted",
-              entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
-              (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
+    snprintf(
+        sentence, sizeof( sentence ),
+        "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is halted in the state of "
+        "the previous step",
+        entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
+        (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
     // inverse masses stay: a vertex that was pinned or let go since the last good step must not change that
     for ( size_t i = 0; i < (size_t)loop->slot_count * 4; i += 4 )
     {

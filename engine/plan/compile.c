@@ -73,7 +73,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     {
         if ( ( e->wants & ~supplied & store_bit( c ) ) != 0 )
         {
-            return wisp_fail( error, WISP_CONFLICT, "'%s' is wanted of entity %d, but no pass can write it there",
+            return wisp_fail( error, WISP_CONFLICT, "'%s': requested of entity %d, but no pass can write it there",
                               r->store->components[c].def.name, slot + 1 );
         }
     }
@@ -85,7 +85,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
             if ( ( missing & store_bit( c ) ) != 0 )
             {
                 return wisp_fail( error, WISP_CONFLICT,
-                                  "pass '%s' reads '%s', which entity %d lacks and no pass of this plan writes",
+                                  "pass '%s': reads '%s', which entity %d does not have and no active pass writes",
                                   r->passes[i].name, r->store->components[c].def.name, slot + 1 );
             }
         }
@@ -132,7 +132,7 @@ static wisp_status order_stage( const wisp_registry* r, store_mask live, wisp_st
         if ( next < 0 )
         {
             return wisp_fail( error, WISP_CONFLICT,
-                              "passes of one stage wait for each other in a circle, '%s' among them",
+                              "pass '%s': part of a cycle of passes that wait for each other in one stage",
                               r->passes[first].name );
         }
         order[( *count )++] = next;
@@ -437,7 +437,7 @@ static wisp_status find_live( plan* p, const wisp_registry* r, wisp_error* error
         }
         if ( s->entities[slot].alive && fit_rows( s, r, live, slot ) == false )
         {
-            return wisp_fail( error, WISP_NO_MEMORY, "no memory for the rows between the passes of entity %d",
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the rows between the passes of entity %d",
                               slot + 1 );
         }
         p->live |= live;
@@ -493,7 +493,7 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error )
     if ( room == false )
     {
         clear( p );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a plan of %d passes over %d entities", count,
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a plan of %d passes over %d entities", count,
                           s->entity_count );
     }
     p->structure = s->structure;

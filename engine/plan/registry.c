@@ -29,10 +29,9 @@ static wisp_component fail_declaration( wisp_registry* r, const char* what, cons
 wisp_component wisp_declare_component( wisp_registry* registry, const wisp_component_def* def )
 {
     wisp_component c = store_declare( registry->store, def );
-    return c != 0
-               ? c
-               : fail_declaration(
-                     registry, "too many components, or another module declared this one differently:", def->name );
+    return c != 0 ? c
+                  : fail_declaration( registry,
+                                      "too many components, or declared differently by another module:", def->name );
 }
 
 wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
@@ -41,13 +40,13 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
     {
         if ( strcmp( registry->passes[i].name, pass->name ) == 0 )
         {
-            fail_declaration( registry, "there is already a pass", pass->name );
+            fail_declaration( registry, "got a second pass", pass->name );
             return WISP_BAD_INPUT;
         }
     }
     if ( registry->pass_count == PLAN_MAX_PASSES || pass->run == NULL || pass->writes[0] == 0 )
     {
-        fail_declaration( registry, "too many passes, or one that runs nothing or writes nothing:", pass->name );
+        fail_declaration( registry, "too many passes, or a pass without a function or an output:", pass->name );
         return WISP_BAD_INPUT;
     }
     const store_mask bit = store_bit( registry->pass_count );
@@ -86,8 +85,7 @@ wisp_status wisp_declare_join( wisp_registry* registry, const wisp_join* join )
         find_passes( registry, join->needs, &f.needs ) && find_passes( registry, join->allows, &f.allows );
     if ( found == false || f.needs == 0 || f.run == NULL || registry->join_count == PLAN_MAX_JOINS )
     {
-        fail_declaration( registry,
-                          "too many joins, or one of nothing or of passes that are not declared:", join->name );
+        fail_declaration( registry, "too many fusions, or one without declared passes:", join->name );
         return WISP_BAD_INPUT;
     }
     registry->joins[registry->join_count++] = f;
@@ -100,7 +98,7 @@ void* wisp_declare_state( wisp_registry* registry, size_t size )
         registry->state_count < PLAN_MAX_STATES ? base_allocate( registry->store->allocator, size, 64 ) : NULL;
     if ( memory == NULL )
     {
-        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its state", registry->module );
+        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': out of memory for its state", registry->module );
         return NULL;
     }
     memset( memory, 0, size );
@@ -113,7 +111,7 @@ void wisp_declare_hooks( wisp_registry* registry, const wisp_state_hooks* hooks 
     plan_state* state = registry->state_count > 0 ? registry->states + registry->state_count - 1 : NULL;
     if ( state == NULL || strcmp( state->module, registry->module ) != 0 )
     {
-        fail_declaration( registry, "hooks without a state of", registry->module );
+        fail_declaration( registry, "got hooks without a state for", registry->module );
         return;
     }
     state->hooks = *hooks;
@@ -128,7 +126,8 @@ int wisp_declare_workspace( wisp_registry* registry, size_t size,
                        : NULL;
     if ( blocks == NULL )
     {
-        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': no memory for its workspace", registry->module );
+        wisp_fail( &registry->error, WISP_NO_MEMORY, "module '%s': out of memory for its workspace",
+                   registry->module );
         return -1;
     }
     memset( blocks, 0, bytes );
@@ -185,7 +184,7 @@ wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module )
     wisp_status status = module->declare( r );
     if ( status != WISP_OK && r->error.status == WISP_OK )
     {
-        wisp_fail( &r->error, status, "module '%s' could not declare itself: %s", module->name,
+        wisp_fail( &r->error, status, "module '%s': declaration failed: %s", module->name,
                    wisp_status_name( status ) );
     }
     return r->error.status;

@@ -365,7 +365,7 @@ static wisp_status check_limit( const wisp_box_job* job, uint64_t pairs, wisp_er
     uint64_t limit = job->limit > 0 && job->limit < INT32_MAX ? job->limit : INT32_MAX;
     if ( pairs > limit )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%llu pairs of boxes overlap, and no more than %llu are allowed",
+        return wisp_fail( error, WISP_BAD_INPUT, "boxes: got %llu overlapping pairs, expected at most %llu",
                           (unsigned long long)pairs, (unsigned long long)limit );
     }
     return WISP_OK;
@@ -373,7 +373,7 @@ static wisp_status check_limit( const wisp_box_job* job, uint64_t pairs, wisp_er
 
 static wisp_status fail_memory( const wisp_box_job* job, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "no memory to find pairs among %d boxes", job->box_count );
+    return wisp_fail( error, WISP_NO_MEMORY, "out of memory to find pairs among %d boxes", job->box_count );
 }
 
 // The first search measures, the second fills; warm buffers need one.

@@ -73,11 +73,11 @@ static wisp_status take_fault( struct wisp_box_tree* tree, const char* what, wis
     }
     if ( fault == (int)RTC_ERROR_OUT_OF_MEMORY )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "Embree has no memory to %s a tree of %d boxes", what,
+        return wisp_fail( error, WISP_NO_MEMORY, "Embree: out of memory to %s a tree of %d boxes", what,
                           tree->item_count );
     }
-    return wisp_fail( error, WISP_CONFLICT, "Embree cannot %s a tree of %d boxes: its error number is %d", what,
-                      tree->item_count, fault );
+    return wisp_fail( error, WISP_CONFLICT, "Embree: cannot %s a tree of %d boxes, error %d", what, tree->item_count,
+                      fault );
 }
 
 static wisp_status open_device( struct wisp_box_tree* tree, wisp_error* error )
@@ -86,14 +86,13 @@ static wisp_status open_device( struct wisp_box_tree* tree, wisp_error* error )
     tree->device = rtcNewDevice( "threads=1" );
     if ( tree->device == NULL )
     {
-        return wisp_fail( error, WISP_CONFLICT, "Embree does not start: its error number is %d",
-                          (int)rtcGetDeviceError( NULL ) );
+        return wisp_fail( error, WISP_CONFLICT, "Embree: cannot start, error %d", (int)rtcGetDeviceError( NULL ) );
     }
     rtcSetDeviceErrorFunction( tree->device, note_fault, tree );
     rtcSetDeviceMemoryMonitorFunction( tree->device, watch_memory, tree );
     if ( rtcGetDeviceProperty( tree->device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED ) == 0 )
     {
-        return wisp_fail( error, WISP_CONFLICT, "this Embree was built without user geometry, which boxes need" );
+        return wisp_fail( error, WISP_CONFLICT, "Embree: built without user geometry, which boxes need" );
     }
     tree->scene = rtcNewScene( tree->device );
     tree->geometry = rtcNewGeometry( tree->device, RTC_GEOMETRY_TYPE_USER );
@@ -113,7 +112,7 @@ static wisp_status create( struct wisp_box_tree** out, const wisp_allocator* all
     struct wisp_box_tree* tree = base_allocate( allocator, sizeof( *tree ), BASE_BUFFER_ALIGNMENT );
     if ( tree == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a tree of boxes" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a tree of boxes" );
     }
     memset( (void*)tree, 0, sizeof( *tree ) );
     wisp_status status = open_device( tree, error );
@@ -232,7 +231,7 @@ wisp_status box_tree_update( struct wisp_box_tree** out, const wisp_allocator* a
         tree->item_count = 0; // what the list held is gone
         if ( !wisp_buffer_reserve( &tree->items, allocator, (size_t)job->box_count * sizeof( int32_t ) ) )
         {
-            return wisp_fail( error, WISP_NO_MEMORY, "no memory for a tree of %d boxes", job->box_count );
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a tree of %d boxes", job->box_count );
         }
     }
     bool is_other = list_items( tree, job );

@@ -97,7 +97,7 @@ static wisp_status find_candidates( wisp_crossings* crossings, const wisp_parall
     if ( !wisp_buffer_reserve( edges, allocator, ( (size_t)job->edge_count + 1 ) * sizeof( wisp_box ) ) ||
          !wisp_buffer_reserve( triangles, allocator, ( (size_t)job->triangle_count + 1 ) * sizeof( wisp_box ) ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to look for crossings of %d edges and %d triangles",
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to look for crossings of %d edges and %d triangles",
                           job->edge_count, job->triangle_count );
     }
     s->edge_boxes = edges->data;
@@ -212,7 +212,7 @@ wisp_status wisp_crossings_find( wisp_crossings* crossings, const wisp_parallel*
          !wisp_buffer_reserve( crossings->buffers + CROSSINGS_LIST, allocator,
                                pair_count * sizeof( wisp_crossing ) ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for crossings among %zu candidates", pair_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for crossings among %zu candidates", pair_count );
     }
     s.kept = crossings->buffers[CROSSINGS_BLOCKS].data;
     s.list = crossings->buffers[CROSSINGS_LIST].data;

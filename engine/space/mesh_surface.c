@@ -20,7 +20,7 @@ wisp_status mesh_surface_check_points( const wisp_vec3* points, int count, wisp_
         if ( !is_within_reach( p.x ) || !is_within_reach( p.y ) || !is_within_reach( p.z ) )
         {
             return wisp_fail( error, WISP_BAD_INPUT,
-                              "point %d of the mesh is at (%g, %g, %g), which is not finite or beyond %g m", i,
+                              "mesh point %d: got (%g, %g, %g), expected finite coordinates within %g m", i,
                               (double)p.x, (double)p.y, (double)p.z, (double)WISP_MESH_TREE_REACH );
         }
     }
@@ -31,15 +31,14 @@ static wisp_status check_def( const wisp_mesh_tree_def* def, wisp_error* error )
 {
     if ( def->point_count < 1 || def->triangle_count < 1 || def->points == NULL || def->triangles == NULL )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "a mesh collider needs at least one triangle, and this mesh has %d points and %d triangles",
-                          def->points == NULL ? 0 : def->point_count,
-                          def->triangles == NULL ? 0 : def->triangle_count );
+        return wisp_fail(
+            error, WISP_BAD_INPUT, "mesh collider: got %d points and %d triangles, expected at least one triangle",
+            def->points == NULL ? 0 : def->point_count, def->triangles == NULL ? 0 : def->triangle_count );
     }
     // rings are numbered by int32_t
     if ( def->triangle_count > INT32_MAX / 3 - 2 || def->point_count > INT32_MAX / 4 - 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "a mesh collider of %d points and %d triangles is too large",
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got %d points and %d triangles, which is too large",
                           def->point_count, def->triangle_count );
     }
     for ( int k = 0; k < 3 * def->triangle_count; ++k )
@@ -48,8 +47,8 @@ static wisp_status check_def( const wisp_mesh_tree_def* def, wisp_error* error )
         if ( number < 0 || number >= def->point_count )
         {
             return wisp_fail( error, WISP_BAD_INPUT,
-                              "corner %d of triangle %d of the mesh is point %d, and there are %d points", k % 3,
-                              k / 3, (int)number, def->point_count );
+                              "corner %d of triangle %d: got point %d, but the mesh has %d points", k % 3, k / 3,
+                              (int)number, def->point_count );
         }
     }
     return mesh_surface_check_points( def->points, def->point_count, error );
@@ -170,7 +169,7 @@ wisp_status mesh_surface_build( mesh_surface* s, const wisp_mesh_tree_def* def, 
     if ( !reserve( s, def->deforms ) )
     {
         mesh_surface_release( s );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a mesh collider of %d triangles",
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider of %d triangles",
                           def->triangle_count );
     }
     mesh_surface_set_points( s, def->points );

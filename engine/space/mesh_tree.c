@@ -28,11 +28,12 @@ static wisp_status check_search( const wisp_mesh_tree_def* def, wisp_error* erro
 {
     if ( (unsigned)def->search >= (unsigned)WISP_MESH_SEARCH_COUNT )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "there is no search of a mesh of number %d", (int)def->search );
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got search %d, which does not exist",
+                          (int)def->search );
     }
     if ( !( def->voxel_size >= 0.0f && def->voxel_size <= WISP_MESH_TREE_REACH ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "voxels of a mesh cannot have edges of %g m: it must be 0 to %g m",
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got voxels of %g m, expected 0 to %g m",
                           (double)def->voxel_size, (double)WISP_MESH_TREE_REACH );
     }
     return WISP_OK;
@@ -45,7 +46,7 @@ static wisp_status make_search( wisp_mesh_tree* tree, const wisp_mesh_tree_def* 
         tree->spare = base_allocate( &tree->surface.allocator, spare_bytes( tree ), BASE_BUFFER_ALIGNMENT );
         if ( tree->spare == NULL )
         {
-            return wisp_fail( error, WISP_NO_MEMORY, "no memory for a mesh collider" );
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
         }
     }
     if ( def->search == WISP_MESH_SEARCH_TREE )
@@ -72,7 +73,7 @@ wisp_status wisp_mesh_tree_create( const wisp_mesh_tree_def* def, const wisp_all
     if ( tree == NULL )
     {
         mesh_surface_release( &surface );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a mesh collider" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
     }
     *tree = ( wisp_mesh_tree ){ .surface = surface, .search = def->search, .deforms = def->deforms };
     status = make_search( tree, def, error );
@@ -130,7 +131,7 @@ wisp_status wisp_mesh_tree_update( wisp_mesh_tree* tree, const wisp_vec3* points
 {
     if ( !tree->deforms )
     {
-        return wisp_fail( error, WISP_CONFLICT, "this mesh collider was made rigid: its points cannot move" );
+        return wisp_fail( error, WISP_CONFLICT, "mesh collider: is rigid, so its points cannot move" );
     }
     wisp_status status = mesh_surface_check_points( points, tree->surface.point_count, error );
     if ( status != WISP_OK )

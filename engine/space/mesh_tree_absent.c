@@ -11,9 +11,10 @@ wisp_status embree_tree_create( const mesh_surface* surface, const wisp_mesh_tre
     (void)surface;
     (void)def;
     *tree = NULL;
-    return wisp_fail( error, WISP_CONFLICT,
-                      "mesh colliders need Embree to search by a tree, and this library was built without it: search "
-                      "by voxels" );
+    return wisp_fail(
+        error, WISP_CONFLICT,
+        "mesh collider: search by tree needs Embree, without which this library was built; expected search "
+        "by voxels" );
 }
 
 void embree_tree_release( embree_tree* tree )

@@ -97,11 +97,11 @@ static wisp_status take_fault( embree_tree* tree, const char* what, wisp_error* 
     }
     if ( fault == (int)RTC_ERROR_OUT_OF_MEMORY )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "Embree has no memory to %s a collider of %d triangles", what,
+        return wisp_fail( error, WISP_NO_MEMORY, "Embree: out of memory to %s a collider of %d triangles", what,
                           tree->surface->triangle_count );
     }
-    return wisp_fail( error, WISP_CONFLICT, "Embree cannot %s a collider of %d triangles: its error number is %d",
-                      what, tree->surface->triangle_count, fault );
+    return wisp_fail( error, WISP_CONFLICT, "Embree: cannot %s a collider of %d triangles, error %d", what,
+                      tree->surface->triangle_count, fault );
 }
 
 static void collect_crossing( const struct RTCIntersectFunctionNArguments* arguments );
@@ -112,15 +112,13 @@ static wisp_status open_device( embree_tree* tree, wisp_error* error )
     tree->device = rtcNewDevice( "threads=1" );
     if ( tree->device == NULL )
     {
-        return wisp_fail( error, WISP_CONFLICT, "Embree does not start: its error number is %d",
-                          (int)rtcGetDeviceError( NULL ) );
+        return wisp_fail( error, WISP_CONFLICT, "Embree: cannot start, error %d", (int)rtcGetDeviceError( NULL ) );
     }
     rtcSetDeviceErrorFunction( tree->device, note_fault, tree );
     rtcSetDeviceMemoryMonitorFunction( tree->device, watch_memory, tree );
     if ( rtcGetDeviceProperty( tree->device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED ) == 0 )
     {
-        return wisp_fail( error, WISP_CONFLICT,
-                          "this Embree was built without user geometry, which mesh colliders need" );
+        return wisp_fail( error, WISP_CONFLICT, "Embree: built without user geometry, which mesh colliders need" );
     }
     return WISP_OK;
 }
@@ -156,7 +154,7 @@ wisp_status embree_tree_create( const mesh_surface* surface, const wisp_mesh_tre
     embree_tree* tree = base_allocate( &surface->allocator, sizeof( *tree ), BASE_BUFFER_ALIGNMENT );
     if ( tree == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a mesh collider" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
     }
     memset( tree, 0, sizeof( *tree ) );
     tree->surface = surface;

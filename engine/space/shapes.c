@@ -46,9 +46,9 @@ wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
     }
     if ( (unsigned)shape->kind >= (unsigned)WISP_COUNT( names ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "there is no shape of kind %d", (int)shape->kind );
+        return wisp_fail( error, WISP_BAD_INPUT, "collider: got shape %d, which does not exist", (int)shape->kind );
     }
-    return wisp_fail( error, WISP_BAD_INPUT, "the %s of a %s is negative or not a finite number", fault,
+    return wisp_fail( error, WISP_BAD_INPUT, "the %s of a %s: expected a finite number of at least 0", fault,
                       names[shape->kind] );
 }
 

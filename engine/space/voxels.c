@@ -125,9 +125,10 @@ static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* er
     {
         if ( count == 1 )
         {
-            return wisp_fail( error, WISP_NO_MEMORY,
-                              "the voxels of a collider of %d triangles do not fit into %zu bytes", s->triangle_count,
-                              v->bytes_most );
+            return wisp_fail(
+                error, WISP_NO_MEMORY,
+                "mesh collider: the voxels of %d triangles need more than %zu bytes, which is the limit",
+                s->triangle_count, v->bytes_most );
         }
         size *= GROWTH;
         count = lay_out( v, s, size );
@@ -253,7 +254,7 @@ static void mark_blocks( voxels* v )
 
 static wisp_status no_memory( const mesh_surface* s, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "no memory for the voxels of a collider of %d triangles",
+    return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the voxels of a collider of %d triangles",
                       s->triangle_count );
 }
 

@@ -145,27 +145,28 @@ wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error*
     snapshot_header header;
     if ( size < sizeof( header ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot has %zu bytes, its header alone needs %zu", size,
-                          sizeof( header ) );
+        return wisp_fail( error, WISP_BAD_INPUT, "snapshot: got %zu bytes, expected at least %zu for the header",
+                          size, sizeof( header ) );
     }
     memcpy( &header, bytes, sizeof( header ) );
     const char* content = (const char*)bytes + sizeof( header );
     if ( memcmp( header.magic, SNAPSHOT_MAGIC, sizeof( header.magic ) ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the bytes do not begin like a snapshot of this version" );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "snapshot: got an unknown header, expected a snapshot of this version" );
     }
     if ( header.size != size - sizeof( header ) || header.size != content_size( s ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot holds %zu bytes of columns, this world has %zu",
+        return wisp_fail( error, WISP_BAD_INPUT, "snapshot: got %zu bytes of columns, but this world has %zu",
                           size - sizeof( header ), content_size( s ) );
     }
     if ( header.structure != structure_hash( s ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot was taken of other entities, components or modules" );
+        return wisp_fail( error, WISP_BAD_INPUT, "snapshot: was taken of other entities, components or modules" );
     }
     if ( header.content != store_hash_bytes( 0, content, (size_t)header.size ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the snapshot's bytes were damaged: its hash does not fit" );
+        return wisp_fail( error, WISP_BAD_INPUT, "snapshot: the hash does not match, the bytes are damaged" );
     }
     visit_columns( s, copy_in, &content );
     return WISP_OK;

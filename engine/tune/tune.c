@@ -20,11 +20,11 @@ static wisp_status check_knob( const wisp_tune_knob* knob, int number, wisp_erro
 {
     if ( !knob->name || !knob->name[0] )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "knob %d has no name", number );
+        return wisp_fail( error, WISP_BAD_INPUT, "parameter %d: got no name", number );
     }
     if ( knob->value_count < 1 || knob->value_count > WISP_TUNE_MAX_VALUES || !knob->values )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "knob '%s' has %d values, it must have 1 to %d", knob->name,
+        return wisp_fail( error, WISP_BAD_INPUT, "parameter '%s': got %d values, expected 1 to %d", knob->name,
                           knob->values ? knob->value_count : 0, WISP_TUNE_MAX_VALUES );
     }
     return WISP_OK;
@@ -34,7 +34,7 @@ static wisp_status check_knobs( const wisp_tune_job* job, int* setting_count, wi
 {
     if ( job->knob_count < 1 || job->knob_count > WISP_TUNE_MAX_KNOBS || !job->knobs )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "there are %d knobs, there must be 1 to %d",
+        return wisp_fail( error, WISP_BAD_INPUT, "got %d parameters, expected 1 to %d",
                           job->knobs ? job->knob_count : 0, WISP_TUNE_MAX_KNOBS );
     }
     *setting_count = 1;
@@ -49,8 +49,8 @@ static wisp_status check_knobs( const wisp_tune_job* job, int* setting_count, wi
     }
     if ( *setting_count > WISP_TUNE_MAX_SETTINGS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the knobs make %d settings together, at most %d can be searched",
-                          *setting_count, WISP_TUNE_MAX_SETTINGS );
+        return wisp_fail( error, WISP_BAD_INPUT, "got %d configurations, expected at most %d", *setting_count,
+                          WISP_TUNE_MAX_SETTINGS );
     }
     return WISP_OK;
 }
@@ -62,22 +62,22 @@ wisp_status tune_check_job( const wisp_tune_job* job, int* setting_count, wisp_e
          ( job->error > 0.0 ) == ( job->budget_ms > 0.0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "error is %g and budget_ms is %g, one of them must be above 0 and the other 0", job->error,
+                          "error, budget_ms: got %g and %g, expected one of them above 0 and the other 0", job->error,
                           job->budget_ms );
     }
     if ( job->max_runs < 1 || !( job->max_seconds > 0.0 ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "max_runs is %d and max_seconds is %g, both must be above 0",
+        return wisp_fail( error, WISP_BAD_INPUT, "max_runs, max_seconds: got %d and %g, expected both above 0",
                           job->max_runs, job->max_seconds );
     }
     if ( job->repeats < 1 || job->repeats > WISP_TUNE_MAX_REPEATS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "repeats is %d, it must be 1 to %d", job->repeats,
+        return wisp_fail( error, WISP_BAD_INPUT, "repeats: got %d, expected 1 to %d", job->repeats,
                           WISP_TUNE_MAX_REPEATS );
     }
     if ( ( job->allocator.allocate == NULL ) != ( job->allocator.release == NULL ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "an allocator needs both functions or neither" );
+        return wisp_fail( error, WISP_BAD_INPUT, "allocator: got one function, expected both or neither" );
     }
     return check_knobs( job, setting_count, error );
 }
@@ -127,7 +127,7 @@ static wisp_status hand_over( const tune_search* s, wisp_tune_result* out, wisp_
     wisp_tune_visit* visits = base_allocate( &s->job->allocator, bytes, _Alignof( wisp_tune_visit ) );
     if ( !visits )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d settings that were run", s->visit_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d trials", s->visit_count );
     }
     memcpy( visits, s->visits, bytes );
     const wisp_tune_visit* best = &s->visits[s->best];
@@ -173,7 +173,7 @@ wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_err
     wisp_status status = tune_check_job( job, &s.setting_count, error );
     if ( status == WISP_OK && !job->run )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "there is no callback that runs a choice" );
+        status = wisp_fail( error, WISP_BAD_INPUT, "expected a callback that runs a configuration" );
     }
     if ( status != WISP_OK )
     {
@@ -184,7 +184,7 @@ wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_err
     void* room = base_allocate( &job->allocator, bytes, BASE_BUFFER_ALIGNMENT );
     if ( !room )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to search %d settings", s.setting_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to search %d configurations", s.setting_count );
     }
     status = search_with_room( &s, room, out, error );
     base_release( &job->allocator, room, bytes );

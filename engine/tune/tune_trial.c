@@ -76,10 +76,9 @@ static wisp_status check_sample( const tune_search* s, const int* choice, const 
         return WISP_OK;
     }
     const wisp_tune_knob* knob = &s->job->knobs[0];
-    return wisp_fail(
-        error, WISP_BAD_INPUT,
-        "run %d, with '%s' at %g, came back with %g ms and the error %g, both must be numbers from 0 on",
-        s->run_count, knob->name, knob->values[choice[0]], sample->ms, sample->error );
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "run %d, with '%s' at %g: got %g ms and error %g, expected finite numbers of at least 0",
+                      s->run_count, knob->name, knob->values[choice[0]], sample->ms, sample->error );
 }
 
 // A run that halts once, or misses once, has done so for good.

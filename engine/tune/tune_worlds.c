@@ -22,21 +22,21 @@ static wisp_status check_def( const wisp_tune_worlds_def* def, wisp_error* error
     WISP_ASSERT( def->made_by_default == TUNE_WORLDS_DEF_MADE );
     if ( !def->build )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "there is no callback that builds the world of a choice" );
+        return wisp_fail( error, WISP_BAD_INPUT, "expected a callback that builds the world of a configuration" );
     }
     if ( !( def->step_seconds > 0.0f ) || !isfinite( def->step_seconds ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "step_seconds is %g, it must be above 0",
+        return wisp_fail( error, WISP_BAD_INPUT, "step_seconds: got %g, expected a number above 0",
                           (double)def->step_seconds );
     }
     if ( def->look_count < 1 || def->look_count > def->step_count )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "look_count is %d, it must be 1 to step_count, which is %d",
+        return wisp_fail( error, WISP_BAD_INPUT, "sample_count: got %d, expected 1 to step_count, which is %d",
                           def->look_count, def->step_count );
     }
     if ( def->truth_factor < 2 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "truth_factor is %d, it must be at least 2", def->truth_factor );
+        return wisp_fail( error, WISP_BAD_INPUT, "reference_factor: got %d, expected at least 2", def->truth_factor );
     }
     return WISP_OK;
 }
@@ -117,7 +117,7 @@ static wisp_status make_room( worlds_run* r, const wisp_tune_world* w, wisp_erro
     r->truth = fits ? base_allocate( &r->job->allocator, bytes, _Alignof( wisp_vec3 ) ) : NULL;
     if ( !r->truth )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d points at %d looks", r->total,
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d points in %d samples", r->total,
                           r->def->look_count );
     }
     r->truth_bytes = bytes;
@@ -143,8 +143,8 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_truth,
     status = status == WISP_OK ? count_points( w, &total, error ) : status;
     if ( status == WISP_OK && total != r->total )
     {
-        status = wisp_fail( error, WISP_CONFLICT,
-                            "one world has %d points and another one %d, which cannot be compared", r->total, total );
+        status = wisp_fail( error, WISP_CONFLICT, "got a world of %d points and one of %d, which cannot be compared",
+                            r->total, total );
     }
     wisp_vec3* truth = r->truth + (size_t)sums->looks * (size_t)r->total;
     for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
@@ -204,7 +204,7 @@ static wisp_status want_points( const wisp_tune_world* w, wisp_error* error )
 {
     if ( !w->world || w->point_count < 1 || !w->points )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "the callback that builds left no world, or no points to compare" );
+        return wisp_fail( error, WISP_BAD_INPUT, "build callback: got no world, or no points to compare" );
     }
     wisp_status status = WISP_OK;
     for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
@@ -213,7 +213,7 @@ static wisp_status want_points( const wisp_tune_world* w, wisp_error* error )
         if ( component != WISP_SURFACE_POINTS && component != WISP_STRAND_POINTS )
         {
             return wisp_fail( error, WISP_BAD_INPUT,
-                              "entry %d of the points is component %d, it must be surface.points or strand.points", i,
+                              "points[%d]: got component %d, expected surface.points or strand.points", i,
                               component );
         }
         status = wisp_want( w->world, w->points[i].entity, component );
@@ -261,11 +261,10 @@ static wisp_status run_truth( worlds_run* r, wisp_error* error )
     wisp_status status = run_world( r, finest, r->def->truth_factor, &sample, error );
     if ( status == WISP_OK && sample.is_halted )
     {
-        status =
-            wisp_fail( error, WISP_CONFLICT,
-                       "the truth, which has %d times the substeps of the finest setting, left its bounds: there "
-                       "is nothing to compare with",
-                       r->def->truth_factor );
+        status = wisp_fail( error, WISP_CONFLICT,
+                            "the reference, with %d times the substeps of the finest configuration, became unstable: "
+                            "there is nothing to compare with",
+                            r->def->truth_factor );
     }
     return status;
 }
@@ -304,7 +303,7 @@ wisp_status wisp_tune_worlds( const wisp_tune_job* job, const wisp_tune_worlds_d
     const size_t bytes = (size_t)def->step_count * sizeof( double );
     r.times = base_allocate( &job->allocator, bytes, _Alignof( double ) );
     status = r.times ? search_worlds( &r, out, error )
-                     : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d steps", def->step_count );
+                     : wisp_fail( error, WISP_NO_MEMORY, "out of memory for the times of %d steps", def->step_count );
     base_release( &job->allocator, r.truth, r.truth_bytes );
     base_release( &job->allocator, r.times, bytes );
     return status;

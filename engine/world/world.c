@@ -34,27 +34,28 @@ static wisp_status check_def( const wisp_world_def* def, wisp_error* error )
 {
     if ( def->workers < 0 || def->workers > WISP_MAX_WORKERS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "workers is %d, it must be 0 (one a core) or 1 to %d", def->workers,
-                          WISP_MAX_WORKERS );
+        return wisp_fail( error, WISP_BAD_INPUT, "workers: got %d, expected 0 (one per core) or 1 to %d",
+                          def->workers, WISP_MAX_WORKERS );
     }
     if ( def->substeps < 1 || def->iterations < 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "substeps is %d and iterations is %d, both must be at least 1",
+        return wisp_fail( error, WISP_BAD_INPUT, "substeps, iterations: got %d and %d, expected at least 1 of both",
                           def->substeps, def->iterations );
     }
     if ( ( def->allocator.allocate == NULL ) != ( def->allocator.release == NULL ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "an allocator needs both functions or neither" );
+        return wisp_fail( error, WISP_BAD_INPUT, "allocator: got one function, expected both or neither" );
     }
     if ( def->module_count < 0 || ( def->module_count > 0 && def->modules == NULL ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "module_count is %d without that many modules", def->module_count );
+        return wisp_fail( error, WISP_BAD_INPUT, "module_count: got %d without a list of modules",
+                          def->module_count );
     }
     for ( int i = 0; i < def->module_count; ++i )
     {
         if ( def->modules[i] == NULL )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "module %d of %d is null", i, def->module_count );
+            return wisp_fail( error, WISP_BAD_INPUT, "modules: entry %d of %d is null", i, def->module_count );
         }
     }
     return WISP_OK;
@@ -91,7 +92,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.clocks = base_allocate( &world->allocator, clock_bytes, 64 );
     if ( world->pool == NULL || world->frame.clocks == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a world of %d workers", workers );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a world of %d workers", workers );
     }
     memset( world->frame.clocks, 0, clock_bytes );
     world->frame.registry = &world->registry;
@@ -115,7 +116,7 @@ wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp
     wisp_world* world = base_allocate( &def->allocator, sizeof( wisp_world ), 64 );
     if ( world == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a world" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a world" );
     }
     memset( (void*)world, 0, sizeof( *world ) );
     world->memory.host = def->allocator;
@@ -199,7 +200,7 @@ static void warn_without_threads( wisp_world* world, bool has_threads )
     {
         world->has_warned_of_threads = true;
         base_log_write( &world->log, WISP_LOG_WARNING,
-                        "the system starts no thread: steps for %d workers run on one until it does",
+                        "workers: the system starts no threads, so steps for %d workers run on one",
                         jobs_workers( world->pool ) );
     }
 }
@@ -208,8 +209,7 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "a step of %g s is not possible, it must be above 0",
-                                (double)seconds );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0", (double)seconds );
     }
     wisp_status status = compile_if_changed( world );
     if ( status != WISP_OK )
@@ -297,7 +297,8 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_report** out )
     if ( status == WISP_OK )
     {
         *out = plan_explain( &world->plan, &world->registry, world->frame.substeps, world->frame.iterations );
-        status = *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "no memory to explain the plan" );
+        status =
+            *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
     }
     return status;
 }

@@ -27,7 +27,7 @@ wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* 
 
 wisp_status world_stale( wisp_world* world, wisp_entity entity )
 {
-    return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+    return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
                             entity.index, entity.generation );
 }
 
@@ -37,7 +37,7 @@ wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out )
     *out = ( wisp_entity ){ 0, 0 };
     return store_add( &world->store, rows, out )
                ? WISP_OK
-               : wisp_world_fail( world, WISP_NO_MEMORY, "no memory for another entity" );
+               : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for another entity" );
 }
 
 const wisp_allocator* wisp_world_allocator( wisp_world* world )
@@ -83,7 +83,7 @@ wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_compo
     WISP_ASSERT( known( world, component ) );
     if ( store_attach( &world->store, entity, component ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the rows of '%s'",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the rows of '%s'",
                                 world->store.components[component].def.name );
     }
     // rows that were there only for a wish are given now, so passes may need them
@@ -141,7 +141,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
     }
     if ( known( world, component ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "component %u is not declared in this world",
+        return wisp_world_fail( world, WISP_CONFLICT, "component %u: not declared in this world",
                                 (unsigned)component );
     }
     return WISP_OK;
@@ -158,7 +158,7 @@ wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component com
     bool had = ( e->components & store_bit( component ) ) != 0;
     if ( store_attach( &world->store, entity, component ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the rows of '%s'",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the rows of '%s'",
                                 world->store.components[component].def.name );
     }
     e->derived |= had ? 0 : store_bit( component );
@@ -195,14 +195,14 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
     const store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return wisp_fail( error, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)", entity.index,
-                          entity.generation );
+        return wisp_fail( error, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
+                          entity.index, entity.generation );
     }
     const wisp_component_def* def = known( world, component ) ? &world->store.components[component].def : NULL;
     if ( def == NULL || def->table != WISP_TABLE_POINT || ( e->components & store_bit( component ) ) == 0 )
     {
         return wisp_fail( error, WISP_CONFLICT,
-                          "component '%s' has no rows in the user's order here: ask for it with wisp_want",
+                          "component '%s': has no rows in the user's order, request it with wisp_want first",
                           def != NULL ? def->name : "unknown" );
     }
     *out = ( wisp_view ){ store_column( &world->store, e, component, 0 ), e->rows[WISP_TABLE_POINT].count,

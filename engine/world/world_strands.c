@@ -62,13 +62,13 @@ static wisp_status check_points( wisp_world* world, const wisp_strands_def* def 
             {
                 return wisp_world_fail(
                     world, WISP_BAD_INPUT,
-                    "strand %d, vertex %d: (%g, %g, %g) is not a place within 1e6 m of the origin", s,
-                    v - def->offsets[s], (double)p.x, (double)p.y, (double)p.z );
+                    "strand %d, vertex %d: got (%g, %g, %g), expected finite coordinates within 1e6 m of the origin",
+                    s, v - def->offsets[s], (double)p.x, (double)p.y, (double)p.z );
             }
             if ( def->dimension == 2 && p.z != 0.0f )
             {
                 return wisp_world_fail( world, WISP_BAD_INPUT,
-                                        "strand %d, vertex %d: z is %g, strands of dimension 2 need 0", s,
+                                        "strand %d, vertex %d: got z = %g, expected 0 in dimension 2", s,
                                         v - def->offsets[s], (double)p.z );
             }
         }
@@ -80,29 +80,29 @@ static wisp_status check_strands( wisp_world* world, const wisp_strands_def* def
 {
     if ( def->strand_count < 0 || def->strand_count > WORLD_MAX_VERTICES || def->offsets == NULL )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand_count is %d, it must be 0 to %d, with offsets",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand_count: got %d, expected 0 to %d, with offsets",
                                 def->strand_count, WORLD_MAX_VERTICES );
     }
     if ( def->dimension != 2 && def->dimension != 3 )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "dimension is %d, it must be 2 or 3", def->dimension );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "dimension: got %d, expected 2 or 3", def->dimension );
     }
     if ( def->offsets[0] != 0 )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "offsets begin at %d, not at 0", def->offsets[0] );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "offsets: got %d as the first, expected 0", def->offsets[0] );
     }
     for ( int s = 0; s < def->strand_count; ++s )
     {
         if ( def->offsets[s + 1] < def->offsets[s] || def->offsets[s + 1] > WORLD_MAX_VERTICES )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strand %d runs from vertex %d to %d: offsets must rise up to %d", s,
+                                    "strand %d: got vertices %d to %d, expected offsets that ascend up to %d", s,
                                     def->offsets[s], def->offsets[s + 1], WORLD_MAX_VERTICES );
         }
     }
     if ( def->offsets[def->strand_count] > 0 && def->points == NULL )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "offsets promise %d points, points is null",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "points: got null, expected %d points",
                                 def->offsets[def->strand_count] );
     }
     return check_points( world, def );
@@ -121,13 +121,14 @@ static wisp_status add_entity( wisp_world* world, cook_strands* strands, wisp_en
     wisp_entity entity;
     if ( store_add( &world->store, rows, &entity ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d strands", t->strand_count );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d strands", t->strand_count );
     }
     if ( store_attach( &world->store, entity, WISP_STRAND_REST ) == false ||
          store_attach( &world->store, entity, WISP_STRAND_POSITION ) == false )
     {
         store_remove( &world->store, entity );
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the vertices of %d strands", t->strand_count );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the vertices of %d strands",
+                                t->strand_count );
     }
     store_find( &world->store, entity )->strands = t;
     *out = entity;
@@ -151,7 +152,7 @@ wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wi
     cook_strands* strands = cook_strands_create( &world->allocator, def->offsets, def->strand_count, def->dimension );
     if ( strands == NULL )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory to cook %d strands", def->strand_count );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook %d strands", def->strand_count );
     }
     status = add_entity( world, strands, out );
     if ( status != WISP_OK )
@@ -182,7 +183,7 @@ wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entit
     }
     if ( from->strands == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u has neither strands nor a surface to share",
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no strands and no surface to share",
                                 source.index );
     }
     cook_strands* strands = (cook_strands*)(void*)from->strands;

@@ -22,7 +22,7 @@ static wisp_status check_masses( wisp_world* world, const wisp_surface_def* def 
     float mass = by_vertex ? def->vertex_mass : def->area_density;
     if ( !( mass >= 1e-12f && mass <= 1e12f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "%s is %g %s, it must be 1e-12 to 1e12",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "%s: got %g %s, expected 1e-12 to 1e12",
                                 by_vertex ? "vertex_mass" : "area_density", (double)mass,
                                 by_vertex ? "kg" : "kg/m^2" );
     }
@@ -33,14 +33,14 @@ static wisp_status check_vertices( wisp_world* world, const wisp_fabric* fabric,
 {
     if ( count < 0 || ( count > 0 && vertices == NULL ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "%d vertices without a list of them", count );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "got %d vertices, but the list is null", count );
     }
     for ( int i = 0; i < count; ++i )
     {
         if ( vertices[i] < 0 || vertices[i] >= fabric->vertex_count )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "pin %d is vertex %d, the surface has %d vertices", i,
-                                    vertices[i], fabric->vertex_count );
+            return wisp_world_fail( world, WISP_BAD_INPUT, "pin %d: got vertex %d, but the surface has %d vertices",
+                                    i, vertices[i], fabric->vertex_count );
         }
     }
     return WISP_OK;
@@ -54,8 +54,8 @@ static wisp_status check_places( wisp_world* world, const wisp_vec3* points, int
         if ( !( fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "%s %d: (%g, %g, %g) is not a place within 1e6 m of the origin", what, v,
-                                    (double)p.x, (double)p.y, (double)p.z );
+                                    "%s %d: got (%g, %g, %g), expected finite coordinates within 1e6 m of the origin",
+                                    what, v, (double)p.x, (double)p.y, (double)p.z );
         }
     }
     return WISP_OK;
@@ -65,7 +65,7 @@ static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def
 {
     if ( def->fabric == NULL )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "a surface needs a fabric" );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "surface: got no fabric" );
     }
     wisp_status status = check_masses( world, def );
     status = status == WISP_OK ? check_vertices( world, def->fabric, def->pins, def->pin_count ) : status;
@@ -107,13 +107,13 @@ static wisp_status add_entity( wisp_world* world, wisp_fabric* fabric, wisp_enti
     wisp_entity entity;
     if ( store_add( &world->store, rows, &entity ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for a surface of %d vertices",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for a surface of %d vertices",
                                 fabric->vertex_count );
     }
     if ( attach_all( &world->store, entity ) == false )
     {
         store_remove( &world->store, entity );
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for the particles of %d vertices",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the particles of %d vertices",
                                 fabric->vertex_count );
     }
     wisp_fabric_retain( fabric );
@@ -167,8 +167,8 @@ wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wi
     if ( weightless > 0 )
     {
         base_log_write( &world->log, WISP_LOG_WARNING,
-                        "entity %u: %d vertices have no triangle, so no mass: they are pinned", out->index,
-                        weightless );
+                        "entity %u: %d vertices belong to no triangle and have no mass, so they are pinned",
+                        out->index, weightless );
     }
     return WISP_OK;
 }
@@ -189,12 +189,12 @@ static wisp_status find_surface( wisp_world* world, wisp_entity entity, store_en
     *out = store_find( &world->store, entity );
     if ( *out == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
                                 entity.index, entity.generation );
     }
     if ( ( *out )->fabric == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a surface", entity.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a surface", entity.index );
     }
     return WISP_OK;
 }
@@ -204,7 +204,7 @@ wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wis
     *state = wisp_world_module_state( world, module );
     if ( *state == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module %s is not registered in this world", module );
+        return wisp_world_fail( world, WISP_CONFLICT, "module %s: not registered in this world", module );
     }
     store_entity* e;
     return find_surface( world, surface, &e );
@@ -259,7 +259,7 @@ static wisp_status check_pinned( wisp_world* world, const store_entity* e, const
     {
         if ( position[(size_t)e->fabric->vertex_slot[vertices[i]] * 4 + 3] != 0.0f )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "vertex %d is not pinned, so it cannot be carried",
+            return wisp_world_fail( world, WISP_BAD_INPUT, "vertex %d: is not pinned, so it cannot be moved",
                                     vertices[i] );
         }
     }
@@ -310,8 +310,8 @@ wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 
     float length = v3_length( gravity );
     if ( !( length <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "gravity is %g m/s^2, it must be finite and at most 1e6",
-                                (double)length );
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "gravity: got %g m/s^2, expected a finite number of at most 1e6", (double)length );
     }
     wisp_status status = set_component( world, surface, WISP_PARTICLE_GRAVITY, length > 0.0f );
     wisp_vec3* column = wisp_world_column( world, surface, WISP_PARTICLE_GRAVITY, 0 );
@@ -326,7 +326,7 @@ wisp_status wisp_set_damping( wisp_world* world, wisp_entity surface, float rate
 {
     if ( !( rate >= 0.0f && rate <= 1e9f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "damping is %g 1/s, it must be 0 to 1e9", (double)rate );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "damping: got %g 1/s, expected 0 to 1e9", (double)rate );
     }
     wisp_status status = set_component( world, surface, WISP_PARTICLE_DAMPING, rate > 0.0f );
     float* column = wisp_world_column( world, surface, WISP_PARTICLE_DAMPING, 0 );
@@ -341,16 +341,15 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
 {
     if ( !( minimum >= 0.0f && minimum <= 1.0f && maximum >= 1.0f ) )
     {
-        return wisp_world_fail(
-            world, WISP_BAD_INPUT,
-            "strain limits are %g and %g times the rest length, they must be 0 to 1 and at least 1", (double)minimum,
-            (double)maximum );
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strain limits: got %g and %g times the rest length, expected 0 to 1 and at least 1",
+                                (double)minimum, (double)maximum );
     }
     bool wanted = minimum > 0.0f || maximum < INFINITY;
     if ( wanted && wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
-                                "entity %u is moved by a solver of velocities, which knows no strain limits",
+                                "entity %u: has implicit cloth, which does not support strain limits",
                                 surface.index );
     }
     wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, wanted );
@@ -391,7 +390,7 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     if ( !( v3_length( linear ) <= 1e6f && v3_length( angular ) <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "a velocity must be finite and at most 1e6 m/s and 1e6 rad/s" );
+                                "velocity: expected finite numbers of at most 1e6 m/s and 1e6 rad/s" );
     }
     const float* position = store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_world_column( world, surface, WISP_PARTICLE_VELOCITY, 0 );
@@ -414,14 +413,14 @@ wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_qual
     const store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
                                 entity.index, entity.generation );
     }
     const wisp_quality* column = store_column( &world->store, e, WISP_QUALITY, 0 );
     if ( column == NULL || ( e->wants & store_bit( WISP_QUALITY ) ) == 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u takes no figures: ask with wisp_want first",
-                                entity.index );
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "entity %u: has no statistics, request them with wisp_want first", entity.index );
     }
     *out = *column;
     return WISP_OK;
@@ -438,7 +437,7 @@ wisp_status wisp_resume( wisp_world* world, wisp_entity entity )
     store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u does not exist (any more)",
+        return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
                                 entity.index, entity.generation );
     }
     e->halted = 0;

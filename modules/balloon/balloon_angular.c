@@ -163,7 +163,7 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
     };
     if ( loop.blocks == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the angular momentum of %d vertices", loop.count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the angular momentum of %d vertices", loop.count );
         return;
     }
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );

@@ -133,7 +133,8 @@ void balloon_measure_body( wisp_frame* frame, const wisp_span* span, void* user 
     };
     if ( loop.blocks == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the inertia of %d vertices", fabric->vertex_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the inertia of %d vertices",
+                         fabric->vertex_count );
         return;
     }
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, &loop );

@@ -52,8 +52,8 @@ wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f )
         to = f->triangles[corner - corner % 3 + ( corner + 1 ) % 3];
     }
     return wisp_world_fail( world, WISP_BAD_INPUT,
-                            "balloon: the mesh is open at %d edges, the first from vertex %d to vertex %d; it has no "
-                            "volume unless allow_open closes its holes",
+                            "balloon: got %d open edges, the first from vertex %d to vertex %d, expected a closed "
+                            "mesh; allow_open closes holes",
                             f->border_edge_count, f->slot_vertex[from], f->slot_vertex[to] );
 }
 
@@ -65,7 +65,7 @@ wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f )
         if ( edges != 0 && edges != 2 )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "balloon: %d border edges meet at vertex %d, a hole with a fan has two at each",
+                                    "balloon: got %d open edges at vertex %d, expected two at each vertex of a hole",
                                     edges, v );
         }
     }

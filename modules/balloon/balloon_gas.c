@@ -50,7 +50,7 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
     };
     if ( loop.sums == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the volume of %d vertices", fabric->vertex_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the volume of %d vertices", fabric->vertex_count );
         return total;
     }
     int grain = fabric->ring_slice_count < SMALL_SLICES ? blocks : 2;
@@ -160,7 +160,7 @@ static double virial_pressure( wisp_frame* frame, const wisp_span* span, const b
     };
     if ( loop.sums == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the tensions of %d links", fabric->link_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the tensions of %d links", fabric->link_count );
         return 0.0;
     }
     wisp_parallel_for( parallel, blocks, 1, sum_tensions, &loop );
@@ -235,7 +235,7 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
     float* gradient = wisp_parallel_scratch( parallel, span->worker, bytes );
     if ( gradient == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the volume of %d vertices", fabric->vertex_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the volume of %d vertices", fabric->vertex_count );
         return;
     }
     gas->lambda = span->iteration == 0 ? 0.0 : gas->lambda;

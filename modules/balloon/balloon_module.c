@@ -232,7 +232,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: %s is %g, it must be %g to %g", ranges[i].name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: %s: got %g, expected %g to %g", ranges[i].name,
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
@@ -246,8 +246,8 @@ static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const 
         if ( d->outlet[i] < 0 || d->outlet[i] >= f->vertex_count )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "balloon: outlet %d is vertex %d, the surface has %d vertices", i, d->outlet[i],
-                                    f->vertex_count );
+                                    "balloon: outlet %d: got vertex %d, but the surface has %d vertices", i,
+                                    d->outlet[i], f->vertex_count );
         }
     }
     return WISP_OK;
@@ -308,16 +308,16 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
 {
     if ( f->wild_edge_count > 0 )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "balloon: %d edges have more than two triangles or run twice in one direction",
-                                f->wild_edge_count );
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "balloon: got %d nonmanifold edges, expected each edge in at most two triangles of equal winding",
+            f->wild_edge_count );
     }
     int shells = count_shells( f, scratch );
     if ( shells != 1 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "balloon: the mesh has %d shells, a balloon is one: make each a surface of its own",
-                                shells );
+                                "balloon: got %d components, expected one: make each a surface of its own", shells );
     }
     wisp_status status = balloon_check_border( world, f );
     if ( status != WISP_OK )
@@ -330,7 +330,7 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
     {
         return wisp_world_fail(
             world, WISP_BAD_INPUT,
-            "balloon: the mesh encloses %g m^3, its triangles must run counter-clockwise seen from "
+            "balloon: got an enclosed volume of %g m^3, expected triangles that are counter-clockwise seen from "
             "outside",
             volume );
     }
@@ -483,7 +483,7 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
     wisp_status status = find_state( world, balloon, out );
     if ( status == WISP_OK && wisp_world_has( world, balloon, ( *out )->gas ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a balloon", balloon.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not a balloon", balloon.index );
     }
     return status;
 }
@@ -514,7 +514,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
 static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 {
     return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
-               ? wisp_world_fail( world, WISP_CONFLICT, "balloon: another solver moves entity %u already",
+               ? wisp_world_fail( world, WISP_CONFLICT, "balloon: entity %u already has another solver",
                                   surface.index )
                : WISP_OK;
 }
@@ -548,7 +548,7 @@ wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity balloon, float
     double least = gas->least_volume / gas->rest_volume;
     if ( !( (double)fill_share >= least * ( 1.0 - 1e-6 ) && fill_share <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: fill is %g, it must be %g to 1e6",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: fill: got %g, expected %g to 1e6",
                                 (double)fill_share, least );
     }
     gas->target_volume = fmax( (double)fill_share * gas->rest_volume, gas->least_volume );
@@ -561,7 +561,7 @@ wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, 
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status == WISP_OK && !( fabsf( rate ) <= 1e6f ) )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate is %g, it must be -1e6 to 1e6",
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "balloon: inflation_rate: got %g, expected -1e6 to 1e6",
                                   (double)rate );
     }
     if ( status != WISP_OK )
@@ -622,7 +622,7 @@ wisp_status wisp_read_balloon_figures( wisp_world* world, wisp_entity balloon, w
     {
         return wisp_world_fail(
             world, WISP_CONFLICT,
-            "balloon: entity %u takes no figures: ask with wisp_want_balloon_figures and make a step",
+            "balloon: entity %u has no statistics: request them with wisp_want_balloon_figures, then step",
             balloon.index );
     }
     *out = *figures;

@@ -149,13 +149,13 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s is %g, it must be %g to %g", ranges[i].name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s: got %g, expected %g to %g", ranges[i].name,
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
     if ( d->limit < 1 || d->limit > BOUNDARY_MOST_POINTS )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: limit is %d points, it must be 1 to %d", d->limit,
+        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: limit: got %d points, expected 1 to %d", d->limit,
                                 BOUNDARY_MOST_POINTS );
     }
     return WISP_OK;
@@ -175,20 +175,21 @@ static wisp_status check_spacing( wisp_world* world, const boundary_settings* s,
     };
     if ( fabric->edge_count == 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "boundary: the surface has no edges to put points on" );
+        return wisp_world_fail( world, WISP_CONFLICT,
+                                "boundary: got a surface without edges, expected at least one" );
     }
     for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
     {
         if ( !( lengths[i].value >= 1e-9f && lengths[i].value <= 1e9f ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s is %g m, it must be 1e-9 to 1e9",
+            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s: got %g m, expected 1e-9 to 1e9",
                                     lengths[i].name, (double)lengths[i].value );
         }
     }
     if ( s->least_spacing > s->most_spacing )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "boundary: least_spacing is %g m, above most_spacing with %g m",
+                                "boundary: min_spacing: got %g m, expected at most max_spacing, which is %g m",
                                 (double)s->least_spacing, (double)s->most_spacing );
     }
     return WISP_OK;
@@ -311,8 +312,8 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
         *out = boundary_layer_create( allocator, wisp_world_fabric( world, surface ), surface );
     }
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_NO_MEMORY, "boundary: no memory for the elements of entity %u",
-                                           surface.index );
+                        : wisp_world_fail( world, WISP_NO_MEMORY,
+                                           "boundary: out of memory for the elements of entity %u", surface.index );
 }
 
 wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def )
@@ -379,9 +380,10 @@ wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_
     }
     if ( !( fabsf( eye.x ) <= 1e6f && fabsf( eye.y ) <= 1e6f && fabsf( eye.z ) <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "boundary: eye (%g, %g, %g) is not a place within 1e6 m of the origin", (double)eye.x,
-                                (double)eye.y, (double)eye.z );
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "boundary: eye: got (%g, %g, %g), expected finite coordinates within 1e6 m of the origin", (double)eye.x,
+            (double)eye.y, (double)eye.z );
     }
     boundary_settings* settings = wisp_world_column( world, surface, state->settings, 0 );
     if ( settings->by_screen == 0 )
@@ -398,8 +400,8 @@ static wisp_status find_made( wisp_world* world, wisp_entity surface, boundary_l
     boundary_state* state;
     wisp_status status = find_layer( world, surface, &state, out );
     return status == WISP_OK && ( *out )->made == false
-               ? wisp_world_fail( world, WISP_CONFLICT,
-                                  "boundary: no step was made since the layer of entity %u was set", surface.index )
+               ? wisp_world_fail( world, WISP_CONFLICT, "boundary: entity %u has no layer yet, step first",
+                                  surface.index )
                : status;
 }
 

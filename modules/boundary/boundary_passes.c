@@ -67,8 +67,8 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
         wisp_samples_update( &layer->samples, wisp_frame_parallel( frame, span ), wisp_frame_kernels( frame ), &job );
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( frame, status, "boundary: no memory for the %.0f points of entity %u", layer->samples.wanted,
-                         e.index );
+        wisp_frame_fail( frame, status, "boundary: out of memory for the %.0f points of entity %u",
+                         layer->samples.wanted, e.index );
     }
     layer->made = true;
 }

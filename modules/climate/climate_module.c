@@ -121,7 +121,7 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
 {
     if ( d->point_count < 2 || d->point_count > WISP_CLIMATE_MAX_POINTS )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "climate: the curve has %d points, it must have 2 to %d",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "climate: curve: got %d points, expected 2 to %d",
                                 d->point_count, WISP_CLIMATE_MAX_POINTS );
     }
     for ( int i = 0; i < d->point_count; ++i )
@@ -129,15 +129,15 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
         if ( !( d->stiffness[i] >= 1e-3f && d->stiffness[i] <= 1e12f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: stiffness of curve point %d is %g, it must be 0.001 to 1e12", i,
+                                    "climate: stiffness of curve point %d: got %g, expected 0.001 to 1e12", i,
                                     (double)d->stiffness[i] );
         }
         bool rises = i == 0 ? d->ice[0] == 0.0f : d->ice[i] > d->ice[i - 1];
         if ( rises == false || ( i == d->point_count - 1 && d->ice[i] != 1.0f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: ice of curve point %d is %g, ice must rise from 0 to 1", i,
-                                    (double)d->ice[i] );
+                                    "climate: ice of curve point %d: got %g, expected ascending values from 0 to 1",
+                                    i, (double)d->ice[i] );
         }
     }
     float direction = 0.0f; // of the first segment that is not level
@@ -148,7 +148,7 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
         if ( ( change < 0.0f && direction > 0.0f ) || ( change > 0.0f && direction < 0.0f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "climate: stiffness turns back at curve point %d, it must be monotone", i + 1 );
+                                    "climate: stiffness of curve point %d: expected a monotone curve", i + 1 );
         }
     }
     return WISP_OK;
@@ -170,7 +170,7 @@ static wisp_status check_def( wisp_world* world, const wisp_climate_def* d )
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: %s is %g, it must be %g to %g", ranges[i].name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: %s: got %g, expected %g to %g", ranges[i].name,
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
@@ -183,7 +183,7 @@ wisp_status wisp_set_climate( wisp_world* world, wisp_entity strands, const wisp
     const climate_state* state = wisp_world_module_state( world, "climate" );
     if ( state == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module climate is not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module climate: not registered in this world" );
     }
     wisp_status status = check_def( world, def );
     bool had = wisp_world_has( world, strands, state->settings );

@@ -39,7 +39,7 @@ void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
     float* copy = wisp_parallel_scratch( parallel, span->worker, bytes );
     if ( copy == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for the air on %d particles", fabric->slot_count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the air on %d particles", fabric->slot_count );
         return;
     }
     air_loop loop = {

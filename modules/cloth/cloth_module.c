@@ -98,7 +98,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: %s is %g, it must be %g to %g", ranges[i].name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: %s: got %g, expected %g to %g", ranges[i].name,
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
@@ -114,12 +114,13 @@ static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
 {
     if ( !( length( d->warp ) >= 1e-6f && length( d->warp ) <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp (%g, %g, %g) has no direction", (double)d->warp.x,
-                                (double)d->warp.y, (double)d->warp.z );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: warp: got (%g, %g, %g), expected a direction",
+                                (double)d->warp.x, (double)d->warp.y, (double)d->warp.z );
     }
     if ( !( length( d->wind ) <= 1e5f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: wind (%g, %g, %g) is not finite or above 1e5 m/s",
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
                                 (double)d->wind.x, (double)d->wind.y, (double)d->wind.z );
     }
     return WISP_OK;
@@ -131,12 +132,12 @@ static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const 
     const char* lacks = NULL;
     if ( d->bending == WISP_CLOTH_BENDING_CROSS && f->hinge_count > 0 && f->link_count == f->edge_count )
     {
-        lacks = "cross links, which bending by cross links needs";
+        lacks = "bend links, which this bending model needs";
     }
     bool by_hinges = d->bending == WISP_CLOTH_BENDING_DIHEDRAL || d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     if ( by_hinges && f->hinge_count > 0 && f->hinge_order.slot_count == 0 )
     {
-        lacks = "hinges, which bending by angle needs";
+        lacks = "hinges, which this bending model needs";
     }
     if ( d->tethers && f->tether_count == 0 )
     {
@@ -152,8 +153,7 @@ static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const 
 static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 {
     return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
-               ? wisp_world_fail( world, WISP_CONFLICT, "cloth: another solver moves entity %u already",
-                                  surface.index )
+               ? wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u already has another solver", surface.index )
                : WISP_OK;
 }
 
@@ -287,12 +287,13 @@ wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_ve
     cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
     if ( air == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u has no air: give it drag or lift first",
+        return wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u has no air: set drag or lift first",
                                 surface.index );
     }
     if ( !( length( wind ) <= 1e5f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: wind (%g, %g, %g) is not finite or above 1e5 m/s",
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "cloth: wind: got (%g, %g, %g), expected finite numbers of at most 1e5 m/s",
                                 (double)wind.x, (double)wind.y, (double)wind.z );
     }
     air->wind = wind;

@@ -283,7 +283,7 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     }
     if ( reserve( &run ) == false )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "frozen hair: no memory to clump %d vertices", run.count );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "frozen hair: out of memory to clump %d vertices", run.count );
         return;
     }
     wisp_parallel_for( run.parallel, t->group_count, CLUMP_GROUPS, pack_items, &run );
@@ -297,7 +297,7 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     }
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( frame, status, "frozen hair: no memory for the neighbours of %d vertices within %g m",
+        wisp_frame_fail( frame, status, "frozen hair: out of memory for the neighbours of %d vertices within %g m",
                          run.count, (double)run.params->radius );
         return;
     }

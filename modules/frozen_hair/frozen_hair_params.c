@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const uint32_t FROZEN_DEF_MADE = 0x46525a48;
-static const char* const NOT_REGISTERED = "the module frozen_hair is not registered in this world";
+static const char* const NOT_REGISTERED = "module frozen_hair: not registered in this world";
 
 wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
 {
@@ -45,7 +45,7 @@ static wisp_status check_ranges( wisp_world* world, const frozen_range* ranges, 
         const frozen_range* r = ranges + i;
         if ( !( r->value >= r->low && r->value <= r->high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %g, it must be %g to %g", r->name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %g, expected %g to %g", r->name,
                                     (double)r->value, (double)r->low, (double)r->high );
         }
     }
@@ -59,7 +59,7 @@ static wisp_status check_strand_values( wisp_world* world, const char* name, con
     {
         if ( !( values[i] >= low && values[i] <= high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d is %g, it must be %g to %g",
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d: got %g, expected %g to %g",
                                     name, i, (double)values[i], (double)low, (double)high );
         }
     }
@@ -81,7 +81,7 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
     {
         if ( choices[i].value < 0 || choices[i].value > choices[i].high )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s is %d, which names no choice",
+            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %d, which does not exist",
                                     choices[i].name, choices[i].value );
         }
     }
@@ -226,7 +226,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     }
     if ( t == NULL )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)",
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist or was removed",
                                 strands.index );
     }
     wisp_status status = check_def( world, def, t->strand_count );
@@ -260,12 +260,12 @@ static wisp_status find_settings( wisp_world* world, wisp_entity strands, frozen
     }
     if ( wisp_is_alive( world, strands ) == false )
     {
-        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist (any more)",
+        return wisp_world_fail( world, WISP_STALE_ID, "frozen hair: entity %u does not exist or was removed",
                                 strands.index );
     }
     *out = wisp_world_column( world, strands, s->settings, 0 );
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no frozen hair", strands.index );
+                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u: has no frozen hair", strands.index );
 }
 
 static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 cursor, const uint64_t* event )
@@ -278,9 +278,10 @@ static wisp_status point_at( wisp_world* world, wisp_entity strands, wisp_vec3 c
     }
     if ( !( fabsf( cursor.x ) <= 1e6f && fabsf( cursor.y ) <= 1e6f && fabsf( cursor.z ) <= 1e6f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "frozen hair: cursor (%g, %g, %g) is not a place within 1e6 m of the origin",
-                                (double)cursor.x, (double)cursor.y, (double)cursor.z );
+        return wisp_world_fail(
+            world, WISP_BAD_INPUT,
+            "frozen hair: cursor: got (%g, %g, %g), expected finite coordinates within 1e6 m of the origin",
+            (double)cursor.x, (double)cursor.y, (double)cursor.z );
     }
     settings->cursor[0] = cursor.x;
     settings->cursor[1] = cursor.y;

@@ -169,12 +169,12 @@ wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fr
     }
     if ( f->is_between == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u does not keep what is between its steps",
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u does not store states between steps",
                                 ghosts.index );
     }
     if ( !( fraction >= 0.0f && fraction <= 1.0f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: the fraction is %g, it must be 0 to 1",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: fraction: got %g, expected 0 to 1",
                                 (double)fraction );
     }
     const wisp_strand_topology* t = wisp_world_strands( world, ghosts );

@@ -299,11 +299,11 @@ static wisp_status check_counts( wisp_world* world, const guide_groups* g )
         const int ghost = n / g->links, target = g->target[n];
         if ( target >= 0 && guide_vertices( g->ghosts, ghost ) != guide_vertices( g->targets, target ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "ghosts: ghost %d has %d vertices and its target %d has %d: only `resample` "
-                                    "pairs unequal numbers",
-                                    ghost, guide_vertices( g->ghosts, ghost ), target,
-                                    guide_vertices( g->targets, target ) );
+            return wisp_world_fail(
+                world, WISP_BAD_INPUT,
+                "ghosts: ghost %d: got %d vertices, but its target %d has %d; unequal numbers need "
+                "`resample`",
+                ghost, guide_vertices( g->ghosts, ghost ), target, guide_vertices( g->targets, target ) );
         }
     }
     return WISP_OK;
@@ -347,7 +347,7 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
     wisp_status status = check_counts( world, &groups );
     if ( status == WISP_OK && is_addressable( &groups ) == false )
     {
-        status = wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %d ghosts need more than 2^31 numbers",
+        status = wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: got %d ghosts, which need more than 2^31 numbers",
                                   groups.ghosts->topology->strand_count );
     }
     if ( status != WISP_OK )
@@ -416,5 +416,5 @@ wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts
         f = NULL;
     }
     *out = f;
-    return status == WISP_NO_MEMORY ? wisp_world_fail( world, status, "no memory to cook ghosts" ) : status;
+    return status == WISP_NO_MEMORY ? wisp_world_fail( world, status, "out of memory to cook ghosts" ) : status;
 }

@@ -242,31 +242,30 @@ static wisp_status check( wisp_world* world, const guide_state* s, const wisp_cu
 {
     if ( s == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module guide_hair is not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
     }
     if ( def->kind < 0 || def->kind >= WISP_CURVE_KIND_COUNT )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: kind is %d, which names no choice", (int)def->kind );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: kind: got %d, which does not exist", (int)def->kind );
     }
     if ( def->samples < 1 || def->samples > MOST_SAMPLES )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: samples is %d, it must be 1 to %d", def->samples,
+        return wisp_world_fail( world, WISP_BAD_INPUT, "curves: samples: got %d, expected 1 to %d", def->samples,
                                 MOST_SAMPLES );
     }
     if ( wisp_is_alive( world, def->source ) == false )
     {
         return wisp_world_fail( world, def->source.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
-                                "curves: the source, entity %u, does not exist (any more)", def->source.index );
+                                "curves: source: entity %u does not exist or was removed", def->source.index );
     }
     if ( wisp_world_strands( world, def->source ) == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "curves: the source, entity %u, has no strands",
-                                def->source.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "curves: source: entity %u has no strands", def->source.index );
     }
     // they would be drawn together with their source, not behind it
     if ( wisp_world_has( world, def->source, s->curves ) )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "curves: the source, entity %u, is curves itself",
+        return wisp_world_fail( world, WISP_CONFLICT, "curves: source: entity %u holds curves, expected strands",
                                 def->source.index );
     }
     return WISP_OK;
@@ -282,15 +281,16 @@ static wisp_status count_vertices( wisp_world* world, const wisp_strand_topology
         count += segments > 0 ? segments * def->samples + 1 : 0;
         if ( count > MOST_VERTICES )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "curves: strand %d is where they exceed %d samples", s,
-                                    MOST_VERTICES );
+            return wisp_world_fail( world, WISP_BAD_INPUT, "curves: strand %d: got more samples than the limit of %d",
+                                    s, MOST_VERTICES );
         }
         offsets[s + 1] = (int32_t)count;
     }
     // lanes find their strand by a 32-bit number of floats
     return (int64_t)t->row_count * 3 * WISP_LANES <= INT32_MAX
                ? WISP_OK
-               : wisp_world_fail( world, WISP_BAD_INPUT, "curves: the source has %d rows, too many", t->row_count );
+               : wisp_world_fail( world, WISP_BAD_INPUT, "curves: source: got %d rows, which is too many",
+                                  t->row_count );
 }
 
 // The entity with the curves of the rest shape.
@@ -302,7 +302,7 @@ static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, gu
     int32_t* offsets = guide_take( scratch, (size_t)t->strand_count + 1, sizeof( int32_t ) );
     if ( offsets == NULL || guide_read_shape( world, def->source, scratch, &shape ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for curves of %d strands", t->strand_count );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for curves of %d strands", t->strand_count );
     }
     wisp_status status = count_vertices( world, t, def, offsets );
     if ( status != WISP_OK )
@@ -312,7 +312,7 @@ static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, gu
     wisp_vec3* points = guide_take( scratch, (size_t)offsets[t->strand_count], sizeof( wisp_vec3 ) );
     if ( points == NULL )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d samples", offsets[t->strand_count] );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d samples", offsets[t->strand_count] );
     }
     for ( int s = 0; s < t->strand_count; ++s )
     {
@@ -352,7 +352,8 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp
     }
     if ( guide_reserve( world, (void***)&s->drawings, &s->drawing_capacity, s->drawing_count ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities of curves", s->drawing_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of curves",
+                                s->drawing_count + 1 );
     }
     guide_memory scratch = { .allocator = wisp_world_allocator( world ) };
     wisp_entity curves = { 0, 0 };
@@ -364,7 +365,7 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp
     }
     guide_drawing* drawing = cook_drawing( world, def, curves );
     status = drawing != NULL ? wisp_world_attach( world, curves, s->curves )
-                             : wisp_world_fail( world, WISP_NO_MEMORY, "no memory to cook curves" );
+                             : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to cook curves" );
     status = status == WISP_OK ? watch_source( world, s, def->source ) : status;
     if ( status != WISP_OK )
     {

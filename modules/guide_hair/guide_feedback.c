@@ -139,7 +139,7 @@ static void halt( const feedback_loop* loop, int lane, int i )
 {
     char sentence[200];
     snprintf( sentence, sizeof( sentence ),
-              "entity %u: feedback has driven ghost %d, vertex %d, farther than %g m from its group; the ghosts are "
+              "entity %u: feedback moved ghost %d, vertex %d, more than %g m from its group; the ghosts are "
               "halted",
               loop->entity.index, loop->topology->lane_strand[lane], i, (double)LARGEST_APART );
     wisp_frame_halt( loop->frame, loop->entity, sentence );

@@ -39,14 +39,14 @@ static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %s is %g, it must be %g to %g", ranges[i].name,
+            return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %s: got %g, expected %g to %g", ranges[i].name,
                                     (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
         }
     }
     if ( d->feedback && ( d->frame != WISP_GHOST_FRAME_OFF || d->target_count != 1 ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "ghosts: feedback integrates places, it needs frame off and one target a ghost" );
+                                "ghosts: feedback: expected frame off and one target per ghost" );
     }
     return WISP_OK;
 }
@@ -56,12 +56,11 @@ static wisp_status check_strands( wisp_world* world, wisp_entity entity, const c
     if ( wisp_is_alive( world, entity ) == false )
     {
         return wisp_world_fail( world, entity.index == 0 ? WISP_CONFLICT : WISP_STALE_ID,
-                                "ghosts: the entity %u of %s does not exist (any more)", entity.index, what );
+                                "ghosts: entity %u of %s does not exist or was removed", entity.index, what );
     }
     if ( wisp_world_strands( world, entity ) == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: the entity %u of %s has no strands", entity.index,
-                                what );
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u of %s has no strands", entity.index, what );
     }
     return WISP_OK;
 }
@@ -75,21 +74,20 @@ static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_en
     }
     if ( wisp_world_strands( world, targets )->vertex_count == 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: no strand of the targets, entity %u, has a vertex",
-                                targets.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: targets: entity %u has no vertices", targets.index );
     }
     if ( wisp_world_has( world, ghosts, WISP_STRAND_VELOCITY ) || wisp_world_has( world, ghosts, s->curves ) )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u moves by itself", ghosts.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has a solver of its own", ghosts.index );
     }
     if ( wisp_world_has( world, targets, s->settings ) || wisp_world_has( world, targets, s->curves ) )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: the targets, entity %u, follow others themselves",
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: targets: entity %u are ghosts themselves",
                                 targets.index );
     }
     if ( wisp_world_has( world, ghosts, s->before ) )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u is followed by others itself",
+        return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u is the target of other ghosts",
                                 ghosts.index );
     }
     return WISP_OK;
@@ -99,7 +97,7 @@ static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity g
 {
     if ( s == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module guide_hair is not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module guide_hair: not registered in this world" );
     }
     wisp_status status = check_def( world, def );
     status = status == WISP_OK ? check_strands( world, ghosts, "the ghosts" ) : status;
@@ -220,7 +218,8 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     }
     if ( guide_reserve( world, (void***)&s->followers, &s->follower_capacity, s->follower_count ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities of ghosts", s->follower_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of ghosts",
+                                s->follower_count + 1 );
     }
     guide_follower* follower;
     status = guide_cook( world, ghosts, def, &follower );

@@ -85,6 +85,6 @@ wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guid
     const guide_state* s = wisp_world_module_state( world, "guide_hair" );
     *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has never followed targets",
+                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets",
                                            ghosts.index );
 }

@@ -169,7 +169,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
     {
         if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
         {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "implicit cloth: %s is %g, it must be %g to %g",
+            return wisp_world_fail( world, WISP_BAD_INPUT, "implicit cloth: %s: got %g, expected %g to %g",
                                     ranges[i].name, (double)ranges[i].value, (double)ranges[i].low,
                                     (double)ranges[i].high );
         }
@@ -177,9 +177,8 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
     if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
     {
-        return wisp_world_fail(
-            world, WISP_BAD_INPUT,
-            "implicit cloth: pairs given by hand have no area, so their stiffness is of the link" );
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "implicit cloth: explicit pairs have no area, expected stiffness per link" );
     }
     return WISP_OK;
 }
@@ -196,7 +195,7 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
         {
             return wisp_world_fail(
                 world, WISP_CONFLICT,
-                "implicit cloth: constraints move entity %u already: it is a cloth, a balloon, or has "
+                "implicit cloth: entity %u already has constraints: it is a cloth, a balloon, or has "
                 "strain limits",
                 surface.index );
         }
@@ -204,7 +203,7 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
     if ( wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) &&
          wisp_world_has( world, surface, state->material ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "implicit cloth: another solver moves entity %u already",
+        return wisp_world_fail( world, WISP_CONFLICT, "implicit cloth: entity %u already has another solver",
                                 surface.index );
     }
     return WISP_OK;
@@ -296,7 +295,8 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
     status = status == WISP_OK ? check_alone( world, surface, state ) : status;
     if ( status == WISP_OK && reserve( world, state ) == false )
     {
-        status = wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d implicit cloths", state->link_count + 1 );
+        status =
+            wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d implicit cloths", state->link_count + 1 );
     }
     implicit_links* links = NULL;
     status = status == WISP_OK ? implicit_links_create( world, surface, def, &links ) : status;
@@ -325,7 +325,7 @@ static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_
     wisp_status status = find_state( world, surface, out );
     if ( status == WISP_OK && wisp_world_has( world, surface, ( *out )->material ) == false )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "entity %u is no implicit cloth", surface.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "entity %u: is not an implicit cloth", surface.index );
     }
     return status;
 }
@@ -357,7 +357,7 @@ wisp_status wisp_read_implicit_cloth_figures( wisp_world* world, wisp_entity sur
     if ( status == WISP_OK && ( figures == NULL || figures->repeats == 0 ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
-                                "entity %u has no figures of implicit cloth: ask for them before a step",
+                                "entity %u: has no statistics of implicit cloth, request them before a step",
                                 surface.index );
     }
     if ( status == WISP_OK )

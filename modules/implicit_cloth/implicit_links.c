@@ -249,7 +249,7 @@ wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const
         *out = cook_rows( &cook, def );
         status = *out != NULL ? WISP_OK
                               : wisp_world_fail( world, WISP_NO_MEMORY,
-                                                 "implicit cloth: no memory for the rows of %d vertices",
+                                                 "implicit cloth: out of memory for the rows of %d vertices",
                                                  cook.fabric->vertex_count );
     }
     implicit_cook_release( &cook );

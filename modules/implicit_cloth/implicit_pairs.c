@@ -176,7 +176,7 @@ static wisp_status check_given( const implicit_cook* cook, const char* what, con
     const int vertices = cook->fabric->vertex_count;
     if ( count < 0 || count > INT32_MAX / 4 || ( count > 0 && pairs == NULL ) )
     {
-        return wisp_world_fail( cook->world, WISP_BAD_INPUT, "implicit cloth: %d %s pairs without a list of them",
+        return wisp_world_fail( cook->world, WISP_BAD_INPUT, "implicit cloth: got %d %s pairs, but the list is null",
                                 count, what );
     }
     for ( int i = 0; i < count; ++i )
@@ -185,8 +185,8 @@ static wisp_status check_given( const implicit_cook* cook, const char* what, con
         if ( a < 0 || b < 0 || a >= vertices || b >= vertices || a == b )
         {
             return wisp_world_fail( cook->world, WISP_BAD_INPUT,
-                                    "implicit cloth: %s pair %d is (%d, %d), it must be two of the %d vertices", what,
-                                    i, a, b, vertices );
+                                    "implicit cloth: %s pair %d: got (%d, %d), expected two of %d vertices", what, i,
+                                    a, b, vertices );
         }
     }
     return WISP_OK;
@@ -216,9 +216,10 @@ static wisp_status measure( const implicit_cook* cook, implicit_pair* pairs, int
         pairs[i].rest = (float)sqrt( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] );
         if ( !( pairs[i].rest >= 1e-9f ) )
         {
-            return wisp_world_fail( cook->world, WISP_BAD_INPUT,
-                                    "implicit cloth: vertices %d and %d are linked but %g m apart at rest",
-                                    f->slot_vertex[pairs[i].a], f->slot_vertex[pairs[i].b], (double)pairs[i].rest );
+            return wisp_world_fail(
+                cook->world, WISP_BAD_INPUT,
+                "implicit cloth: link of vertices %d and %d: got a rest length of %g m, expected more",
+                f->slot_vertex[pairs[i].a], f->slot_vertex[pairs[i].b], (double)pairs[i].rest );
         }
     }
     return WISP_OK;
@@ -298,7 +299,8 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
     }
     if ( made == false )
     {
-        return wisp_world_fail( cook->world, WISP_NO_MEMORY, "implicit cloth: no memory for the links of %d vertices",
+        return wisp_world_fail( cook->world, WISP_NO_MEMORY,
+                                "implicit cloth: out of memory for the links of %d vertices",
                                 cook->fabric->vertex_count );
     }
     status = measure( cook, cook->stretch, cook->stretch_count );

@@ -612,7 +612,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     find_columns( frame, span, state, &s );
     if ( find_room( &s, span->worker ) == false )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory to solve for %d particles",
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory to solve for %d particles",
                          wisp_frame_fabric( frame, span->entity )->vertex_count );
         return;
     }

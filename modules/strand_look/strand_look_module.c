@@ -103,7 +103,7 @@ static wisp_status check_colour( wisp_world* world, const char* name, wisp_vec3 
 {
     if ( !( c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: %s is (%g, %g, %g), each must be 0 to 1", name,
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: %s: got (%g, %g, %g), expected 0 to 1", name,
                                 (double)c.x, (double)c.y, (double)c.z );
     }
     return WISP_OK;
@@ -113,12 +113,12 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_look_def* d )
 {
     if ( !( d->root_width >= 0.0f && d->root_width <= 1.0f && d->tip_width >= 0.0f && d->tip_width <= 1.0f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: widths are %g and %g m, they must be 0 to 1",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: widths: got %g and %g m, expected 0 to 1",
                                 (double)d->root_width, (double)d->tip_width );
     }
     if ( !( d->colour_bias >= 1e-3f && d->colour_bias <= 0.999f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: colour_bias is %g, it must be 0.001 to 0.999",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: colour_bias: got %g, expected 0.001 to 0.999",
                                 (double)d->colour_bias );
     }
     wisp_status status = check_colour( world, "root_colour", d->root_colour );
@@ -131,7 +131,7 @@ wisp_status wisp_set_strand_look( wisp_world* world, wisp_entity strands, const 
     const look_state* state = wisp_world_module_state( world, "strand_look" );
     if ( state == NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "the module strand_look is not registered in this world" );
+        return wisp_world_fail( world, WISP_CONFLICT, "module strand_look: not registered in this world" );
     }
     wisp_status status = check_def( world, def );
     status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;

@@ -412,7 +412,7 @@ static void every_status_has_a_name_of_its_own( void** state )
         }
     }
     assert_string_equal( wisp_status_name( WISP_OK ), "ok" );
-    assert_string_equal( wisp_status_name( WISP_NO_MEMORY ), "no memory" );
+    assert_string_equal( wisp_status_name( WISP_NO_MEMORY ), "out of memory" );
     assert_string_equal( wisp_status_name( WISP_BAD_INPUT ), "bad input" );
     assert_string_equal( wisp_status_name( (wisp_status)77 ), "unknown status" );
 }

@@ -472,11 +472,11 @@ static void bad_input_is_refused_by_a_sentence_that_names_it( void** state )
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t kept = mesh.triangles[7], attachment = 16;
     mesh.triangles[7] = 16;
-    expect_refusal( &def, "triangle 2 names vertex 16" );
+    expect_refusal( &def, "triangle 2: got vertex 16" );
     mesh.triangles[7] = -1;
-    expect_refusal( &def, "triangle 2 names vertex -1" );
+    expect_refusal( &def, "triangle 2: got vertex -1" );
     mesh.triangles[7] = mesh.triangles[6];
-    expect_refusal( &def, "triangle 2 names vertex 1 twice" );
+    expect_refusal( &def, "triangle 2: got vertex 1 twice" );
     mesh.triangles[7] = kept;
     static const float bad[] = { NAN, INFINITY, -INFINITY, 1.1e6f };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
@@ -487,7 +487,7 @@ static void bad_input_is_refused_by_a_sentence_that_names_it( void** state )
     mesh.points[11].y = 0.0f;
     def.attachments = &attachment;
     def.attachment_count = 1;
-    expect_refusal( &def, "attachment 0 names vertex 16" );
+    expect_refusal( &def, "attachment 0: got vertex 16" );
     def.attachment_count = -1;
     expect_refusal( &def, "-1 attachments" );
     def = test_fabric_def( &mesh );
@@ -495,7 +495,7 @@ static void bad_input_is_refused_by_a_sentence_that_names_it( void** state )
     expect_refusal( &def, "13 levels" );
     def = test_fabric_def( &mesh );
     def.finest_level = 0;
-    expect_refusal( &def, "finest level is 0" );
+    expect_refusal( &def, "got finest level 0" );
     def = test_fabric_def( &mesh );
     def.vertex_count = -3;
     expect_refusal( &def, "-3 vertices" );
@@ -504,10 +504,10 @@ static void bad_input_is_refused_by_a_sentence_that_names_it( void** state )
     expect_refusal( &def, "2147483647 triangles" );
     def = test_fabric_def( &mesh );
     def.points = NULL;
-    expect_refusal( &def, "lacks" );
+    expect_refusal( &def, "got a null list" );
     def = test_fabric_def( &mesh );
     def.sweep = WISP_SWEEP_COUNT;
-    expect_refusal( &def, "sweep" );
+    expect_refusal( &def, "solve order" );
     static const int tiles[] = { 63, 68, 56, 65544, -64 };
     for ( int i = 0; i < WISP_COUNT( tiles ); ++i )
     {

@@ -147,7 +147,7 @@ static void a_fabric_cut_at_any_byte_is_refused( void** state )
     }
     unsigned char* longer = calloc( s.size + 4, 1 );
     memcpy( longer, s.bytes, s.size );
-    assert_refused( longer, s.size + 4, "promises" );
+    assert_refused( longer, s.size + 4, "expected" );
     free( longer );
     free( s.bytes );
     wisp_fabric_release( fabric );
@@ -335,7 +335,7 @@ static void arrays_that_contradict_the_triangles_are_refused( void** state )
     slots[3] = slots[4];
     forged = *fabric;
     forged.vertex_slot = slots;
-    assert_forgery_is_refused( forged, "lead back" );
+    assert_forgery_is_refused( forged, "has another slot" );
 
     int32_t* triangles = copy_words( fabric->triangles, 3 * fabric->triangle_count );
     triangles[30] = fabric->vertex_count;

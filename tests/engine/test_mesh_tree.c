@@ -455,7 +455,7 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
         points[77].z = bad[k];
         wisp_error error = { 0 };
         assert_int_equal( wisp_mesh_tree_update( tree, points, &error ), WISP_BAD_INPUT );
-        assert_non_null( strstr( error.sentence, "point 77 " ) );
+        assert_non_null( strstr( error.sentence, "point 77: got " ) );
         assert_one_sentence( error.sentence );
         for ( int i = 0; i < 200; ++i )
         {

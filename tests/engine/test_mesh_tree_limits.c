@@ -77,7 +77,7 @@ static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
     } wrong[] = {
         { { .points = good, .triangles = low, .point_count = 3, .triangle_count = 1 }, "corner 1 of triangle 0" },
         { { .points = good, .triangles = high, .point_count = 3, .triangle_count = 1 }, "corner 2 of triangle 0" },
-        { { .points = bad, .triangles = triangle, .point_count = 3, .triangle_count = 1 }, "point 1 " },
+        { { .points = bad, .triangles = triangle, .point_count = 3, .triangle_count = 1 }, "point 1: got " },
         { { .points = good, .triangles = triangle, .point_count = 3 }, "0 triangles" },
         { { .points = good, .triangles = triangle, .triangle_count = 1 }, "0 points" },
         { { .points = good, .triangles = triangle, .point_count = -4, .triangle_count = 1 }, "-4 points" },

@@ -201,7 +201,7 @@ static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
         { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
     };
-    static const char* const words[] = { "circle", "'a'" };
+    static const char* const words[] = { "cycle", "'a'" };
     wisp_world* world = OPEN_WORLD( passes );
     want( world, add_with( world, "" ), "A" );
     assert_refused( world, words, WISP_COUNT( words ) );

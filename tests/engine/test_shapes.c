@@ -496,7 +496,7 @@ static void a_wrong_size_is_named( void** state )
         { { .kind = WISP_SHAPE_CAPSULE, .radius = INFINITY }, "radius of a capsule" },
         { { .kind = WISP_SHAPE_CAPSULE, .half_length = -1e-9f }, "half length of a capsule" },
         { { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, NAN, 1.0f } }, "half extent of a box" },
-        { { .kind = (wisp_shape_kind)17 }, "kind 17" },
+        { { .kind = (wisp_shape_kind)17 }, "shape 17" },
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {

@@ -23,11 +23,11 @@ static void bad_targets_are_refused( void** state )
     for ( int i = 0; i < WISP_COUNT( targets ); ++i )
     {
         searched job = search_of( &s, targets[i][0], targets[i][1] );
-        assert_no_search( &job, WISP_BAD_INPUT, "one of them must be above 0 and the other 0" );
+        assert_no_search( &job, WISP_BAD_INPUT, "expected one of them above 0 and the other 0" );
     }
     searched nan = search_of( &s, NAN, 0.0 ), infinite = search_of( &s, 0.0, INFINITY );
-    assert_no_search( &nan, WISP_BAD_INPUT, "error is nan" );
-    assert_no_search( &infinite, WISP_BAD_INPUT, "budget_ms is inf" );
+    assert_no_search( &nan, WISP_BAD_INPUT, "error, budget_ms: got nan" );
+    assert_no_search( &infinite, WISP_BAD_INPUT, "and inf, expected" );
     assert_int_equal( s.run_count, 0 );
 }
 
@@ -37,21 +37,21 @@ static void bad_knobs_are_refused( void** state )
     surface s = make_surface( 1, 2, 2, 2 );
     searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
     none.job.knob_count = 0;
-    assert_no_search( &none, WISP_BAD_INPUT, "there are 0 knobs" );
+    assert_no_search( &none, WISP_BAD_INPUT, "got 0 parameters" );
     nine.job.knob_count = 9;
-    assert_no_search( &nine, WISP_BAD_INPUT, "there are 9 knobs" );
+    assert_no_search( &nine, WISP_BAD_INPUT, "got 9 parameters" );
     nameless.knobs[1].name = "";
-    assert_no_search( &nameless, WISP_BAD_INPUT, "knob 1 has no name" );
+    assert_no_search( &nameless, WISP_BAD_INPUT, "parameter 1: got no name" );
     empty.knobs[2].value_count = 0;
-    assert_no_search( &empty, WISP_BAD_INPUT, "knob 'third' has 0 values" );
+    assert_no_search( &empty, WISP_BAD_INPUT, "parameter 'third': got 0 values" );
     absent.knobs[0].values = NULL;
-    assert_no_search( &absent, WISP_BAD_INPUT, "knob 'substeps' has 0 values" );
+    assert_no_search( &absent, WISP_BAD_INPUT, "parameter 'substeps': got 0 values" );
     wisp_tune_knob wide[4] = {
         { "a", VALUES, 16, false }, { "b", VALUES, 16, false }, { "c", VALUES, 16, false }, { "d", VALUES, 2, false }
     };
     many.job.knobs = wide;
     many.job.knob_count = 4;
-    assert_no_search( &many, WISP_BAD_INPUT, "8192 settings" );
+    assert_no_search( &many, WISP_BAD_INPUT, "8192 configurations" );
     assert_int_equal( s.run_count, 0 );
 }
 
@@ -61,13 +61,13 @@ static void bad_limits_are_refused( void** state )
     surface s = make_surface( 1, 2, 2, 2 );
     searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
     runs.job.max_runs = 0;
-    assert_no_search( &runs, WISP_BAD_INPUT, "max_runs is 0" );
+    assert_no_search( &runs, WISP_BAD_INPUT, "max_runs, max_seconds: got 0 and" );
     seconds.job.max_seconds = NAN;
-    assert_no_search( &seconds, WISP_BAD_INPUT, "max_seconds is nan" );
+    assert_no_search( &seconds, WISP_BAD_INPUT, "and nan, expected" );
     repeats.job.repeats = 100;
-    assert_no_search( &repeats, WISP_BAD_INPUT, "repeats is 100" );
+    assert_no_search( &repeats, WISP_BAD_INPUT, "repeats: got 100" );
     callback.job.run = NULL;
-    assert_no_search( &callback, WISP_BAD_INPUT, "no callback" );
+    assert_no_search( &callback, WISP_BAD_INPUT, "expected a callback" );
     test_host host = { 0 };
     allocator.job.allocator = test_host_allocator( &host );
     allocator.job.allocator.release = NULL;
@@ -98,7 +98,7 @@ static void a_sample_that_is_no_number_is_refused( void** state )
         error.error[0] = wrong[i];
         searched first = search_of( &time, 1, 0 ), second = search_of( &error, 1, 0 );
         assert_no_search( &first, WISP_BAD_INPUT, "run 1, with 'substeps' at 1" );
-        assert_no_search( &second, WISP_BAD_INPUT, "both must be numbers from 0 on" );
+        assert_no_search( &second, WISP_BAD_INPUT, "expected finite numbers of at least 0" );
     }
 }
 
@@ -113,7 +113,7 @@ static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
         job.job.allocator = test_host_allocator( &host );
         if ( refuse > 0 )
         {
-            assert_no_search( &job, WISP_NO_MEMORY, "no memory" );
+            assert_no_search( &job, WISP_NO_MEMORY, "out of memory" );
         }
         else
         {

@@ -251,7 +251,7 @@ static void a_truth_that_halts_is_no_truth( void** state )
     cloth_host host = { .gravity = TOO_MUCH };
     const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "the truth" );
+    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "the reference" );
     assert_int_equal( host.built, 1 );
 }
 
@@ -261,7 +261,7 @@ static void worlds_of_different_points_are_not_compared( void** state )
     cloth_host host = { .gravity = 9.81f, .more_at = 8 };
     const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "one world has 100 points and another one 81" );
+    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "got a world of 100 points and one of 81" );
 }
 
 static void a_world_that_cannot_be_built_ends_the_search( void** state )
@@ -286,12 +286,12 @@ static void wrong_definitions_are_refused_before_anything_is_built( void** state
     blind.look_count = 0;
     often.look_count = STEPS + 1;
     same.truth_factor = 1;
-    assert_no_worlds( &host, &neither, &good, WISP_BAD_INPUT, "one of them must be above 0" );
-    assert_no_worlds( &host, &job, &none, WISP_BAD_INPUT, "no callback that builds" );
-    assert_no_worlds( &host, &job, &still, WISP_BAD_INPUT, "step_seconds is 0" );
-    assert_no_worlds( &host, &job, &blind, WISP_BAD_INPUT, "look_count is 0" );
-    assert_no_worlds( &host, &job, &often, WISP_BAD_INPUT, "look_count is 65" );
-    assert_no_worlds( &host, &job, &same, WISP_BAD_INPUT, "truth_factor is 1" );
+    assert_no_worlds( &host, &neither, &good, WISP_BAD_INPUT, "expected one of them above 0" );
+    assert_no_worlds( &host, &job, &none, WISP_BAD_INPUT, "expected a callback that builds" );
+    assert_no_worlds( &host, &job, &still, WISP_BAD_INPUT, "step_seconds: got 0" );
+    assert_no_worlds( &host, &job, &blind, WISP_BAD_INPUT, "sample_count: got 0" );
+    assert_no_worlds( &host, &job, &often, WISP_BAD_INPUT, "sample_count: got 65" );
+    assert_no_worlds( &host, &job, &same, WISP_BAD_INPUT, "reference_factor: got 1" );
     assert_int_equal( host.built, 0 );
 }
 
@@ -301,7 +301,7 @@ static void what_is_no_point_is_refused( void** state )
     cloth_host host = { .gravity = 9.81f, .points = { .component = WISP_SURFACE_NORMALS } };
     const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_BAD_INPUT, "it must be surface.points or strand.points" );
+    assert_no_worlds( &host, &job, &def, WISP_BAD_INPUT, "expected surface.points or strand.points" );
     host.points.component = WISP_STRAND_POINTS; // a cloth has none
     assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "strand.points" );
 }
@@ -314,7 +314,7 @@ static void memory_that_runs_out_is_told( void** state )
         cloth_host host = { .gravity = 9.81f, .memory = { .refuse = refuse } };
         const wisp_tune_job job = job_of( &host, 1.0, 0.0 );
         const wisp_tune_worlds_def def = worlds_def( &host );
-        assert_no_worlds( &host, &job, &def, WISP_NO_MEMORY, "no memory" );
+        assert_no_worlds( &host, &job, &def, WISP_NO_MEMORY, "out of memory" );
     }
 }
 

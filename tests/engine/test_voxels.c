@@ -500,7 +500,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     moved[77].z = NAN;
     wisp_error error = { 0 };
     assert_int_equal( wisp_mesh_tree_update( voxels, moved, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "point 77 " ) );
+    assert_non_null( strstr( error.sentence, "point 77: got " ) );
     assert_one_sentence( error.sentence );
     ask_all( &m, voxels, NULL, 200, &answered, &crossed );
 
@@ -657,7 +657,7 @@ static void a_wrong_search_is_refused( void** state )
         float size;
         const char* word;
     } wrong[] = {
-        { WISP_MESH_SEARCH_COUNT, 0.0f, "number 2" },   { -1, 0.0f, "number -1" },
+        { WISP_MESH_SEARCH_COUNT, 0.0f, "search 2" },   { -1, 0.0f, "search -1" },
         { WISP_MESH_SEARCH_VOXELS, -1.0f, "-1 m" },     { WISP_MESH_SEARCH_VOXELS, NAN, "nan m" },
         { WISP_MESH_SEARCH_VOXELS, INFINITY, "inf m" },
     };

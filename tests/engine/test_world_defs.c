@@ -26,9 +26,9 @@ static void a_world_of_impossible_workers_is_refused( void** state )
     (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.workers = -1;
-    assert_no_world( &def, "workers is -1" );
+    assert_no_world( &def, "workers: got -1" );
     def.workers = WISP_MAX_WORKERS + 1;
-    assert_no_world( &def, "workers is 65" );
+    assert_no_world( &def, "workers: got 65" );
 }
 
 static void a_world_of_no_loops_is_refused( void** state )
@@ -36,10 +36,10 @@ static void a_world_of_no_loops_is_refused( void** state )
     (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 0;
-    assert_no_world( &def, "substeps is 0" );
+    assert_no_world( &def, "substeps, iterations: got 0 and" );
     def.substeps = 1;
     def.iterations = -5;
-    assert_no_world( &def, "iterations is -5" );
+    assert_no_world( &def, "and -5, expected at least 1" );
 }
 
 static void half_an_allocator_is_refused( void** state )
@@ -60,9 +60,9 @@ static void modules_that_are_not_there_are_refused( void** state )
     (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.module_count = -1;
-    assert_no_world( &def, "module_count is -1" );
+    assert_no_world( &def, "module_count: got -1" );
     def.module_count = 2;
-    assert_no_world( &def, "module_count is 2" );
+    assert_no_world( &def, "module_count: got 2" );
 }
 
 static void an_unknown_instruction_set_is_refused( void** state )
@@ -206,14 +206,14 @@ static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
         const char* words;
     } wrong[] = {
         { { "wide", declare_wide },
-          "module 'wide': too many components, or another module declared this one differently: "
+          "module 'wide': too many components, or declared differently by another module: "
           "'test.value'" },
-        { { "twin", declare_same_pass }, "module 'twin': there is already a pass 'test.pass'" },
+        { { "twin", declare_same_pass }, "module 'twin': got a second pass 'test.pass'" },
         { { "still", declare_pass_that_runs_nothing }, "'test.still'" },
         { { "vain", declare_pass_that_writes_nothing }, "'test.vain'" },
         { { "busy", declare_too_many_passes }, "module 'busy': too many passes" },
         { { "rich", declare_too_many_components }, "module 'rich': too many components" },
-        { { "mute", declare_nothing_and_fail }, "module 'mute' could not declare itself" },
+        { { "mute", declare_nothing_and_fail }, "module 'mute': declaration failed" },
     };
     static const wisp_module value = { "value", declare_value };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
@@ -269,19 +269,19 @@ static void strands_with_wrong_counts_are_refused( void** state )
     hosted* h = *state;
     wisp_strands_def def = two_strands();
     def.strand_count = -1;
-    assert_no_strands( h, &def, "strand_count is -1" );
+    assert_no_strands( h, &def, "strand_count: got -1" );
     def = two_strands();
     def.strand_count = INT32_MAX;
-    assert_no_strands( h, &def, "strand_count is 2147483647" );
+    assert_no_strands( h, &def, "strand_count: got 2147483647" );
     def = two_strands();
     def.offsets = NULL;
     assert_no_strands( h, &def, "offsets" );
     def = two_strands();
     def.points = NULL;
-    assert_no_strands( h, &def, "offsets promise 4 points, points is null" );
+    assert_no_strands( h, &def, "points: got null, expected 4 points" );
     def = two_strands();
     def.dimension = 4;
-    assert_no_strands( h, &def, "dimension is 4" );
+    assert_no_strands( h, &def, "dimension: got 4" );
 }
 
 static void strands_with_wrong_offsets_are_refused_by_number( void** state )
@@ -289,13 +289,13 @@ static void strands_with_wrong_offsets_are_refused_by_number( void** state )
     hosted* h = *state;
     wisp_strands_def def = two_strands();
     def.offsets = ( const int32_t[] ){ 1, 2, 4 };
-    assert_no_strands( h, &def, "offsets begin at 1" );
+    assert_no_strands( h, &def, "offsets: got 1 as the first" );
     def.offsets = ( const int32_t[] ){ 0, 4, 3 };
-    assert_no_strands( h, &def, "strand 1 runs from vertex 4 to 3" );
+    assert_no_strands( h, &def, "strand 1: got vertices 4 to 3" );
     def.offsets = ( const int32_t[] ){ 0, -2, 4 };
-    assert_no_strands( h, &def, "strand 0 runs from vertex 0 to -2" );
+    assert_no_strands( h, &def, "strand 0: got vertices 0 to -2" );
     def.offsets = ( const int32_t[] ){ 0, 2, INT32_MAX };
-    assert_no_strands( h, &def, "strand 1 runs from vertex 2 to 2147483647" );
+    assert_no_strands( h, &def, "strand 1: got vertices 2 to 2147483647" );
 }
 
 static void points_that_are_no_places_are_refused_by_strand_and_vertex( void** state )
@@ -322,7 +322,7 @@ static void flat_strands_with_depth_are_refused( void** state )
     wisp_strands_def def = two_strands();
     def.points = points;
     def.dimension = 2;
-    assert_no_strands( h, &def, "strand 1, vertex 0: z is 0.5" );
+    assert_no_strands( h, &def, "strand 1, vertex 0: got z = 0.5" );
 }
 
 static void a_step_of_no_possible_length_is_refused( void** state )

@@ -495,8 +495,8 @@ static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void
     mesh.triangle_count = 11;
     char sentence[256];
     snprintf( sentence, sizeof sentence,
-              "balloon: the mesh is open at 3 edges, the first from vertex %d to vertex %d; it has no volume unless "
-              "allow_open closes its holes",
+              "balloon: got 3 open edges, the first from vertex %d to vertex %d, expected a closed mesh; "
+              "allow_open closes holes",
               from, to );
     refuse_mesh( &mesh, false, sentence );
     balloon_mesh_destroy( &mesh );
@@ -527,7 +527,7 @@ static void holes_that_meet_at_a_vertex_are_refused( void** state )
         memcpy( mesh.triangles + 3 * mesh.triangle_count++, corner, 3 * sizeof( int ) );
     }
     assert_true( around >= 5 && left_out == 2 );
-    refuse_mesh( &mesh, true, "balloon: 4 border edges meet at vertex 0, a hole with a fan has two at each" );
+    refuse_mesh( &mesh, true, "balloon: got 4 open edges at vertex 0, expected two at each vertex of a hole" );
     free( mesh.triangles );
     balloon_mesh_destroy( &sphere );
 }
@@ -537,8 +537,9 @@ static void a_sheet_encloses_nothing( void** state )
     (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_two_triangles( &mesh, 1.0 ) );
-    refuse_mesh( &mesh, true,
-                 "balloon: the mesh encloses 0 m^3, its triangles must run counter-clockwise seen from outside" );
+    refuse_mesh(
+        &mesh, true,
+        "balloon: got an enclosed volume of 0 m^3, expected triangles that are counter-clockwise seen from outside" );
     balloon_mesh_destroy( &mesh );
 }
 

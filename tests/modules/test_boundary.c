@@ -373,23 +373,23 @@ static void without_memory_nothing_has_changed( void** state )
 
 // X( what the sentence must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
-    X( "spacing is -1 m", d->spacing = -1.0f )                                                                       \
-    X( "spacing is", d->spacing = NAN )                                                                              \
-    X( "spacing is inf", d->spacing = INFINITY )                                                                     \
-    X( "policy is 2,", d->policy = WISP_SPACING_COUNT )                                                              \
-    X( "rounding is 3,", d->rounding = WISP_ROUND_COUNT )                                                            \
-    X( "hysteresis is 0.6,", d->hysteresis = 0.6f )                                                                  \
-    X( "hysteresis is -0.1,", d->hysteresis = -0.1f )                                                                \
-    X( "limit is 0 points", d->limit = 0 )                                                                           \
-    X( "limit is -5 points", d->limit = -5 )                                                                         \
-    X( "least_spacing is -1 m", d->least_spacing = -1.0f )                                                           \
-    X( "most_spacing is", d->most_spacing = NAN )                                                                    \
-    X( "above most_spacing", ( d->least_spacing = 2.0f, d->most_spacing = 1.0f ) )                                   \
-    X( "curvature_gain is -1,", d->curvature_gain = -1.0f )                                                          \
-    X( "strain_gain is", d->strain_gain = NAN )                                                                      \
-    X( "pixel_angle is 0,", d->pixel_angle = 0.0f )                                                                  \
-    X( "pixels is 0,", d->pixels = 0.0f )                                                                            \
-    X( "eye.y is inf,", d->eye.y = INFINITY )
+    X( "spacing: got -1 m", d->spacing = -1.0f )                                                                     \
+    X( "spacing: got", d->spacing = NAN )                                                                            \
+    X( "spacing: got inf", d->spacing = INFINITY )                                                                   \
+    X( "policy: got 2,", d->policy = WISP_SPACING_COUNT )                                                            \
+    X( "rounding: got 3,", d->rounding = WISP_ROUND_COUNT )                                                          \
+    X( "hysteresis: got 0.6,", d->hysteresis = 0.6f )                                                                \
+    X( "hysteresis: got -0.1,", d->hysteresis = -0.1f )                                                              \
+    X( "limit: got 0 points", d->limit = 0 )                                                                         \
+    X( "limit: got -5 points", d->limit = -5 )                                                                       \
+    X( "least_spacing: got -1 m", d->least_spacing = -1.0f )                                                         \
+    X( "most_spacing: got", d->most_spacing = NAN )                                                                  \
+    X( "expected at most max_spacing", ( d->least_spacing = 2.0f, d->most_spacing = 1.0f ) )                         \
+    X( "curvature_gain: got -1,", d->curvature_gain = -1.0f )                                                        \
+    X( "strain_gain: got", d->strain_gain = NAN )                                                                    \
+    X( "pixel_angle: got 0,", d->pixel_angle = 0.0f )                                                                \
+    X( "pixels: got 0,", d->pixels = 0.0f )                                                                          \
+    X( "eye.y: got inf,", d->eye.y = INFINITY )
 
 static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
 {
@@ -424,8 +424,9 @@ static void what_a_layer_cannot_be_is_refused_by_name( void** state )
     expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "no layer" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, eye ), WISP_CONFLICT, "no layer" );
     set_layer( b, b->ball, &def );
-    expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "no step" );
-    expect_refusal( b->world, wisp_read_boundary_figures( b->world, b->ball, &figures ), WISP_CONFLICT, "no step" );
+    expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "has no layer yet" );
+    expect_refusal( b->world, wisp_read_boundary_figures( b->world, b->ball, &figures ), WISP_CONFLICT,
+                    "has no layer yet" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, eye ), WISP_CONFLICT, "by_screen" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, ( wisp_vec3 ){ NAN, 0.0f, 0.0f } ),
                     WISP_BAD_INPUT, "eye" );

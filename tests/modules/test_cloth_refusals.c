@@ -124,7 +124,7 @@ static void a_fabric_must_have_what_the_cloth_needs( void** state )
     hosted* h = *state;
     wisp_entity bare = add_plain( h, false, false, true ), loose = add_plain( h, true, true, false );
     wisp_cloth_def def = wisp_default_cloth_def();
-    assert_refused( h, bare, &def, WISP_CONFLICT, "cross links" );
+    assert_refused( h, bare, &def, WISP_CONFLICT, "bend links" );
     def.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     assert_refused( h, bare, &def, WISP_CONFLICT, "hinges" );
     def.bending = WISP_CLOTH_BENDING_ISOMETRIC;

@@ -299,7 +299,7 @@ static void curves_that_cannot_be_are_refused_by_name( void** state )
     refuse( d.world, def, WISP_BAD_INPUT, "kind" );
     def = d.def;
     def.source = d.curves;
-    refuse( d.world, def, WISP_CONFLICT, "curves itself" );
+    refuse( d.world, def, WISP_CONFLICT, "holds curves" );
     def.source = ( wisp_entity ){ 0, 0 };
     refuse( d.world, def, WISP_CONFLICT, "does not exist" );
     guide_ok( d.world, wisp_world_add_plain( d.world, &def.source ) );

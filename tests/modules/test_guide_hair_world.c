@@ -285,7 +285,7 @@ static void unequal_node_counts_are_refused_by_name_unless_resampled( void** sta
     flock f = guide_flock( NULL, 3, 4, 7 );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = f.targets;
-    refuse( &f, def, WISP_BAD_INPUT, "ghost 0 has 7 vertices and its target 0 has 10" );
+    refuse( &f, def, WISP_BAD_INPUT, "ghost 0: got 7 vertices, but its target 0 has 10" );
     def.resample = true;
     guide_ok( f.world, wisp_set_ghosts( f.world, f.ghosts, &def ) );
     wisp_world_destroy( f.world );
@@ -324,7 +324,7 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     def.targets = f.ghosts;
     refuse( &f, def, WISP_CONFLICT, "itself" );
     def.targets = guide_add( f.world, f.s.target, 0, NODES );
-    refuse( &f, def, WISP_CONFLICT, "has a vertex" );
+    refuse( &f, def, WISP_CONFLICT, "has no vertices" );
     guide_ok( f.world, wisp_world_add_plain( f.world, &def.targets ) );
     refuse( &f, def, WISP_CONFLICT, "no strands" );
     def.targets = guide_add( f.world, f.s.target, 3, NODES );
@@ -335,11 +335,11 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     // targets move by themselves, so they cannot be ghosts; ghosts cannot be targets
     def.targets = f.ghosts;
     assert_int_equal( wisp_set_ghosts( f.world, f.targets, &def ), WISP_CONFLICT );
-    assert_non_null( strstr( wisp_world_message( f.world ), "moves by itself" ) );
+    assert_non_null( strstr( wisp_world_message( f.world ), "has a solver of its own" ) );
     guide_follow( &f, wisp_default_ghosts_def() );
     const wisp_entity more = guide_add( f.world, f.ghost, 12, NODES );
     assert_int_equal( wisp_set_ghosts( f.world, more, &def ), WISP_CONFLICT );
-    assert_non_null( strstr( wisp_world_message( f.world ), "follow others" ) );
+    assert_non_null( strstr( wisp_world_message( f.world ), "are ghosts themselves" ) );
     int32_t unused[12];
     wisp_ghosts_report report;
     assert_int_equal( wisp_read_ghosts_report( f.world, more, &report ), WISP_CONFLICT );

@@ -239,9 +239,9 @@ static void what_is_no_living_surface_is_refused( void** state )
     assert_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
     wisp_implicit_cloth_figures figures;
     assert_sentence( h, wisp_want_implicit_cloth_figures( h->world, bare, true ), WISP_CONFLICT,
-                     "no implicit cloth" );
+                     "not an implicit cloth" );
     assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, bare, &figures ), WISP_CONFLICT,
-                     "no implicit cloth" );
+                     "not an implicit cloth" );
     assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, gone, &figures ), WISP_STALE_ID,
                      "does not exist" );
 }
@@ -254,15 +254,15 @@ static void figures_are_there_from_the_step_after_asking( void** state )
     wisp_entity e = add_plain( h );
     assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
     run_steps( h->world, 1, DT );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "figures" );
+    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
     assert_status( h->world, wisp_want_implicit_cloth_figures( h->world, e, true ), WISP_OK );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "figures" );
+    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
     run_steps( h->world, 1, DT );
     assert_int_equal( figures_of( h->world, e ).repeats, 1 );
     assert_status( h->world, wisp_want_implicit_cloth_figures( h->world, e, false ), WISP_OK );
     run_steps( h->world, 1, DT );
     assert_int_equal( count_passes_named( h->world, "implicit_cloth.figures" ), 0 );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "figures" );
+    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
 }
 
 static void a_world_without_the_module_says_so( void** state )
