@@ -133,6 +133,15 @@ static wisp_status info_cache( const char* path, wisp_error* error )
 
 // ---- scenes ----
 
+// A line above what a list of the scene has; an empty list has none.
+static void print_count( const char* what, int count )
+{
+    if ( count > 0 )
+    {
+        printf( "%s: %d\n", what, count );
+    }
+}
+
 static const char* shape_name( wisp_groom_shape shape )
 {
     return shape == WISP_GROOM_STRAIGHT ? "straight" : shape == WISP_GROOM_WAVY ? "wavy" : "curly";
@@ -144,7 +153,7 @@ static void print_stages( const wisp_frozen_hair_def* def )
             def->clump ? " clump" : "" );
 }
 
-// What is asked for; where a number is left out, it comes from the mesh.
+// A number that the scene leaves out comes from the mesh.
 static void print_layer( const wisp_boundary_def* layer )
 {
     char spacing[40] = "half of the mean edge";
@@ -152,7 +161,7 @@ static void print_layer( const wisp_boundary_def* layer )
     {
         snprintf( spacing, sizeof spacing, "%g m", (double)layer->spacing );
     }
-    printf( "    boundary: %s spacing, %s apart\n", layer->policy == WISP_SPACING_EVEN ? "even" : "exact", spacing );
+    printf( "    boundary points: %s, spacing %s\n", layer->policy == WISP_SPACING_EVEN ? "even" : "exact", spacing );
 }
 
 static void print_contact( const wisp_contact_def* contact, const char* self )
@@ -162,8 +171,8 @@ static void print_contact( const wisp_contact_def* contact, const char* self )
     {
         snprintf( thickness, sizeof thickness, "%g m", (double)contact->thickness );
     }
-    printf( "    contact%s: %s thick, friction %g%s\n", self, thickness, (double)contact->friction,
-            contact->enabled ? "" : ", not enabled" );
+    printf( "    contact%s: thickness %s, friction %g%s\n", self, thickness, (double)contact->friction,
+            contact->enabled ? "" : ", disabled" );
 }
 
 static void print_motion( const wisp_scene* scene, const wisp_scene_strands* entry )
@@ -185,7 +194,7 @@ static void print_motion( const wisp_scene* scene, const wisp_scene_strands* ent
     }
     if ( entry->targets >= 0 )
     {
-        printf( "    ghosts of %s\n", scene->strands[entry->targets].name );
+        printf( "    ghosts that follow %s\n", scene->strands[entry->targets].name );
     }
 }
 
@@ -195,7 +204,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
             groom->vertex_count, groom->dimension );
     if ( entry->is_made )
     {
-        printf( "made: %s\n", shape_name( entry->recipe.shape ) );
+        printf( "generated: %s\n", shape_name( entry->recipe.shape ) );
     }
     else if ( entry->is_scattered )
     {
@@ -221,12 +230,13 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
     }
     if ( entry->has_look )
     {
-        printf( "    look: %g to %g m wide\n", (double)entry->look.root_width, (double)entry->look.tip_width );
+        printf( "    appearance: width %g m at the root, %g m at the tip\n", (double)entry->look.root_width,
+                (double)entry->look.tip_width );
     }
     if ( entry->want_points || entry->want_width || entry->want_colour || entry->want_strain || entry->want_speed ||
          entry->want_quality )
     {
-        printf( "    wants:%s%s%s%s%s%s\n", entry->want_points ? " points" : "", entry->want_width ? " width" : "",
+        printf( "    requests:%s%s%s%s%s%s\n", entry->want_points ? " points" : "", entry->want_width ? " width" : "",
                 entry->want_colour ? " colour" : "", entry->want_strain ? " strain" : "",
                 entry->want_speed ? " speed" : "", entry->want_quality ? " quality" : "" );
     }
@@ -234,7 +244,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
 
 static const char* source_of( const wisp_scene_mesh* mesh )
 {
-    return mesh->is_made ? "made" : mesh->file;
+    return mesh->is_made ? "generated" : mesh->file;
 }
 
 static void print_surface( const wisp_scene* scene, const wisp_scene_surface* entry, const wisp_mesh* mesh )
@@ -259,7 +269,7 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
     }
     if ( entry->has_contact )
     {
-        print_contact( &entry->contact, entry->contact.self ? ", also with itself" : "" );
+        print_contact( &entry->contact, entry->contact.self ? " and self contact" : "" );
     }
     if ( entry->has_boundary )
     {
@@ -270,7 +280,7 @@ static void print_surface( const wisp_scene* scene, const wisp_scene_surface* en
 static wisp_status info_surfaces( const wisp_scene* scene, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    printf( "surfaces: %d\n", scene->surface_count );
+    print_count( "surfaces", scene->surface_count );
     for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
     {
         wisp_mesh mesh;
@@ -290,7 +300,7 @@ static void print_colliders( const wisp_scene* scene )
         [WISP_COLLIDER_PLANE] = "plane", [WISP_COLLIDER_SPHERE] = "sphere", [WISP_COLLIDER_CAPSULE] = "capsule",
         [WISP_COLLIDER_BOX] = "box",     [WISP_COLLIDER_MESH] = "mesh, ",
     };
-    printf( "colliders: %d\n", scene->collider_count );
+    print_count( "colliders", scene->collider_count );
     for ( int i = 0; i < scene->collider_count; ++i )
     {
         const wisp_scene_collider* entry = &scene->colliders[i];
@@ -301,7 +311,7 @@ static void print_colliders( const wisp_scene* scene )
 
 static void print_outputs( const wisp_scene* scene )
 {
-    printf( "outputs: %d\n", scene->output_count );
+    print_count( "outputs", scene->output_count );
     for ( int i = 0; i < scene->output_count; ++i )
     {
         const wisp_scene_output* output = &scene->outputs[i];
@@ -310,11 +320,11 @@ static void print_outputs( const wisp_scene* scene )
     }
 }
 
-// Files are read whole and checked: that they exist says little.
+// Reads and checks the files of the scene as a whole: existence alone says little.
 static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    printf( "strands: %d\n", scene->strands_count );
+    print_count( "strands", scene->strands_count );
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
         wisp_groom groom;
@@ -336,8 +346,10 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     {
         return status;
     }
-    printf( "%s: scene of %d steps of %g s, %d substeps, %d iterations\n", path, scene.steps,
-            (double)scene.step_seconds, scene.substeps, scene.iterations );
+    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n", path,
+            scene.steps * (double)scene.step_seconds, scene.steps, scene.steps == 1 ? "" : "s",
+            1e3 * (double)scene.step_seconds, scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations,
+            scene.iterations == 1 ? "" : "s" );
     status = info_strands( &scene, error );
     if ( status == WISP_OK )
     {
@@ -346,8 +358,8 @@ static wisp_status info_scene( const char* path, wisp_error* error )
     if ( status == WISP_OK )
     {
         print_colliders( &scene );
-        printf( "commands: %d\n", scene.command_count );
-        printf( "script: %d entries\n", scene.event_count );
+        print_count( "hair events", scene.command_count );
+        print_count( "events", scene.event_count );
         print_outputs( &scene );
     }
     wisp_scene_release( &scene );

@@ -349,7 +349,7 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
     if ( wanted && wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
-                                "entity %u: has implicit cloth, which does not support strain limits",
+                                "entity %u: has an external solver, which does not support strain limits",
                                 surface.index );
     }
     wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, wanted );

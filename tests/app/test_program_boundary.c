@@ -130,9 +130,9 @@ static void a_scene_is_described_with_its_layers_and_contacts( void** state )
 {
     (void)state;
     run_well( "info two.yaml" );
-    assert_non_null( strstr( result.out, "    contact, also with itself: a quarter of the mean edge thick" ) );
-    assert_non_null( strstr( result.out, "    boundary: even spacing, 0.02 m apart" ) );
-    assert_non_null( strstr( result.out, "    boundary: even spacing, half of the mean edge apart" ) );
+    assert_non_null( strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
+    assert_non_null( strstr( result.out, "    boundary points: even, spacing 0.02 m" ) );
+    assert_non_null( strstr( result.out, "    boundary points: even, spacing half of the mean edge" ) );
 }
 
 // ---- files ----

@@ -279,7 +279,7 @@ static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void*
     release( &f );
     demand_refusal(
         "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, repair: [unreferenced], pins: [0] }\n",
-        "test.yaml:3:5: surface 'a': pins names vertex 0, which is not there or which the repair dropped" );
+        "test.yaml:3:5: surface 'a': pins: got vertex 0, which the mesh does not have or which repair removed" );
     demand_refusal(
         "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, require: [clean] }\n",
         "test.yaml:3:5: surface 'a': scene_world_loose.obj: vertices of no triangle: 1, the first is vertex 0" );
@@ -510,13 +510,12 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
-    demand_refusal(
-        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
-        "test.yaml:3:5: surface 'a': balloon: the mesh is open at 8 edges, the first from vertex 0 to vertex "
-        "3; it has no volume unless allow_open closes its holes" );
+    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
+                    "test.yaml:3:5: surface 'a': balloon: got 8 open edges, the first from vertex 0 to vertex 3, "
+                    "expected a closed mesh; allow_open closes holes" );
     demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 1 } }\n"
                     "  - { name: b, instance_of: a, pins: [42] }\n",
-                    "test.yaml:4:5: surface 'b': pins names vertex 42, but the mesh has 42, counted from 0" );
+                    "test.yaml:4:5: surface 'b': pins: got vertex 42, but the mesh has 42 vertices, counted from 0" );
     demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 5 }, "
                     "balloon: { outlet_nearest: [0, 0, 0], outlet_radius: 1 } }\n",
                     "test.yaml:3:5: surface 'a': more than 64 vertices are within balloon.outlet_radius, 1 m" );

@@ -352,7 +352,7 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
         "  - { name: guides, generate: { dimension: 2, strands: 1, vertices: 2 } }\n"
         "  - { name: more, scatter: { around: guides, count: 2, radius: 0.01 }, dynamics: { vertex_masses: "
         "[1e-8, 1e-8] } }\n",
-        "test.yaml:4:5: strands 'more': dynamics.vertex_masses lists 2 masses for 4 vertices" );
+        "test.yaml:4:5: strands 'more': dynamics.vertex_masses: got 2 masses, expected one for each of 4 vertices" );
 }
 
 // ---- what is asked of them ----
