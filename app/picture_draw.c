@@ -11,8 +11,8 @@
 
 enum
 {
-    SHEET_PICTURES = 12, // on a sheet whose frames nobody names
-    SHEET_WIDTH = 400,   // pixels of each, where nobody says otherwise
+    SHEET_PICTURES = 12, // on a sheet without --frames
+    SHEET_WIDTH = 400,   // pixels of each, without --size
     SHEET_HEIGHT = 300,
     PATH_SIZE = 4096,
 };

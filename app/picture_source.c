@@ -150,7 +150,7 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
         def->path );
 }
 
-// Who names a look of boundary particles wants to see some.
+// An option about boundary points needs a scene that has some.
 static wisp_status check_layers( const picture_source* source, const picture_source_def* def, wisp_error* error )
 {
     bool has_layer = false;

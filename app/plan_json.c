@@ -1,4 +1,4 @@
-// The plan for programs; docs/outputs.md says what each name means. Unknown numbers are null.
+// The plan for programs; docs/outputs.md explains each key. Unknown numbers are null.
 #include "plan_sheet.h"
 
 #include <jansson.h>

@@ -215,7 +215,7 @@ static wisp_status add_layer( run_layers* l, int surface, sample* s, wisp_error*
 
 static void add_contact( run_layers* l, sample* s )
 {
-    // Without guests there are no figures, and that is told at the end.
+    // Without participants there are no statistics. The summary says so.
     s->has_contact = l->has_contact && wisp_read_contact_figures( l->world->world, &s->contact ) == WISP_OK;
     if ( s->has_contact )
     {
@@ -267,21 +267,21 @@ static void put_sample( const run_layers* l, const sample* s, results_values* va
     {
         results_put( values, "boundary_points", (double)s->points );
         results_put( values, "boundary_edge_points", (double)s->edge_points );
-        results_put( values, "boundary_changed_share", share_of( s->changed, s->elements ) );
+        results_put( values, "boundary_changed_fraction", share_of( s->changed, s->elements ) );
     }
     if ( s->has_contact )
     {
         results_put( values, "contacts", s->contact.contacts );
-        results_put( values, "contact_guarded", s->contact.guarded );
+        results_put( values, "contact_limited", s->contact.guarded );
         results_put( values, "contact_impulse", s->contact.impulse );
-        // Where nothing is near there is no gap, and who did not ask has no count of crossings.
+        // Without a near pair there is no gap, and intersections are counted on request only.
         if ( isfinite( s->contact.least_gap ) )
         {
-            results_put( values, "contact_least_gap", (double)s->contact.least_gap );
+            results_put( values, "contact_min_gap", (double)s->contact.least_gap );
         }
         if ( s->contact.crossings >= 0 )
         {
-            results_put( values, "contact_crossings", s->contact.crossings );
+            results_put( values, "contact_intersections", s->contact.crossings );
         }
     }
 }
@@ -294,7 +294,7 @@ void run_layers_put( const run_layers* l, results_values* values )
     }
     if ( l && l->elements > 0 )
     {
-        results_put( values, "boundary_changed_share_of_run", share_of( l->changed, l->elements ) );
+        results_put( values, "boundary_changed_fraction_of_run", share_of( l->changed, l->elements ) );
     }
 }
 

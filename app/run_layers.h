@@ -1,5 +1,5 @@
-/// What `wisp run` tells and writes of boundary particles and of contact while a scene runs: how many points, how much
-/// was sampled anew, how near guests of contact came, and files with the points.
+/// Boundary particles and contact in the output of `wisp run`: numbers of points, the resampled fraction, the smallest
+/// gap, and files with the points.
 #pragma once
 
 #include "results.h"

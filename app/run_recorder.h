@@ -36,7 +36,7 @@ wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, 
                                wisp_error* error );
 
 /// Look at the world as it is now: write a frame and compare one, if this step has one. Null is allowed.
-/// @return WISP_CONFLICT a frame differs from the recording (the sentence names frame, body and vertex); what
+/// @return WISP_CONFLICT a frame differs from the recording (the message names frame, body and vertex); what
 ///         wisp_recorder_frame() and wisp_track_frame() return
 wisp_status run_recorder_step( run_recorder* recorder, wisp_error* error );
 

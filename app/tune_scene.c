@@ -68,7 +68,7 @@ static wisp_status build( void* user, const int* choice, int substep_factor, wis
     wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
     if ( status == WISP_OK )
     {
-        h->options.is_quiet = true; // the truth has told what is to be told
+        h->options.is_quiet = true; // the reference run has printed the warnings
         take_facts( h );
         *out = ( wisp_tune_world ){ .world = h->world.world, .points = h->points, .point_count = list_points( h ) };
     }

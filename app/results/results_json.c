@@ -109,6 +109,17 @@ static wisp_status dump( json_t* root, FILE* stream, wisp_error* error )
     return WISP_OK;
 }
 
+// A list of labels and values has a note for each line.
+static void add_labels( json_t* notes, const results_table* table )
+{
+    for ( int row = 1; row < table->row_count; ++row )
+    {
+        char line[400];
+        snprintf( line, sizeof( line ), "%s: %s", results_cell( table, row, 0 ), results_cell( table, row, 1 ) );
+        json_array_append_new( notes, text( line ) );
+    }
+}
+
 wisp_status results_write_json( const results* all, FILE* stream, wisp_error* error )
 {
     json_t* rows = json_array();
@@ -117,6 +128,13 @@ wisp_status results_write_json( const results* all, FILE* stream, wisp_error* er
         json_array_append_new( rows, row_object( &all->rows[i] ) );
     }
     json_t* notes = json_array();
+    for ( int t = 0; t < all->table_count; ++t )
+    {
+        if ( all->tables[t].title[0] == '\0' )
+        {
+            add_labels( notes, &all->tables[t] );
+        }
+    }
     for ( int i = 0; i < all->note_count; ++i )
     {
         json_array_append_new( notes, text( all->notes[i] ) );

@@ -109,10 +109,10 @@ static void machines_get_a_row_a_step( void** state )
                                          "\"step 3\"",
                                          "\"boundary_points\"",
                                          "\"boundary_edge_points\"",
-                                         "\"boundary_changed_share\"",
-                                         "\"boundary_changed_share_of_run\"",
+                                         "\"boundary_changed_fraction\"",
+                                         "\"boundary_changed_fraction_of_run\"",
                                          "\"contacts\"",
-                                         "\"contact_crossings\": 0" };
+                                         "\"contact_intersections\": 0" };
     for ( int i = 0; i < WISP_COUNT( words ); ++i )
     {
         assert_non_null( strstr( result.out, words[i] ) );
