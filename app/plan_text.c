@@ -40,8 +40,7 @@ static void short_reason( const wisp_plan_report* report, int pass, char* out, s
         next = reads ? name : next;
     }
     const int others = readers - 1;
-    snprintf( out, size, others > 0 ? "read by %s and %d other%s" : "read by %s", next, others,
-              others == 1 ? "" : "s" );
+    snprintf( out, size, others > 0 ? "read by %s, %d more" : "read by %s", next, others );
 }
 
 static int name_width( const wisp_plan_report* report )
@@ -64,7 +63,7 @@ static void print_short( FILE* out, const plan_sheet* sheet )
         fputs( "no active pass: the scene requests nothing\n", out );
         return;
     }
-    fprintf( out, "%-8s  %-*s  entities  traffic %%  time %%  why\n", "stage", width, "pass" );
+    fprintf( out, "%-8s %-*s  entities  traffic%%  time%%  why\n", "stage", width, "pass" );
     for ( int i = 0; i < report->kept_count; ++i )
     {
         const wisp_plan_pass* p = report->passes + i;
@@ -74,7 +73,7 @@ static void print_short( FILE* out, const plan_sheet* sheet )
         {
             snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_share( sheet, i ) );
         }
-        fprintf( out, "%-8s  %-*s  %8d  %9.1f  %6s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->share,
+        fprintf( out, "%-8s %-*s  %8d  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->share,
                  time, reason );
     }
 }

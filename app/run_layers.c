@@ -306,9 +306,7 @@ static void tell_layer( const run_layers* l, int surface, results* out )
     {
         return;
     }
-    results_add_note( out,
-                      "%s: %d boundary points, %d on edges, %d inside triangles; last step resampled %.1f %% of %d "
-                      "elements",
+    results_add_note( out, "%s: %d boundary points: %d on edges, %d in triangles; resampled %.1f %% of %d elements",
                       entry->name, f.points, f.edge_points, f.inner_points,
                       100.0 * share_of( f.changed_elements, f.elements ), f.elements );
     if ( f.refused )
@@ -331,22 +329,21 @@ static void tell_contact( const run_layers* l, results* out )
         results_add_note( out, "contact: no entity takes part" );
         return;
     }
-    char gap[80] = "no pair came close";
+    char gap[80] = "no near pair";
     if ( isfinite( l->least_gap ) )
     {
-        snprintf( gap, sizeof gap, "the smallest gap was %.4f thicknesses", (double)l->least_gap );
+        snprintf( gap, sizeof gap, "min gap %.4f thicknesses", (double)l->least_gap );
     }
-    results_add_note( out, "contact of %d entities: at most %d pairs active at once, %s, %lld displacements limited",
-                      f->guests, l->most_contacts, gap, (long long)l->guarded );
+    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld displacements limited", f->guests,
+                      l->most_contacts, gap, (long long)l->guarded );
     char crossings[60] = "";
     if ( f->crossings >= 0 )
     {
-        snprintf( crossings, sizeof crossings, ", %d edges intersect triangles", f->crossings );
+        snprintf( crossings, sizeof crossings, ", %d intersections", f->crossings );
     }
     results_add_note(
-        out, "contact, last step: %d active pairs%s, impulses %.3e N s, their vector sum %.1e N s", f->contacts,
-        crossings, f->impulse,
-        sqrt( f->pushed[0] * f->pushed[0] + f->pushed[1] * f->pushed[1] + f->pushed[2] * f->pushed[2] ) );
+        out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts, crossings,
+        f->impulse, sqrt( f->pushed[0] * f->pushed[0] + f->pushed[1] * f->pushed[1] + f->pushed[2] * f->pushed[2] ) );
 }
 
 void run_layers_report( const run_layers* l, results* out )

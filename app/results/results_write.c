@@ -24,10 +24,12 @@ static int column_width( const results_table* table, int column )
 static void write_machine( const results* all, FILE* stream, const char* line_end )
 {
     const machine_facts* machine = &all->machine;
-    fprintf( stream, "machine: %s, %d cores, %.1f GB, %s, kernels for %s%s\n", machine->cpu, machine->cores,
-             machine->memory_bytes / 1e9, machine->os, machine->isa, line_end );
-    fprintf( stream, "build: wisp %s (%s), %s, %s, %s%s\n", machine->version, machine->commit, machine->compiler,
-             machine->build_type, machine->flags, line_end );
+    fprintf( stream, "machine: %s, %d cores, %.1f GB, kernels for %s%s\n", machine->cpu, machine->cores,
+             machine->memory_bytes / 1e9, machine->isa, line_end );
+    fprintf( stream, "system: %s%s\n", machine->os, line_end );
+    fprintf( stream, "build: wisp %s (%s), %s, %s%s\n", machine->version, machine->commit, machine->compiler,
+             machine->build_type, line_end );
+    fprintf( stream, "flags: %s%s\n", machine->flags, line_end );
 }
 
 static void write_text_row( const results_table* table, int row, FILE* stream )

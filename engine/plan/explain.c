@@ -209,7 +209,7 @@ static wisp_component most_missed( const writer* w, const char* module )
     return most;
 }
 
-// The pass that is nearest to being kept tells why none is.
+// The reason of a module is that of its pass that is nearest to being active.
 static void tell_module( const writer* w, const wisp_plan_report* report, wisp_plan_module* m )
 {
     const wisp_plan_pass* nearest = NULL;

@@ -76,9 +76,7 @@ static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew(
     int points = 0, edge_points = 0, inner_points = 0, elements = 0;
     double share = -1.0;
     assert_int_equal(
-        sscanf( line,
-                "ball: %d boundary points, %d on edges, %d inside triangles; last step resampled %lf %% of %d "
-                "elements",
+        sscanf( line, "ball: %d boundary points: %d on edges, %d in triangles; resampled %lf %% of %d elements",
                 &points, &edge_points, &inner_points, &share, &elements ),
         5 );
     assert_true( points > 500 && points == edge_points + inner_points );
@@ -93,8 +91,8 @@ static void a_run_tells_of_contact_where_figures_are_wanted( void** state )
 {
     (void)state;
     run_well( "run two.yaml" );
-    assert_non_null( strstr( result.out, "contact of 2 entities: " ) );
-    assert_non_null( strstr( result.out, ", 0 edges intersect triangles, " ) );
+    assert_non_null( strstr( result.out, "contact: 2 entities, " ) );
+    assert_non_null( strstr( result.out, ", 0 intersections, " ) );
     run_well( "run plain.yaml" );
     assert_null( strstr( result.out, "contact" ) );
     assert_null( strstr( result.out, "oundary" ) );
@@ -130,7 +128,8 @@ static void a_scene_is_described_with_its_layers_and_contacts( void** state )
 {
     (void)state;
     run_well( "info two.yaml" );
-    assert_non_null( strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
+    assert_non_null(
+        strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
     assert_non_null( strstr( result.out, "    boundary points: even, spacing 0.02 m" ) );
     assert_non_null( strstr( result.out, "    boundary points: even, spacing half of the mean edge" ) );
 }

@@ -14,8 +14,8 @@ typedef enum wisp_plan_state
 {
     WISP_PLAN_MISSING,  ///< it needs components that no entity has
     WISP_PLAN_APART,    ///< entities have what it needs, but none has all of it
-    WISP_PLAN_KEPT_OUT, ///< who has what it needs also has what it must lack
-    WISP_PLAN_UNWANTED, ///< it could run, but nobody wants what it writes
+    WISP_PLAN_KEPT_OUT, ///< every entity with the required components has an excluded one
+    WISP_PLAN_UNWANTED, ///< it could run, but nothing requests or reads what it writes
     WISP_PLAN_KEPT,
 } wisp_plan_state;
 
@@ -91,7 +91,7 @@ typedef struct wisp_plan_report
 
 /// Explain the plan; compiles it if needed.
 /// @param out receives the report, null on failure; what it says stays as it is when the world changes
-/// @return WISP_CONFLICT a pass reads what nobody supplies (the sentence names both); WISP_NO_MEMORY
+/// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY
 WISP_API wisp_status wisp_world_explain( wisp_world* world, wisp_plan_report** out );
 /// To be called before the world is destroyed. Null is allowed.
 WISP_API void wisp_plan_report_release( wisp_plan_report* report );
