@@ -209,7 +209,7 @@ wisp_status delaunay_insert( delaunay* d, wisp_error* error )
     {
         if ( i > 0 && visits[i].along == visits[i - 1].along )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: points %d and %d lie at one place", d->name,
+            status = wisp_fail( error, WISP_BAD_INPUT, "%s: points %d and %d are at the same place", d->name,
                                 visits[i - 1].point, visits[i].point );
             continue;
         }

@@ -73,7 +73,7 @@ static wisp_status check_offsets( const wisp_groom* groom, const char* name, wis
     }
     if ( groom->offsets[0] != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: strand 0 starts at vertex %d instead of 0", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: strand 0 starts at vertex %d, expected 0", name,
                           groom->offsets[0] );
     }
     for ( int s = 0; s < groom->strand_count; ++s )
@@ -139,7 +139,7 @@ static wisp_status check_vertex_finite( const wisp_groom* groom, int s, int v, c
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: strand %d, vertex %d: %s is %s", name, s,
                               v - groom->offsets[s], numbers.name[k],
-                              isnan( numbers.value[k] ) ? "not a number" : "infinite" );
+                              isnan( numbers.value[k] ) ? "NaN" : "infinite" );
         }
     }
     return WISP_OK;
@@ -171,15 +171,15 @@ static wisp_status check_vertex_range( const wisp_groom* groom, int s, int v, wi
         float most = coordinate || thickness ? WISP_GROOM_FARTHEST : 1.0f;
         if ( numbers.value[k] < least || numbers.value[k] > most )
         {
-            return wisp_fail(
-                error, WISP_BAD_INPUT, "groom: strand %d, vertex %d: %s is %.9g and must be in %g .. %g", s,
-                v - groom->offsets[s], numbers.name[k], (double)numbers.value[k], (double)least, (double)most );
+            return wisp_fail( error, WISP_BAD_INPUT, "groom: strand %d, vertex %d: %s: got %.9g, expected %g .. %g",
+                              s, v - groom->offsets[s], numbers.name[k], (double)numbers.value[k], (double)least,
+                              (double)most );
         }
     }
     if ( groom->dimension == 2 && groom->points[v].z != 0.0f )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "groom: strand %d, vertex %d: z is %.9g in a groom of two dimensions", s,
+                          "groom: strand %d, vertex %d: z: got %.9g, expected 0 in two dimensions", s,
                           v - groom->offsets[s], (double)groom->points[v].z );
     }
     return WISP_OK;
@@ -190,8 +190,7 @@ wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error )
     wisp_status status = groom_check_finite( groom, "groom", error );
     if ( status == WISP_OK && groom->dimension != 2 && groom->dimension != 3 )
     {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT, "groom: it has %d dimensions instead of 2 or 3", groom->dimension );
+        status = wisp_fail( error, WISP_BAD_INPUT, "groom: got %d dimensions, expected 2 or 3", groom->dimension );
     }
     for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
     {

@@ -18,7 +18,7 @@ static wisp_status read_bytes( const char* path, const unsigned char* bytes, siz
         return wisp_groom_read_tfx( bytes, size, path, out, error );
     }
     return wisp_fail( error, WISP_BAD_INPUT,
-                      "%s: not a groom: the file does not start with \"HAIR\" and is called neither .hair nor .tfx",
+                      "%s: not a groom, expected a file that starts with \"HAIR\" or ends in .hair or .tfx",
                       io_short_name( path ) );
 }
 
@@ -64,7 +64,7 @@ wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_er
     groom_writer* write = find_writer( path );
     if ( write == NULL )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: grooms are written as .hair, .usda or .obj",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a file that ends in .hair, .usda or .obj",
                           io_short_name( path ) );
     }
     io_output output;

@@ -55,7 +55,7 @@ static wisp_status read_magic( const unsigned char* bytes, size_t size, const ch
     size_t shown = size < 4 ? size : 4;
     if ( memcmp( bytes, "HAIR", shown ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: the file does not start with \"HAIR\"", name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected \"HAIR\"", name );
     }
     if ( size < HEADER_SIZE )
     {
@@ -80,24 +80,25 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, hair_la
 
     if ( layout->strand_count == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: the header announces no strand", layout->name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got 0 strands, expected at least 1", layout->name,
                           AT_STRAND_COUNT );
     }
     if ( layout->point_count < layout->strand_count )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: byte %d: the header announces %u points, too few for a root of each of %u strands",
-                          layout->name, AT_POINT_COUNT, layout->point_count, layout->strand_count );
+                          "%s: byte %d: got %u points, expected at least one for each of %u strands", layout->name,
+                          AT_POINT_COUNT, layout->point_count, layout->strand_count );
     }
     if ( ( layout->flags & ~(uint32_t)KNOWN_FLAGS ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: the flags 0x%x have bits beyond the five known arrays",
-                          layout->name, AT_FLAGS, layout->flags );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: byte %d: got flags 0x%x, expected only those of the five known arrays", layout->name,
+                          AT_FLAGS, layout->flags );
     }
     if ( ( layout->flags & HAS_POINTS ) == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: the flags 0x%x announce no points", layout->name,
-                          AT_FLAGS, layout->flags );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got flags 0x%x, expected those of points",
+                          layout->name, AT_FLAGS, layout->flags );
     }
     return WISP_OK;
 }
@@ -145,7 +146,7 @@ static wisp_status place_arrays( hair_layout* layout, size_t size, wisp_error* e
     }
     if ( layout->point_count >= INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: %u points are more than a groom can number",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: %u points are more than a groom can hold",
                           layout->name, AT_POINT_COUNT, layout->point_count );
     }
     return WISP_OK;

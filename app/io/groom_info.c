@@ -279,7 +279,7 @@ static void print_findings( FILE* out, const wisp_groom* groom, const finding* s
     }
     else if ( !found )
     {
-        fputs( "  nothing is wrong with it\n", out );
+        fputs( "  no defects\n", out );
     }
 }
 

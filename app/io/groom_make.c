@@ -54,22 +54,24 @@ static wisp_status check_counts( const wisp_groom_recipe* r, wisp_error* error )
 {
     if ( (int)r->shape < WISP_GROOM_STRAIGHT || (int)r->shape > WISP_GROOM_CURLY )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "groom recipe: shape %d is none of straight, wavy and curly",
+        return wisp_fail( error, WISP_BAD_INPUT, "groom generator: shape: got %d, expected straight, wavy or curly",
                           (int)r->shape );
     }
     if ( r->dimension != 2 && r->dimension != 3 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "groom recipe: dimension is %d and must be 2 or 3", r->dimension );
+        return wisp_fail( error, WISP_BAD_INPUT, "groom generator: dimension: got %d, expected 2 or 3",
+                          r->dimension );
     }
     if ( r->strand_count < 1 || r->vertices_per_strand < 2 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "groom recipe: %d strands of %d vertices; at least 1 strand of 2 vertices is needed",
+                          "groom generator: got %d strands of %d vertices, expected at least 1 strand of 2 vertices",
                           r->strand_count, r->vertices_per_strand );
     }
     if ( (int64_t)r->strand_count * r->vertices_per_strand > WISP_GROOM_MADE_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "groom recipe: %d strands of %d vertices are more than %d vertices",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "groom generator: got %d strands of %d vertices, expected at most %d vertices in all",
                           r->strand_count, r->vertices_per_strand, WISP_GROOM_MADE_CAP );
     }
     return WISP_OK;
@@ -98,7 +100,7 @@ static wisp_status check_values( const wisp_groom_recipe* r, wisp_error* error )
         // Written so that NaN fails.
         if ( values[i].used && !( values[i].value >= values[i].least && values[i].value <= values[i].most ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "groom recipe: %s is %g and must be in %g .. %g", values[i].name,
+            return wisp_fail( error, WISP_BAD_INPUT, "groom generator: %s: got %g, expected %g .. %g", values[i].name,
                               (double)values[i].value, (double)values[i].least, (double)values[i].most );
         }
     }
@@ -108,7 +110,7 @@ static wisp_status check_values( const wisp_groom_recipe* r, wisp_error* error )
     if ( reach > (double)WISP_GROOM_FARTHEST )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "groom recipe: strands reach %g m from the origin, farther than %g m", reach,
+                          "groom generator: strands reach %g m from the origin, expected at most %g m", reach,
                           (double)WISP_GROOM_FARTHEST );
     }
     return WISP_OK;

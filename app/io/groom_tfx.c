@@ -42,21 +42,21 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, tfx_lay
     if ( !( version >= 4.0f && version < 6.0f ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: byte 0: this is not a TressFX file of version 4 or 5: the version reads as %g",
-                          layout->name, (double)version );
+                          "%s: byte 0: got version %g, expected a TressFX file of version 4 or 5", layout->name,
+                          (double)version );
     }
     layout->bytes = bytes;
     layout->strand_count = groom_get_u32( bytes + AT_STRAND_COUNT );
     layout->vertices_per_strand = groom_get_u32( bytes + AT_VERTICES_PER_STRAND );
     if ( layout->strand_count == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: the header announces no strand", layout->name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got 0 strands, expected at least 1", layout->name,
                           AT_STRAND_COUNT );
     }
     if ( layout->vertices_per_strand < 2 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a strand of %u vertices has no segment", layout->name,
-                          AT_VERTICES_PER_STRAND, layout->vertices_per_strand );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got strands of %u vertices, expected at least 2",
+                          layout->name, AT_VERTICES_PER_STRAND, layout->vertices_per_strand );
     }
     return WISP_OK;
 }
@@ -107,7 +107,7 @@ static wisp_status place_arrays( tfx_layout* layout, size_t size, wisp_error* er
     }
     if ( vertices >= INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: %llu vertices are more than a groom can number",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: %llu vertices are more than a groom can hold",
                           layout->name, AT_STRAND_COUNT, (unsigned long long)vertices );
     }
     return WISP_OK;

@@ -53,8 +53,7 @@ static wisp_status system_refused( wisp_error* error, const char* path, const ch
 
 static wisp_status too_long( wisp_error* error, const char* path, size_t size_cap )
 {
-    return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted",
-                      io_short_name( path ), size_cap );
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %zu bytes", io_short_name( path ), size_cap );
 }
 
 // ---- reading ---------------------------------------------------------------------------------------------------
@@ -70,7 +69,7 @@ static wisp_status first_capacity( FILE* file, const char* path, size_t size_cap
     }
     if ( S_ISDIR( info.st_mode ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: this is a folder, not a file", io_short_name( path ) );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got a folder, expected a file", io_short_name( path ) );
     }
     *capacity = FIRST_BLOCK;
     if ( S_ISREG( info.st_mode ) && info.st_size > 0 )
@@ -221,7 +220,7 @@ static wisp_status open_descriptor( const char* path, io_output* output, int* de
     bool exists = stat( path, &info ) == 0;
     if ( exists && S_ISDIR( info.st_mode ) )
     {
-        return wisp_fail( error, WISP_IO_ERROR, "%s: cannot write: this is a folder", io_short_name( path ) );
+        return wisp_fail( error, WISP_IO_ERROR, "%s: got a folder, expected a file", io_short_name( path ) );
     }
     // A folder's permission to rename is not the file's permission to be written.
     if ( exists && access( path, W_OK ) != 0 )

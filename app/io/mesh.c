@@ -46,7 +46,7 @@ static wisp_status grow( mesh_fan* fan, wisp_error* error )
 {
     if ( fan->mesh->triangle_count >= WISP_MESH_TRIANGLE_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: more than %d triangles", io_short_name( fan->name ),
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %d triangles", io_short_name( fan->name ),
                           WISP_MESH_TRIANGLE_CAP );
     }
     int capacity = fan->capacity == 0 ? FIRST_TRIANGLES : 2 * fan->capacity;
@@ -100,7 +100,7 @@ wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error*
         if ( !isfinite( values[axis] ) )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: vertex %d: %c is %s", io_short_name( name ), v, "xyz"[axis],
-                              isnan( values[axis] ) ? "not a number" : "infinite" );
+                              isnan( values[axis] ) ? "NaN" : "infinite" );
         }
     }
     return WISP_OK;
@@ -115,8 +115,7 @@ static wisp_status check_sizes( const wisp_mesh* mesh, const char* name, wisp_er
     }
     if ( mesh->vertex_count > WISP_MESH_VERTEX_CAP || mesh->triangle_count > WISP_MESH_TRIANGLE_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: the mesh has %d vertices and %d triangles, more than %d and %d are not accepted",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices and %d triangles, expected at most %d and %d",
                           io_short_name( name ), mesh->vertex_count, mesh->triangle_count, WISP_MESH_VERTEX_CAP,
                           WISP_MESH_TRIANGLE_CAP );
     }
@@ -140,8 +139,8 @@ wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* err
         int32_t vertex = mesh->triangles[c];
         if ( vertex < 0 || vertex >= mesh->vertex_count )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d names vertex %d of %d",
-                                io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count );
+            status = wisp_fail( error, WISP_BAD_INPUT, "%s: triangle %d: corner %d: got vertex %d, expected 0 .. %d",
+                                io_short_name( name ), c / 3, c % 3, vertex, mesh->vertex_count - 1 );
         }
     }
     return status;

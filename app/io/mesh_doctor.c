@@ -14,7 +14,7 @@ typedef struct examination
     mesh_edges edges;
     int32_t* shell_sets;     // of triangles that share an edge
     int32_t* fan_sets;       // of corners 3 * t + k whose triangles share an edge at the corner's vertex
-    int32_t* border_sets;    // of vertices joined by border edges
+    int32_t* border_sets;    // of vertices joined by open edges
     int32_t* first_of;       // [triangle_count] of duplicates
     int32_t* shell_number;   // [triangle_count] of the shell of a triangle that stands for its set
     int32_t* vertex_count;   // [vertex_count] of fans
@@ -179,7 +179,7 @@ static wisp_status number_shells( examination* x, wisp_error* error )
     x->shells = calloc( (size_t)count + 1, sizeof *x->shells );
     if ( x->shells == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d shells", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d components", count );
     }
     return WISP_OK;
 }

@@ -39,7 +39,7 @@ wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error 
     const mesh_format* format = find_format( path );
     if ( format == NULL )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: the file is called neither .obj nor .ply",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh, expected a file that ends in .obj or .ply",
                           io_short_name( path ) );
     }
     unsigned char* bytes = NULL;
@@ -85,7 +85,8 @@ wisp_status wisp_mesh_write( const char* path, const wisp_mesh* mesh, wisp_error
     const mesh_format* format = find_format( path );
     if ( format == NULL )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: meshes are written as .obj or .ply", io_short_name( path ) );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected a file that ends in .obj or .ply",
+                          io_short_name( path ) );
     }
     return write_file( path, format->write, mesh, error );
 }

@@ -25,17 +25,17 @@ typedef struct finding_kind
 } finding_kind;
 
 static const finding_kind kinds[] = {
-    { offsetof( wisp_mesh_report, borders ), WISP_MESH_CLOSED, ELEMENT_EDGE, "border edges" },
+    { offsetof( wisp_mesh_report, borders ), WISP_MESH_CLOSED, ELEMENT_EDGE, "open edges" },
     { offsetof( wisp_mesh_report, nonmanifold_edges ), WISP_MESH_MANIFOLD, ELEMENT_EDGE,
       "edges of more than two triangles" },
     { offsetof( wisp_mesh_report, nonmanifold_vertices ), WISP_MESH_MANIFOLD, ELEMENT_FANS,
       "vertices where separate fans of triangles meet" },
     { offsetof( wisp_mesh_report, windings ), WISP_MESH_ORIENTED, ELEMENT_EDGE,
       "edges along which the winding disagrees" },
-    { offsetof( wisp_mesh_report, inside_out ), WISP_MESH_ORIENTED, ELEMENT_SHELL, "shells turned inside out" },
+    { offsetof( wisp_mesh_report, inside_out ), WISP_MESH_ORIENTED, ELEMENT_SHELL, "components turned inside out" },
     { offsetof( wisp_mesh_report, duplicates ), WISP_MESH_CLEAN, ELEMENT_DUPLICATE, "duplicate triangles" },
     { offsetof( wisp_mesh_report, degenerates ), WISP_MESH_CLEAN, ELEMENT_TRIANGLE, "triangles without area" },
-    { offsetof( wisp_mesh_report, loose ), WISP_MESH_CLEAN, ELEMENT_VERTEX, "vertices of no triangle" },
+    { offsetof( wisp_mesh_report, loose ), WISP_MESH_CLEAN, ELEMENT_VERTEX, "unreferenced vertices" },
 };
 
 static const wisp_mesh_finding* finding_of( const wisp_mesh_report* report, const finding_kind* kind )
@@ -67,7 +67,7 @@ static element_words name_element( const wisp_mesh_finding* finding, element_kin
         case ELEMENT_TRIANGLE:
         case ELEMENT_VERTEX:
             snprintf( words.text, sizeof words.text, "%s %d",
-                      kind == ELEMENT_SHELL      ? "shell"
+                      kind == ELEMENT_SHELL      ? "component"
                       : kind == ELEMENT_TRIANGLE ? "triangle"
                                                  : "vertex",
                       a );
@@ -89,7 +89,8 @@ wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, cons
     }
     if ( ( demands & WISP_MESH_ONE_SHELL ) != 0 && report->shell_count != 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d shells instead of one, the second begins with triangle %d",
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: got %d components, expected one; the second starts with triangle %d",
                           io_short_name( name ), report->shell_count, report->shells[1].first_triangle );
     }
     return WISP_OK;
@@ -118,12 +119,12 @@ static void print_figures( FILE* out, const wisp_mesh_report* r, const char* nam
 
 static void print_shells( FILE* out, const wisp_mesh_report* r )
 {
-    fprintf( out, "  %-20s %d\n", "shells", r->shell_count );
+    fprintf( out, "  %-20s %d\n", "components", r->shell_count );
     int listed = r->shell_count < WISP_MESH_LISTED ? r->shell_count : WISP_MESH_LISTED;
     for ( int s = 0; r->shell_count > 1 && s < listed; ++s )
     {
         const wisp_mesh_shell* shell = &r->shells[s];
-        fprintf( out, "    shell %d, from triangle %d: %d triangles, %s, area %.6g m^2", s, shell->first_triangle,
+        fprintf( out, "    component %d, from triangle %d: %d triangles, %s, area %.6g m^2", s, shell->first_triangle,
                  shell->triangle_count, shell->closed ? "closed" : "open", shell->area );
         if ( shell->closed && shell->consistent )
         {
@@ -137,7 +138,7 @@ static void print_shells( FILE* out, const wisp_mesh_report* r )
     }
 }
 
-// A border is no fault of a cloth, so it is told and not blamed.
+// Open edges are usual in cloth, so they are a note and no defect.
 static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_kind* kind )
 {
     const wisp_mesh_finding* finding = finding_of( r, kind );
@@ -145,7 +146,7 @@ static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_k
     {
         return;
     }
-    fprintf( out, "  %s: %s: %d", kind->demand == WISP_MESH_CLOSED ? "open" : "wrong", kind->title, finding->count );
+    fprintf( out, "  %s: %s: %d", kind->demand == WISP_MESH_CLOSED ? "note" : "wrong", kind->title, finding->count );
     if ( kind->demand == WISP_MESH_CLOSED )
     {
         fprintf( out, " in %d %s", r->border_loop_count, r->border_loop_count == 1 ? "loop" : "loops" );
@@ -177,7 +178,7 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* nam
     }
     if ( !found )
     {
-        fputs( "  nothing is wrong with it\n", out );
+        fputs( "  no defects\n", out );
     }
     if ( plain == WISP_OK )
     {
@@ -208,10 +209,10 @@ void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const
         int count;
         const char *one, *many;
     } deeds[] = {
-        { repairs->degenerates_dropped, "triangle without area was dropped", "triangles without area were dropped" },
-        { repairs->duplicates_dropped, "duplicate triangle was dropped", "duplicate triangles were dropped" },
+        { repairs->degenerates_dropped, "triangle without area was removed", "triangles without area were removed" },
+        { repairs->duplicates_dropped, "duplicate triangle was removed", "duplicate triangles were removed" },
         { repairs->triangles_turned, "triangle was turned over", "triangles were turned over" },
-        { repairs->loose_dropped, "vertex of no triangle was dropped", "vertices of no triangle were dropped" },
+        { repairs->loose_dropped, "unreferenced vertex was removed", "unreferenced vertices were removed" },
     };
     bool done = false;
     for ( int i = 0; i < WISP_COUNT( deeds ); ++i )
@@ -224,6 +225,6 @@ void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const
     }
     if ( !done )
     {
-        fprintf( out, "%s: nothing had to be repaired\n", name );
+        fprintf( out, "%s: nothing to repair\n", name );
     }
 }

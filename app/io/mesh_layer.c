@@ -71,8 +71,8 @@ static wisp_status check_layer( const wisp_mesh* mesh, const wisp_mesh_layer* la
     {
         if ( layer->edges[k] < 0 || layer->edges[k] >= mesh->vertex_count )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: edge %zu names vertex %d of %d", name, k / 2,
-                              (int)layer->edges[k], mesh->vertex_count );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: edge %zu: got vertex %d, expected 0 .. %d", name, k / 2,
+                              (int)layer->edges[k], mesh->vertex_count - 1 );
         }
     }
     return check_points( mesh, layer, name, error );

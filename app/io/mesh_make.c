@@ -47,7 +47,7 @@ static wisp_status check_shape( const wisp_mesh_recipe* r, wisp_error* error )
     int shape = (int)r->shape;
     return shape >= 0 && shape < WISP_MESH_SHAPE_COUNT
                ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: shape %d is not in 0 .. %d", shape,
+               : wisp_fail( error, WISP_BAD_INPUT, "mesh generator: shape: got %d, expected 0 .. %d", shape,
                             WISP_MESH_SHAPE_COUNT - 1 );
 }
 
@@ -96,7 +96,7 @@ static wisp_status check_counts( const wisp_mesh_recipe* r, wisp_error* error )
     {
         if ( values[i].used && ( values[i].value < values[i].least || values[i].value > values[i].most ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %s is %d and must be in %d .. %d", values[i].name,
+            return wisp_fail( error, WISP_BAD_INPUT, "mesh generator: %s: got %d, expected %d .. %d", values[i].name,
                               values[i].value, values[i].least, values[i].most );
         }
     }
@@ -116,7 +116,7 @@ static wisp_status check_product( const wisp_mesh_recipe* r, wisp_error* error )
     along = r->shape == WISP_MESH_TUBE ? (int64_t)r->length_segments + 1 : along;
     if ( across * along > WISP_MESH_VERTEX_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %lld times %lld vertices, more than %d",
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh generator: got %lld times %lld vertices, expected at most %d",
                           (long long)across, (long long)along, WISP_MESH_VERTEX_CAP );
     }
     // Every row of an irregular plane keeps its two corners or border vertices.
@@ -125,8 +125,7 @@ static wisp_status check_product( const wisp_mesh_recipe* r, wisp_error* error )
            2 * (int64_t)r->vertex_count < (int64_t)r->columns * r->rows ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "mesh recipe: vertex count is %d, which is not within twice and half of %d columns times "
-                          "%d rows",
+                          "mesh generator: vertex count: got %d, expected half to twice of %d columns times %d rows",
                           r->vertex_count, r->columns, r->rows );
     }
     return WISP_OK;
@@ -156,7 +155,7 @@ static wisp_status check_sizes( const wisp_mesh_recipe* r, wisp_error* error )
         // Written so that NaN fails.
         if ( values[i].used && !( values[i].value >= values[i].least && values[i].value <= values[i].most ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "mesh recipe: %s is %g and must be in %g .. %g", values[i].name,
+            return wisp_fail( error, WISP_BAD_INPUT, "mesh generator: %s: got %g, expected %g .. %g", values[i].name,
                               (double)values[i].value, (double)values[i].least, (double)values[i].most );
         }
     }

@@ -42,7 +42,7 @@ typedef struct flat
     int32_t* first;       // [cells[0] * cells[1]] a point in the cell
     int32_t* next;        // [total] another point in the same cell
     int32_t* strip_from;  // [cells[long_axis] + 1] where a strip of cells across the long axis begins in strip_edges
-    int32_t* strip_edges; // the border edges that a strip touches, by the point where they begin
+    int32_t* strip_edges; // the open edges that a strip touches, by the point where they begin
 } flat;
 
 static const double* at( const flat* f, int i )
@@ -67,13 +67,13 @@ static wisp_status check_corners( const flat* f, wisp_error* error )
         // Written so that NaN fails.
         if ( !( fabsf( c->x ) <= FARTHEST && fabsf( c->z ) <= FARTHEST ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: corner %d lies at (%g, %g) and must be within %g m", NAME,
-                              i, (double)c->x, (double)c->z, (double)FARTHEST );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: corner %d: got (%g, %g), expected coordinates within %g m",
+                              NAME, i, (double)c->x, (double)c->z, (double)FARTHEST );
         }
         if ( !( c->density >= LEAST_DENSITY && c->density <= MOST_DENSITY ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: density of corner %d is %g and must be in %g .. %g", NAME,
-                              i, (double)c->density, (double)LEAST_DENSITY, (double)MOST_DENSITY );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: density of corner %d: got %g, expected %g .. %g", NAME, i,
+                              (double)c->density, (double)LEAST_DENSITY, (double)MOST_DENSITY );
         }
     }
     return WISP_OK;
@@ -242,7 +242,7 @@ static wisp_status put_strips( flat* f, wisp_error* error )
     f->strip_edges = malloc( (size_t)f->strip_from[strips] * sizeof *f->strip_edges );
     if ( f->strip_edges == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d border edges", NAME, f->border_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d open edges", NAME, f->border_count );
     }
     for ( int edge = f->border_count - 1; edge >= 0; --edge )
     {

@@ -207,8 +207,8 @@ static wisp_status make_delaunay( wisp_mesh* mesh, wisp_error* error )
     }
     else
     {
-        status =
-            wisp_fail( error, WISP_NO_MEMORY, "mesh recipe: no memory to flip %d triangles", mesh->triangle_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory to flip %d triangles",
+                            mesh->triangle_count );
     }
     free( f.twin );
     free( f.stack );

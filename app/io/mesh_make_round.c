@@ -99,7 +99,7 @@ static wisp_status subdivide( ico* s, wisp_error* error )
     }
     else
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh recipe: no memory for %d edges", edges.edge_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory for %d edges", edges.edge_count );
     }
     free( middle );
     mesh_edges_release( &edges );
@@ -136,7 +136,7 @@ wisp_status mesh_make_icosphere( const wisp_mesh_recipe* r, wisp_mesh* out, wisp
     ico s = { malloc( (size_t)vertex_count * sizeof *s.directions ), { .triangles = out->triangles } };
     if ( s.directions == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh recipe: no memory for %d vertices", vertex_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory for %d vertices", vertex_count );
     }
     else
     {

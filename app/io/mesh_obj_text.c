@@ -50,14 +50,14 @@ static wisp_status check_vertex_line( mesh_word line, int number, const char* na
     {
         if ( !mesh_word_is_number( word ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: \"%s\" is not a number", name, number,
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected a number", name, number,
                               mesh_quote_word( word ).text );
         }
         ++count;
     }
     if ( count != 3 && count != 4 && count != 6 && count != 7 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: a vertex has %d numbers and must have 3, 4, 6 or 7",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got a vertex of %d numbers, expected 3, 4, 6 or 7",
                           name, number, count );
     }
     return WISP_OK;
@@ -102,18 +102,18 @@ static wisp_status check_face_line( mesh_word line, int number, const char* name
     {
         if ( !is_corner( word ) )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: \"%s\" is not a corner of a face", name, number,
-                              mesh_quote_word( word ).text );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected a corner of a face", name,
+                              number, mesh_quote_word( word ).text );
         }
         if ( ++count > WISP_MESH_CORNER_CAP )
         {
-            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: a face has more than %d corners", name, number,
-                              WISP_MESH_CORNER_CAP );
+            return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: expected a face of at most %d corners", name,
+                              number, WISP_MESH_CORNER_CAP );
         }
     }
     if ( count < 3 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: a face has %d corners and must have at least 3", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: line %d: got a face of %d corners, expected at least 3", name,
                           number, count );
     }
     return WISP_OK;
@@ -129,7 +129,7 @@ static wisp_status check_is_text( const char* bytes, size_t size, const char* na
     const char* zero = memchr( bytes, 0, size );
     if ( zero != NULL )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: the file is not text, it holds a zero byte", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: got a zero byte, expected text", name,
                           (size_t)( zero - bytes ) );
     }
     return WISP_OK;
@@ -139,12 +139,12 @@ static wisp_status check_counts( int vertices, int faces, const char* name, wisp
 {
     if ( vertices == 0 || faces == 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: the file has %d vertices and %d faces", name,
-                          vertices, faces );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: not a mesh: got %d vertices and %d faces", name, vertices,
+                          faces );
     }
     if ( vertices > WISP_MESH_VERTEX_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the file has %d vertices, more than %d", name, vertices,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, expected at most %d", name, vertices,
                           WISP_MESH_VERTEX_CAP );
     }
     return WISP_OK;
@@ -220,7 +220,7 @@ static bool take_corner( void* user, int number, bool last )
     if ( number == 0 || vertex < 0 || vertex >= reading->vertex_count )
     {
         reading->status = wisp_fail(
-            reading->error, WISP_BAD_INPUT, "%s: line %d: face %d names vertex %d, and there are %d", reading->name,
+            reading->error, WISP_BAD_INPUT, "%s: line %d: face %d: got vertex %d, the file has %d", reading->name,
             reading->line, reading->faces_seen, number, number < 0 ? known : reading->vertex_count );
         return false;
     }
@@ -269,8 +269,7 @@ wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name
     wisp_status status = check_is_text( bytes, size, name, error );
     if ( status == WISP_OK && size > WISP_MESH_FILE_CAP )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted",
-                            name, WISP_MESH_FILE_CAP );
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %zu bytes", name, WISP_MESH_FILE_CAP );
     }
     if ( status == WISP_OK )
     {

@@ -58,10 +58,10 @@ static bool is_integer_type( ply_type type )
 
 // ---- lines -----------------------------------------------------------------------------------------------------
 
-static wisp_status refuse_word( const header_reading* r, const char* problem, mesh_word word )
+static wisp_status refuse_word( const header_reading* r, const char* expected, mesh_word word )
 {
-    return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: %s: \"%s\"", r->header->name, r->header->line_count,
-                      problem, mesh_quote_word( word ).text );
+    return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: got \"%s\", expected %s", r->header->name,
+                      r->header->line_count, mesh_quote_word( word ).text, expected );
 }
 
 static wisp_status refuse_line( const header_reading* r, const char* problem )
@@ -93,7 +93,7 @@ static void keep_name( char* name, mesh_word word )
 static wisp_status demand_end( const header_reading* r, mesh_word line )
 {
     mesh_word word = mesh_next_word( &line );
-    return word.length == 0 ? WISP_OK : refuse_word( r, "one word too many", word );
+    return word.length == 0 ? WISP_OK : refuse_word( r, "the end of the line", word );
 }
 
 static wisp_status read_format( header_reading* r, mesh_word line )
@@ -107,15 +107,15 @@ static wisp_status read_format( header_reading* r, mesh_word line )
     }
     if ( found < 0 )
     {
-        return refuse_word( r, "the format is none of ascii, binary_little_endian and binary_big_endian", encoding );
+        return refuse_word( r, "ascii, binary_little_endian or binary_big_endian", encoding );
     }
     if ( !mesh_word_is( version, "1.0" ) )
     {
-        return refuse_word( r, "the version of the format is not 1.0", version );
+        return refuse_word( r, "version 1.0", version );
     }
     if ( r->has_format )
     {
-        return refuse_line( r, "a second format" );
+        return refuse_line( r, "got a second format, expected one" );
     }
     r->has_format = true;
     r->header->encoding = (ply_encoding)found;
@@ -129,15 +129,15 @@ static wisp_status read_element( header_reading* r, mesh_word line )
     int32_t count = 0;
     if ( name.length == 0 )
     {
-        return refuse_line( r, "the element has no name" );
+        return refuse_line( r, "got an element without a name" );
     }
     if ( !mesh_word_is_integer( number, &count ) || count < 0 )
     {
-        return refuse_word( r, "the count of the element is not a number in 0 .. 2147483647", number );
+        return refuse_word( r, "a number of elements in 0 .. 2147483647", number );
     }
     if ( header->element_count == PLY_MOST_ELEMENTS )
     {
-        return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: more than %d elements", header->name,
+        return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: expected at most %d elements", header->name,
                           header->line_count, PLY_MOST_ELEMENTS );
     }
     int* role = mesh_word_is( name, "vertex" ) ? &header->vertex_element
@@ -145,7 +145,7 @@ static wisp_status read_element( header_reading* r, mesh_word line )
                                                : NULL;
     if ( role != NULL && *role >= 0 )
     {
-        return refuse_word( r, "a second element of the same name", name );
+        return refuse_word( r, "an element with another name", name );
     }
     if ( role != NULL )
     {
@@ -186,13 +186,13 @@ static wisp_status check_role( const header_reading* r, const ply_property* prop
     {
         if ( header->properties[p].role == property->role )
         {
-            return refuse_word( r, "a second property of the same meaning", name );
+            return refuse_word( r, "a property with another meaning", name );
         }
     }
     bool is_list = property->count_type != PLY_NONE;
     if ( property->role == PLY_CORNERS ? !is_list || !is_integer_type( property->type ) : is_list )
     {
-        return refuse_word( r, property->role == PLY_CORNERS ? "not a list of integers" : "a list", name );
+        return refuse_word( r, property->role == PLY_CORNERS ? "a list of integers" : "a single number", name );
     }
     return WISP_OK;
 }
@@ -202,11 +202,11 @@ static wisp_status read_property( header_reading* r, mesh_word line )
     ply_header* header = r->header;
     if ( header->element_count == 0 )
     {
-        return refuse_line( r, "a property before the first element" );
+        return refuse_line( r, "got a property before the first element" );
     }
     if ( header->property_count == PLY_MOST_PROPERTIES )
     {
-        return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: more than %d properties", header->name,
+        return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: expected at most %d properties", header->name,
                           header->line_count, PLY_MOST_PROPERTIES );
     }
     ply_property property = { .count_type = PLY_NONE };
@@ -217,19 +217,19 @@ static wisp_status read_property( header_reading* r, mesh_word line )
         property.count_type = find_type( count );
         if ( !is_integer_type( property.count_type ) )
         {
-            return refuse_word( r, "the count of a list has no integer type", count );
+            return refuse_word( r, "an integer type for the length of a list", count );
         }
         type = mesh_next_word( &line );
     }
     property.type = find_type( type );
     if ( property.type == PLY_NONE )
     {
-        return refuse_word( r, "an unknown type", type );
+        return refuse_word( r, "a type", type );
     }
     mesh_word name = mesh_next_word( &line );
     if ( name.length == 0 )
     {
-        return refuse_line( r, "the property has no name" );
+        return refuse_line( r, "got a property without a name" );
     }
     property.role = role_of( r, name );
     keep_name( property.name, name );
@@ -269,7 +269,7 @@ static wisp_status read_line( header_reading* r, mesh_word line, bool* ended )
     {
         return read_property( r, line );
     }
-    return refuse_word( r, "unknown in a header", word );
+    return refuse_word( r, "a keyword of the header", word );
 }
 
 static bool element_has( const ply_header* header, int element, ply_role role )
@@ -320,9 +320,8 @@ static wisp_status check_header( const header_reading* r )
     if ( vertices == 0 || faces == 0 || vertices > WISP_MESH_VERTEX_CAP || faces > WISP_MESH_TRIANGLE_CAP )
     {
         return wisp_fail( r->error, WISP_BAD_INPUT,
-                          "%s: the header announces %lld vertices and %lld faces; 1 .. %d and 1 .. %d are accepted",
-                          header->name, (long long)vertices, (long long)faces, WISP_MESH_VERTEX_CAP,
-                          WISP_MESH_TRIANGLE_CAP );
+                          "%s: got %lld vertices and %lld faces, expected 1 .. %d and 1 .. %d", header->name,
+                          (long long)vertices, (long long)faces, WISP_MESH_VERTEX_CAP, WISP_MESH_TRIANGLE_CAP );
     }
     return WISP_OK;
 }
@@ -340,8 +339,7 @@ wisp_status ply_read_header( const unsigned char* bytes, size_t size, ply_header
     wisp_status status = next_header_line( &r, &line );
     if ( status == WISP_OK && !mesh_word_is( line, "ply" ) )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: the file does not start with a line \"ply\"",
-                            header->name );
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected a first line \"ply\"", header->name );
     }
     bool ended = false;
     while ( status == WISP_OK && !ended )

@@ -143,7 +143,7 @@ static wisp_status take_corner( row_reading* r, const ply_property* property, do
     if ( !( value >= 0.0 && value < (double)r->mesh->vertex_count && value == floor( value ) ) )
     {
         char problem[96];
-        snprintf( problem, sizeof problem, "names vertex %.17g, and there are %d", value, r->mesh->vertex_count );
+        snprintf( problem, sizeof problem, "names vertex %.17g, the file has %d", value, r->mesh->vertex_count );
         return refuse( r, property, problem );
     }
     return mesh_fan_corner( &r->fan, (int32_t)value, r->error );
@@ -193,8 +193,7 @@ static wisp_status read_scalar( row_reading* r, const ply_property* property )
     }
     if ( !isfinite( value ) || fabs( value ) > (double)FLT_MAX )
     {
-        return refuse( r, property,
-                       isnan( value ) ? "is not a number" : "is infinite, or beyond what a float holds" );
+        return refuse( r, property, isnan( value ) ? "is NaN" : "is infinite, or too large for a float" );
     }
     wisp_vec3* point = &r->mesh->points[r->row_number];
     float* coordinate = property->role == PLY_X ? &point->x : property->role == PLY_Y ? &point->y : &point->z;
@@ -347,8 +346,7 @@ wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name
     name = io_short_name( name );
     if ( size > WISP_MESH_FILE_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: the file is longer than the %zu bytes that are accepted", name,
-                          WISP_MESH_FILE_CAP );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %zu bytes", name, WISP_MESH_FILE_CAP );
     }
     ply_header* header = calloc( 1, sizeof *header );
     if ( header == NULL )

@@ -51,7 +51,7 @@ wisp_status wisp_quad_pairs_make( int columns, int rows, wisp_quad_pairs* out, w
     {
         return wisp_fail(
             error, WISP_BAD_INPUT,
-            "quad pairs: %d columns times %d rows; both must be at least 2, and their product at most %d", columns,
+            "quad pairs: got %d columns times %d rows, expected at least 2 each and a product of at most %d", columns,
             rows, WISP_MESH_VERTEX_CAP );
     }
     const size_t stretch = count_pairs( columns, rows, 1 ), bend = count_pairs( columns, rows, 2 );

@@ -71,7 +71,7 @@ static wisp_status drop_triangles( wisp_mesh* mesh, int what, wisp_mesh_repairs*
     if ( status == WISP_OK && kept == 0 )
     {
         status =
-            wisp_fail( error, WISP_BAD_INPUT, "mesh: none of the %d triangles would be left", mesh->triangle_count );
+            wisp_fail( error, WISP_BAD_INPUT, "mesh: the repair removes all %d triangles", mesh->triangle_count );
     }
     mesh->triangle_count = status == WISP_OK ? kept : mesh->triangle_count;
     return status;

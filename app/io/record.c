@@ -18,18 +18,18 @@ static wisp_status find_format( const char* path, wisp_record_format wanted, con
     int number = (int)wanted;
     if ( number < 0 || number > WISP_COUNT( formats ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no recording format %d", io_short_name( path ),
-                          number );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got recording format %d, which does not exist",
+                          io_short_name( path ), number );
     }
     *format = number > 0 ? formats[number - 1] : NULL;
     for ( int i = 0; *format == NULL && i < WISP_COUNT( formats ); ++i )
     {
         *format = io_has_extension( path, formats[i]->extension ) ? formats[i] : NULL;
     }
-    return *format != NULL
-               ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "%s: recordings are written as .wisp, .pc2, .pvd, .obj or .usda",
-                            io_short_name( path ) );
+    return *format != NULL ? WISP_OK
+                           : wisp_fail( error, WISP_BAD_INPUT,
+                                        "%s: expected a file that ends in .wisp, .pc2, .pvd, .obj or .usda",
+                                        io_short_name( path ) );
 }
 
 // ---- the recorder ----------------------------------------------------------------------------------------------
@@ -65,7 +65,7 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     }
     if ( !isfinite( def->step_seconds ) || def->step_seconds <= 0.0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %g seconds between two frames are not more than 0",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %g seconds between two frames, expected more than 0",
                           io_short_name( path ), def->step_seconds );
     }
     status = record_check_bodies( def->bodies, def->body_count, path, error );
@@ -95,12 +95,13 @@ static wisp_status check_frame( const wisp_recorder* recorder, double time, cons
     const char* name = io_short_name( recorder->path );
     if ( recorder->frame_count == INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %d frames are all that a recording can number", name, INT_MAX );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: expected at most %d frames", name, INT_MAX );
     }
     if ( !isfinite( time ) || ( recorder->frame_count > 0 && time <= recorder->last_time ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: frame %d: its time of %.9g s is not after the %.9g s before",
-                          name, recorder->frame_count, time, recorder->last_time );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: frame %d: got time %.9g s, expected more than %.9g s, that of the frame before", name,
+                          recorder->frame_count, time, recorder->last_time );
     }
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {

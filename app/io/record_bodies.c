@@ -28,8 +28,8 @@ static wisp_status check_mesh( const wisp_record_body* body, const char* name, w
     // Three corners a triangle must fit an int, because ParaView counts them.
     if ( body->triangle_count < 0 || body->triangle_count > INT_MAX / 3 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it cannot have %d triangles", name, body->name,
-                          body->triangle_count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got %d triangles, expected 0 .. %d", name, body->name,
+                          body->triangle_count, INT_MAX / 3 );
     }
     if ( body->triangle_count > 0 && body->triangles == NULL )
     {
@@ -43,8 +43,8 @@ static wisp_status check_mesh( const wisp_record_body* body, const char* name, w
             int32_t vertex = body->triangles[3 * (size_t)t + (size_t)k];
             if ( vertex < 0 || vertex >= body->vertex_count )
             {
-                return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: triangle %d names vertex %d of %d", name,
-                                  body->name, t, vertex, body->vertex_count );
+                return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: triangle %d: got vertex %d, expected 0 .. %d",
+                                  name, body->name, t, vertex, body->vertex_count - 1 );
             }
         }
     }
@@ -55,12 +55,12 @@ static wisp_status check_strands( const wisp_record_body* body, const char* name
 {
     if ( body->strand_count < 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it has %d strands", name, body->name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got %d strands, expected at least 1", name, body->name,
                           body->strand_count );
     }
     if ( body->offsets[0] != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: strand 0 starts at vertex %d instead of 0", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: strand 0 starts at vertex %d, expected 0", name,
                           body->name, body->offsets[0] );
     }
     for ( int s = 0; s < body->strand_count; ++s )
@@ -84,7 +84,7 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
     if ( body->name == NULL || !is_name( body->name ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: body %d: its name is not 1 to %d of the characters A-Z a-z 0-9 _ -", name, b,
+                          "%s: body %d: expected a name of 1 to %d of the characters A-Z a-z 0-9 _ -", name, b,
                           WISP_RECORD_MAX_NAME );
     }
     for ( int other = 0; other < b; ++other )
@@ -97,8 +97,8 @@ static wisp_status check_body( const wisp_record_body* bodies, int b, const char
     }
     if ( body->vertex_count < 1 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: it has %d vertices", name, body->name,
-                          body->vertex_count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: body %s: got %d vertices, expected at least 1", name,
+                          body->name, body->vertex_count );
     }
     return body->offsets != NULL ? check_strands( body, name, error ) : check_mesh( body, name, error );
 }
@@ -108,8 +108,8 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
     name = io_short_name( name );
     if ( count < 1 || count > WISP_RECORD_MAX_BODIES )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: a recording has 1 to %d bodies, not %d", name,
-                          WISP_RECORD_MAX_BODIES, count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d bodies, expected 1 to %d", name, count,
+                          WISP_RECORD_MAX_BODIES );
     }
     int64_t vertices = 0;
     for ( int b = 0; b < count; ++b )
@@ -124,7 +124,7 @@ wisp_status record_check_bodies( const wisp_record_body* bodies, int count, cons
     // Formats that number the vertices of all bodies together use an int, and some count from 1.
     return vertices < INT_MAX
                ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "%s: %lld vertices are more than a recording can number", name,
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: %lld vertices are more than a recording can hold", name,
                             (long long)vertices );
 }
 

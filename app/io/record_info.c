@@ -143,7 +143,8 @@ static wisp_status read_frames( survey* s, wisp_recording* recording, const wisp
         wisp_status status = wisp_recording_frame( recording, f, s->points, &time, &hash, &cause );
         if ( status == WISP_OK && s->read_count > 0 && time <= s->last_time )
         {
-            wisp_fail( &cause, WISP_BAD_INPUT, "%s: frame %d: its time of %.9g s is not after the %.9g s before",
+            wisp_fail( &cause, WISP_BAD_INPUT,
+                       "%s: frame %d: got time %.9g s, expected more than %.9g s, that of the frame before",
                        io_short_name( name ), f, time, s->last_time );
             note( &s->found, &cause );
         }
@@ -214,7 +215,7 @@ static wisp_status print_recording( FILE* out, wisp_recording* recording, survey
     print_end( out, &info );
     if ( s->found.count == 0 && info.complete )
     {
-        fputs( "  nothing is wrong with it\n", out );
+        fputs( "  no defects\n", out );
     }
     return print_findings( out, &s->found, error );
 }
@@ -280,7 +281,7 @@ static wisp_status print_cache( FILE* out, wisp_pc2* cache, wisp_vec3* points, f
     print_bounds( out, &bounds );
     if ( found->count == 0 )
     {
-        fputs( "  nothing is wrong with it\n", out );
+        fputs( "  no defects\n", out );
     }
     return print_findings( out, found, error );
 }

@@ -189,13 +189,13 @@ static wisp_status check_counts( wisp_pc2* cache, const unsigned char* bytes, wi
     uint32_t samples = groom_get_u32( bytes + AT_SAMPLE_COUNT );
     if ( points < 1 || points >= INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a cache has 1 to %d points, not %u",
-                          cache->source.name, AT_POINT_COUNT, INT_MAX - 1, points );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u points, expected 1 to %d", cache->source.name,
+                          AT_POINT_COUNT, points, INT_MAX - 1 );
     }
     if ( samples > INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a cache has 0 to %d samples, not %u",
-                          cache->source.name, AT_SAMPLE_COUNT, INT_MAX, samples );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u samples, expected 0 to %d", cache->source.name,
+                          AT_SAMPLE_COUNT, samples, INT_MAX );
     }
     cache->info = ( wisp_pc2_info ){
         .point_count = (int)points,
@@ -210,7 +210,7 @@ static wisp_status check_counts( wisp_pc2* cache, const unsigned char* bytes, wi
     }
     if ( !isfinite( cache->info.sample_rate ) || cache->info.sample_rate <= 0.0f )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a sample rate of %g is not more than 0",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got a sample rate of %g, expected more than 0",
                           cache->source.name, AT_RATE, (double)cache->info.sample_rate );
     }
     return check_size( cache, error );
@@ -233,7 +233,7 @@ static wisp_status read_pc2_header( wisp_pc2* cache, wisp_error* error )
     if ( memcmp( bytes, magic, size < sizeof magic ? size : sizeof magic ) != 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: byte 0: the file does not start with \"POINTCACHE2\" and a zero", source->name );
+                          "%s: byte 0: expected \"POINTCACHE2\" and a zero", source->name );
     }
     if ( size < HEADER_SIZE )
     {
@@ -243,8 +243,8 @@ static wisp_status read_pc2_header( wisp_pc2* cache, wisp_error* error )
     uint32_t version = groom_get_u32( bytes + AT_VERSION );
     if ( version != VERSION )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: version %u of the format is not known, only %d is",
-                          source->name, AT_VERSION, version, VERSION );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got version %u, expected version %d", source->name,
+                          AT_VERSION, version, VERSION );
     }
     return check_counts( cache, bytes, error );
 }
@@ -305,7 +305,7 @@ wisp_status wisp_pc2_frame( wisp_pc2* cache, int index, wisp_vec3* points, wisp_
     const char* name = cache->source.name;
     if ( index < 0 || index >= cache->info.frame_count )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no frame %d, the cache has %d", name, index,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got frame %d, the cache has %d", name, index,
                           cache->info.frame_count );
     }
     size_t size = RECORD_POINT_SIZE * (size_t)cache->info.point_count;

@@ -19,8 +19,8 @@ static wisp_status examine( const char* path, record_source* source, wisp_error*
     }
     if ( !S_ISREG( info.st_mode ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: this is %s, and recordings are read from files",
-                          io_short_name( path ), S_ISDIR( info.st_mode ) ? "a folder" : "a device or a pipe" );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got %s, expected a file", io_short_name( path ),
+                          S_ISDIR( info.st_mode ) ? "a folder" : "a device or a pipe" );
     }
     source->size = (uint64_t)info.st_size;
     source->name = strdup( io_short_name( path ) );

@@ -19,7 +19,8 @@ static wisp_status check_points( const char* path, const wisp_track_def* def, wi
     wisp_status status = record_check_bodies( def->bodies, def->body_count, path, error );
     if ( status == WISP_OK && def->point_count < 1 )
     {
-        status = wisp_fail( error, WISP_BAD_INPUT, "%s: %d vertices are nothing to follow", name, def->point_count );
+        status =
+            wisp_fail( error, WISP_BAD_INPUT, "%s: got %d vertices, expected at least 1", name, def->point_count );
     }
     for ( int i = 0; status == WISP_OK && i < def->point_count; ++i )
     {

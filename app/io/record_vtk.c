@@ -237,7 +237,7 @@ static wisp_status pvd_open( wisp_recorder* recorder, wisp_error* error )
     if ( recorder->path[stem] == 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: it needs an extension, because the name without it is the folder of the frames",
+                          "%s: expected a name with an extension; without it, it is the folder of the frames",
                           io_short_name( recorder->path ) );
     }
     pvd_file* file = calloc( 1, sizeof *file );

@@ -39,7 +39,7 @@ static wisp_status check_magic( const unsigned char* bytes, uint64_t size, const
     }
     if ( memcmp( bytes, RECORD_MAGIC, size < RECORD_MAGIC_SIZE ? (size_t)size : RECORD_MAGIC_SIZE ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: the file does not start as recordings do", name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected the start of a recording", name );
     }
     if ( size < RECORD_AT_BODIES )
     {
@@ -67,13 +67,13 @@ static wisp_status find_header( wisp_recording* recording, wisp_error* error )
     uint32_t version = groom_get_u32( bytes + RECORD_AT_VERSION );
     if ( version != RECORD_VERSION )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: version %u of the format is not known, only %d is",
-                          source->name, RECORD_AT_VERSION, version, RECORD_VERSION );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got version %u, expected version %d", source->name,
+                          RECORD_AT_VERSION, version, RECORD_VERSION );
     }
     uint64_t header = record_get_u64( bytes + RECORD_AT_HEADER_BYTES );
     if ( header < RECORD_AT_BODIES + RECORD_CHECKSUM_SIZE || header > WISP_RECORD_HEADER_CAP )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a header of %llu bytes is not within %d .. %llu",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got a header of %llu bytes, expected %d .. %llu",
                           source->name, RECORD_AT_HEADER_BYTES, (unsigned long long)header,
                           RECORD_AT_BODIES + RECORD_CHECKSUM_SIZE, (unsigned long long)WISP_RECORD_HEADER_CAP );
     }
@@ -176,8 +176,8 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
     uint32_t count = groom_get_u32( cursor->bytes + RECORD_AT_BODY_COUNT );
     if ( count < 1 || count > WISP_RECORD_MAX_BODIES )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: a recording has 1 to %d bodies, not %u", cursor->name,
-                          RECORD_AT_BODY_COUNT, WISP_RECORD_MAX_BODIES, count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u bodies, expected 1 to %d", cursor->name,
+                          RECORD_AT_BODY_COUNT, count, WISP_RECORD_MAX_BODIES );
     }
     recording->bodies = ( record_bodies ){ calloc( count, sizeof *recording->bodies.list ), (int)count };
     if ( recording->bodies.list == NULL )
@@ -206,16 +206,17 @@ static wisp_status read_figures( wisp_recording* recording, const header_cursor*
     info->step_seconds = record_get_double( cursor->bytes + RECORD_AT_STEP_SECONDS );
     if ( !isfinite( info->step_seconds ) || info->step_seconds <= 0.0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: %g seconds between two frames are not more than 0",
-                          cursor->name, RECORD_AT_STEP_SECONDS, info->step_seconds );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: byte %d: got %g seconds between two frames, expected more than 0", cursor->name,
+                          RECORD_AT_STEP_SECONDS, info->step_seconds );
     }
     info->frame_bytes = record_get_u64( cursor->bytes + RECORD_AT_FRAME_BYTES );
     uint64_t needed = RECORD_FRAME_AT_POINTS + record_point_bytes( &recording->bodies ) + RECORD_CHECKSUM_SIZE;
     if ( info->frame_bytes != needed || (size_t)needed != needed )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: frames of %llu bytes do not fit the bodies' %llu",
-                          cursor->name, RECORD_AT_FRAME_BYTES, (unsigned long long)info->frame_bytes,
-                          (unsigned long long)needed );
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: byte %d: got frames of %llu bytes, expected %llu for these bodies", cursor->name,
+                          RECORD_AT_FRAME_BYTES, (unsigned long long)info->frame_bytes, (unsigned long long)needed );
     }
     return WISP_OK;
 }
@@ -319,7 +320,7 @@ static wisp_status count_frames( wisp_recording* recording, wisp_error* error )
     uint64_t count = size / info->frame_bytes;
     if ( count > INT_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %llu frames are more than a recording can number",
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %llu frames are more than a recording can hold",
                           recording->source.name, (unsigned long long)count );
     }
     info->frame_count = (int)count;
@@ -454,8 +455,8 @@ wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec
 {
     if ( index < 0 || index >= recording->info.frame_count )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no frame %d, the recording has %d",
-                          recording->source.name, index, recording->info.frame_count );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got frame %d, the recording has %d", recording->source.name,
+                          index, recording->info.frame_count );
     }
     const unsigned char* bytes = NULL;
     wisp_status status = record_source_read( &recording->source, frame_byte( recording, index ),

@@ -342,7 +342,7 @@ static void points_that_no_outline_makes_are_refused( void** state )
     set.points[4] = ( delaunay_point ){ 50, 91 };
     demand_refusal( "point 4 lies outside of the outline" );
     set.points[4] = ( delaunay_point ){ 90, 90 };
-    demand_refusal( "points 2 and 4 lie at one place" );
+    demand_refusal( "points 2 and 4 are at the same place" );
     set.points[4] = ( delaunay_point ){ 90, 50 };
     demand_refusal( "the outline from point 1 to point 2 passes through point 4" );
 }
@@ -383,7 +383,7 @@ static void an_outline_that_crosses_or_touches_itself_is_refused( void** state )
     put_square( 0, 100 );
     put( 100, 100 );
     end_outline();
-    demand_refusal( "points 2 and 4 lie at one place" );
+    demand_refusal( "points 2 and 4 are at the same place" );
 }
 
 // ---- the lattice -----------------------------------------------------------------------------------------------

@@ -434,26 +434,26 @@ static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** st
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.points[3].y = NAN;
-    assert_check_says( groom, "strand 1, vertex 1: y is not a number" );
+    assert_check_says( groom, "strand 1, vertex 1: y is NaN" );
     groom = make_small( &small );
     small.points[2].x = -1.5e6f;
-    assert_check_says( groom, "strand 1, vertex 0: x is -1500000 and must be in -1e+06 .. 1e+06" );
+    assert_check_says( groom, "strand 1, vertex 0: x: got -1500000, expected -1e+06 .. 1e+06" );
     groom = make_small( &small );
     small.points[1].z = 0.5f;
-    assert_check_says( groom, "strand 0, vertex 1: z is 0.5 in a groom of two dimensions" );
+    assert_check_says( groom, "strand 0, vertex 1: z: got 0.5, expected 0 in two dimensions" );
     groom = make_small( &small );
     small.thickness[0] = -1e-5f;
-    assert_check_says( groom, "strand 0, vertex 0: thickness is" );
+    assert_check_says( groom, "strand 0, vertex 0: thickness: got" );
     groom = make_small( &small );
     small.transparency[0] = 1.5f;
-    assert_check_says( groom, "strand 0, vertex 0: transparency is 1.5 and must be in 0 .. 1" );
+    assert_check_says( groom, "strand 0, vertex 0: transparency: got 1.5, expected 0 .. 1" );
     groom = make_small( &small );
     small.groom.thickness = NULL;
     small.transparency[0] = 2.0f;
-    assert_check_says( groom, "transparency is 2 and must be in 0 .. 1" );
+    assert_check_says( groom, "transparency: got 2, expected 0 .. 1" );
     groom = make_small( &small );
     small.colour[2].z = -0.5f;
-    assert_check_says( groom, "strand 1, vertex 0: blue is -0.5" );
+    assert_check_says( groom, "strand 1, vertex 0: blue: got -0.5" );
 }
 
 static void a_check_refuses_offsets_that_do_not_partition_the_vertices( void** state )

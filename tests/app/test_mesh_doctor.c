@@ -56,7 +56,7 @@ static void a_missing_triangle_leaves_three_border_edges_in_one_loop( void** sta
     assert_true( r.volume == 0.0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_CLOSED, "hole.obj", &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence, "hole.obj: border edges: 3, the first is edge of vertices 1 and 2" );
+    assert_string_equal( error.sentence, "hole.obj: open edges: 3, the first is edge of vertices 1 and 2" );
     wisp_mesh_release( &mesh );
 }
 
@@ -126,7 +126,7 @@ static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( v
     assert_true( fabs( r.shells[1].volume - 8.0 / 6.0 ) < 1e-14 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_ONE_SHELL, "two", &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "two: 2 shells instead of one, the second begins with triangle 4" );
+    assert_contains( error.sentence, "two: got 2 components, expected one; the second starts with triangle 4" );
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_MANIFOLD, "two", &error ), WISP_BAD_INPUT );
     assert_contains( error.sentence, "the first is vertex 3, fans 2" );
     wisp_mesh_release( &mesh );
@@ -187,13 +187,13 @@ static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
     wisp_error error = { .status = WISP_OK };
     mesh.triangles[4] = -1;
     assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "triangle 1: corner 1 names vertex -1 of 4" );
+    assert_contains( error.sentence, "triangle 1: corner 1: got vertex -1, expected 0 .. 3" );
     assert_int_equal( r.vertex_count, 0 );
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
     mesh.triangles[4] = 1;
     mesh.points[2].z = NAN;
     assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "vertex 2: z is not a number" );
+    assert_contains( error.sentence, "vertex 2: z is NaN" );
     assert_int_equal( wisp_mesh_examine( &empty, &r, &error ), WISP_BAD_INPUT );
     wisp_mesh_release( &mesh );
 }
@@ -427,7 +427,7 @@ static void a_mesh_of_nothing_but_faults_is_refused( void** state )
     wisp_mesh_repairs repairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "none of the 2 triangles would be left" );
+    assert_contains( error.sentence, "the repair removes all 2 triangles" );
     assert_int_equal( mesh.triangle_count, 2 );
     wisp_mesh_report r = fixture_report( &mesh );
     assert_int_equal( r.degenerates.count, 2 );
@@ -468,8 +468,8 @@ static void a_sound_mesh_is_described_in_few_lines( void** state )
                                  "  edge length          min 1, mean 1.20711, max 1.41421 m\n"
                                  "  area                 2.36603 m^2\n"
                                  "  volume               0.166667 m^3\n"
-                                 "  shells               1\n"
-                                 "  nothing is wrong with it\n" );
+                                 "  components           1\n"
+                                 "  no defects\n" );
     free( p.text );
     wisp_mesh_release( &mesh );
 }
@@ -484,10 +484,10 @@ static void every_defect_is_printed_by_its_number( void** state )
     assert_int_equal( wisp_mesh_info( p.stream, &mesh, "ill.obj" ), WISP_OK );
     fclose( p.stream );
     assert_contains( p.text, "ill.obj: open mesh of triangles\n" );
-    assert_contains( p.text, "  open: border edges: 2 in 1 loop\n    edge of vertices 2 and 4\n" );
+    assert_contains( p.text, "  note: open edges: 2 in 1 loop\n    edge of vertices 2 and 4\n" );
     assert_contains( p.text, "  wrong: duplicate triangles: 1\n    triangle 1, as triangle 0\n" );
     assert_contains( p.text, "  wrong: triangles without area: 1\n    triangle 3\n" );
-    assert_contains( p.text, "  wrong: vertices of no triangle: 2\n    vertex 0\n    vertex 5\n" );
+    assert_contains( p.text, "  wrong: unreferenced vertices: 2\n    vertex 0\n    vertex 5\n" );
     assert_null( strstr( p.text, "nothing is wrong" ) );
     free( p.text );
     wisp_mesh_release( &mesh );
@@ -517,11 +517,11 @@ static void every_repair_is_said_out_loud( void** state )
     wisp_mesh_print_repairs( p.stream, &all, "a" );
     wisp_mesh_print_repairs( p.stream, &none, "b" );
     fclose( p.stream );
-    assert_string_equal( p.text, "a: 1 triangle without area was dropped\n"
-                                 "a: 2 duplicate triangles were dropped\n"
+    assert_string_equal( p.text, "a: 1 triangle without area was removed\n"
+                                 "a: 2 duplicate triangles were removed\n"
                                  "a: 3 triangles were turned over\n"
-                                 "a: 1 vertex of no triangle was dropped\n"
-                                 "b: nothing had to be repaired\n" );
+                                 "a: 1 unreferenced vertex was removed\n"
+                                 "b: nothing to repair\n" );
     free( p.text );
 }
 

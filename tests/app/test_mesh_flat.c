@@ -355,7 +355,7 @@ static void an_outline_that_cannot_be_filled_is_refused_by_its_corner( void** st
     const wisp_mesh_corner clockwise[] = { { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 } };
     demand_flat_refusal( clockwise, 3, 100, "runs clockwise" );
     const wisp_mesh_corner twice[] = { { 0, 0, 1 }, { 0, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
-    demand_flat_refusal( twice, 4, 100, "points 2 and 3 lie at one place" );
+    demand_flat_refusal( twice, 4, 100, "points 2 and 3 are at the same place" );
     const wisp_mesh_corner thin[] = { { 0, 0, 1 }, { 0, 1, 1 }, { 2000, 1, 1 } };
     demand_flat_refusal( thin, 3, 100, "is too slender" );
     const wisp_mesh_corner line[] = { { 0, 0, 1 }, { 1, 1, 1 }, { 2, 2, 1 } };
@@ -367,10 +367,10 @@ static void an_outline_that_cannot_be_filled_is_refused_by_its_corner( void** st
     demand_flat_refusal( L_SHAPE, 6, WISP_MESH_VERTEX_CAP + 1, "67108865 vertices" );
     wisp_mesh_corner bad[6];
     memcpy( bad, L_SHAPE, sizeof bad );
-    bad[4].z = NAN, demand_flat_refusal( bad, 6, 100, "corner 4 lies at (4, nan)" );
-    bad[4].z = 2e6f, demand_flat_refusal( bad, 6, 100, "corner 4 lies at (4, 2e+06)" );
-    bad[4].z = 1, bad[2].density = 0.5f, demand_flat_refusal( bad, 6, 100, "density of corner 2 is 0.5" );
-    bad[2].density = NAN, demand_flat_refusal( bad, 6, 100, "density of corner 2 is nan" );
+    bad[4].z = NAN, demand_flat_refusal( bad, 6, 100, "corner 4: got (4, nan)" );
+    bad[4].z = 2e6f, demand_flat_refusal( bad, 6, 100, "corner 4: got (4, 2e+06)" );
+    bad[4].z = 1, bad[2].density = 0.5f, demand_flat_refusal( bad, 6, 100, "density of corner 2: got 0.5" );
+    bad[2].density = NAN, demand_flat_refusal( bad, 6, 100, "density of corner 2: got nan" );
 }
 
 static void demand_recipe_refusal( wisp_mesh_recipe recipe, const char* words )
@@ -386,12 +386,12 @@ static void a_recipe_that_cannot_be_made_is_refused_by_the_name_of_its_value( vo
 {
     (void)state;
     wisp_mesh_recipe r = wisp_default_mesh_recipe( WISP_MESH_DELAUNAY );
-    r.vertex_count = 3, demand_recipe_refusal( r, "vertex count is 3 and must be in 4 .. 67108864" );
-    r.vertex_count = 958, r.width = 0.0f, demand_recipe_refusal( r, "width is 0" );
-    r.width = NAN, demand_recipe_refusal( r, "width is nan" );
-    r.width = 1.0f, r.depth = 0.9e-3f, demand_recipe_refusal( r, "depth is 0.0009 and must be in 0.001 .. 1000" );
+    r.vertex_count = 3, demand_recipe_refusal( r, "vertex count: got 3, expected 4 .. 67108864" );
+    r.vertex_count = 958, r.width = 0.0f, demand_recipe_refusal( r, "width: got 0" );
+    r.width = NAN, demand_recipe_refusal( r, "width: got nan" );
+    r.width = 1.0f, r.depth = 0.9e-3f, demand_recipe_refusal( r, "depth: got 0.0009, expected 0.001 .. 1000" );
     r = wisp_default_mesh_recipe( WISP_MESH_GARMENT );
-    r.vertex_count = 63, demand_recipe_refusal( r, "vertex count is 63 and must be in 64 .. 67108864" );
+    r.vertex_count = 63, demand_recipe_refusal( r, "vertex count: got 63, expected 64 .. 67108864" );
 }
 
 int main( void )

@@ -175,7 +175,7 @@ static void what_cannot_be_is_refused_and_leaves_no_file( void** state )
     assert_refused( &s, "point 3 is on element -1 of 7" );
     make_sheet( &s );
     s.edges[7] = 4;
-    assert_refused( &s, "edge 3 names vertex 4 of 4" );
+    assert_refused( &s, "edge 3: got vertex 4, expected 0 .. 3" );
     make_sheet( &s );
     s.layer.point_count = -1;
     assert_refused( &s, "4 vertices and -1 points" );

@@ -315,23 +315,24 @@ static void a_recipe_that_cannot_be_made_is_refused_by_the_name_of_its_value( vo
 {
     (void)state;
     wisp_mesh_recipe plane = wisp_default_mesh_recipe( WISP_MESH_PLANE_IRREGULAR ), r = plane;
-    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape 11" );
-    r = plane, r.columns = 1, demand_refusal( r, "columns is 1" );
-    r = plane, r.rows = -5, demand_refusal( r, "rows is -5" );
+    r.shape = WISP_MESH_SHAPE_COUNT, demand_refusal( r, "shape: got 11" );
+    r = plane, r.columns = 1, demand_refusal( r, "columns: got 1" );
+    r = plane, r.rows = -5, demand_refusal( r, "rows: got -5" );
     r = plane, r.columns = r.rows = 1 << 20, demand_refusal( r, "1048576 times 1048576 vertices" );
-    r = plane, r.vertex_count = 63, demand_refusal( r, "vertex count is 63" );
-    r = plane, r.vertex_count = 1 << 26, demand_refusal( r, "vertex count is 67108864" );
-    r = plane, r.spacing = 0.0f, demand_refusal( r, "spacing is 0" );
-    r = plane, r.jitter = 0.5f, demand_refusal( r, "jitter is 0.5" );
-    r = plane, r.jitter = NAN, demand_refusal( r, "jitter is nan" );
-    r = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE ), r.level = 11, demand_refusal( r, "level is 11" );
-    r = wisp_default_mesh_recipe( WISP_MESH_PEAR ), r.radius = -1.0f, demand_refusal( r, "radius is -1" );
-    r = wisp_default_mesh_recipe( WISP_MESH_TORUS ), r.tube_radius = 0.5f, demand_refusal( r, "tube radius is 0.5" );
-    r = wisp_default_mesh_recipe( WISP_MESH_TORUS ), r.rings = 2, demand_refusal( r, "rings is 2" );
-    r = wisp_default_mesh_recipe( WISP_MESH_UV_SPHERE ), r.segments = 2, demand_refusal( r, "segments is 2" );
-    r = wisp_default_mesh_recipe( WISP_MESH_TUBE ), r.length = INFINITY, demand_refusal( r, "length is inf" );
+    r = plane, r.vertex_count = 63, demand_refusal( r, "vertex count: got 63" );
+    r = plane, r.vertex_count = 1 << 26, demand_refusal( r, "vertex count: got 67108864" );
+    r = plane, r.spacing = 0.0f, demand_refusal( r, "spacing: got 0" );
+    r = plane, r.jitter = 0.5f, demand_refusal( r, "jitter: got 0.5" );
+    r = plane, r.jitter = NAN, demand_refusal( r, "jitter: got nan" );
+    r = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE ), r.level = 11, demand_refusal( r, "level: got 11" );
+    r = wisp_default_mesh_recipe( WISP_MESH_PEAR ), r.radius = -1.0f, demand_refusal( r, "radius: got -1" );
+    r = wisp_default_mesh_recipe( WISP_MESH_TORUS ), r.tube_radius = 0.5f,
+    demand_refusal( r, "tube radius: got 0.5" );
+    r = wisp_default_mesh_recipe( WISP_MESH_TORUS ), r.rings = 2, demand_refusal( r, "rings: got 2" );
+    r = wisp_default_mesh_recipe( WISP_MESH_UV_SPHERE ), r.segments = 2, demand_refusal( r, "segments: got 2" );
+    r = wisp_default_mesh_recipe( WISP_MESH_TUBE ), r.length = INFINITY, demand_refusal( r, "length: got inf" );
     r = wisp_default_mesh_recipe( WISP_MESH_CAPSULE ), r.length_segments = 0;
-    demand_refusal( r, "length segments is 0" );
+    demand_refusal( r, "length segments: got 0" );
 }
 
 int main( void )

@@ -153,7 +153,7 @@ static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
     run( "info sheet.obj" );
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, "triangles            32" ) );
-    assert_non_null( strstr( result.out, "border" ) );
+    assert_non_null( strstr( result.out, "open edges" ) );
     write_file( "turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n" );
     run( "info turned.obj" );
     assert_int_equal( result.status, 0 );

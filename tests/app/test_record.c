@@ -90,7 +90,7 @@ static void a_frame_that_is_not_there_is_refused_by_its_number( void** state )
     wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: there is no frame 2, the recording has 2" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: got frame 2, the recording has 2" );
     assert_int_equal( wisp_recording_frame( recording, -1, NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
     wisp_recording_close( recording );
 }
@@ -319,21 +319,21 @@ static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** 
     wisp_record_body mesh = { .name = "m", .triangles = beyond, .vertex_count = 4, .triangle_count = 2 };
     wisp_record_body strands = { .name = "s", .offsets = late, .vertex_count = 5, .strand_count = 1 };
     put_file( path_in( state, "precious.wisp" ), "precious", 8 );
-    assert_refused_body( state, mesh, "precious.wisp: body m: triangle 1 names vertex 4 of 4" );
+    assert_refused_body( state, mesh, "precious.wisp: body m: triangle 1: got vertex 4, expected 0 .. 3" );
     mesh.triangles = NULL;
     assert_refused_body( state, mesh, "body m: the list of its 2 triangles is missing" );
     mesh.triangle_count = -1;
-    assert_refused_body( state, mesh, "body m: it cannot have -1 triangles" );
+    assert_refused_body( state, mesh, "body m: got -1 triangles" );
     mesh.vertex_count = 0;
-    assert_refused_body( state, mesh, "body m: it has 0 vertices" );
+    assert_refused_body( state, mesh, "body m: got 0 vertices" );
     mesh.name = "cloth";
     assert_refused_body( state, mesh, "bodies 0 and 1 are both called cloth" );
     mesh.name = "../m";
-    assert_refused_body( state, mesh, "body 1: its name is not" );
+    assert_refused_body( state, mesh, "body 1: expected a name" );
     mesh.name = "";
-    assert_refused_body( state, mesh, "body 1: its name is not" );
+    assert_refused_body( state, mesh, "body 1: expected a name" );
     mesh.name = "a2345678901234567890123456789012345678901234567890123456789012345";
-    assert_refused_body( state, mesh, "body 1: its name is not" );
+    assert_refused_body( state, mesh, "body 1: expected a name" );
     assert_refused_body( state, strands, "body s: strand 0 starts at vertex 1" );
     strands.offsets = falling;
     strands.strand_count = 3;
@@ -342,7 +342,7 @@ static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** 
     strands.strand_count = 1;
     assert_refused_body( state, strands, "body s: the strands end at vertex 4 of 5" );
     strands.strand_count = 0;
-    assert_refused_body( state, strands, "body s: it has 0 strands" );
+    assert_refused_body( state, strands, "body s: got 0 strands" );
     size_t size = 0;
     unsigned char* kept = get_file( path_in( state, "precious.wisp" ), &size );
     assert_string_equal( (char*)kept, "precious" );
@@ -358,16 +358,16 @@ static void a_definition_that_makes_no_sense_is_refused( void** state )
     char* path = path_in( state, "a.wisp" );
     def.step_seconds = 0.0;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: 0 seconds between two frames" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: got 0 seconds between two frames" );
     def = fixture_def();
     def.body_count = 0;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a recording has 1 to 4096 bodies, not 0" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "got 0 bodies, expected 1 to 4096" );
     def = fixture_def();
     assert_int_equal(
         wisp_recorder_open( path_in( state, "a.wisp.txt" ), WISP_RECORD_BY_NAME, &def, &recorder, &error ),
         WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "written as .wisp, .pc2, .pvd, .obj or .usda" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj or .usda" );
     assert_int_equal( count_files( state ), 0 );
 }
 
@@ -380,7 +380,7 @@ static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
     assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
     assert_int_equal( fixture_add_frame( recorder, 0, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: frame 1: its time of" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: frame 1: got time" );
 
     fixture_frame frame = fixture_points( 1 );
     frame.hair[3].z = NAN;
@@ -449,11 +449,11 @@ static void a_path_that_cannot_be_written_or_read_is_a_sentence( void** state )
     assert_int_equal( wisp_recording_open( path, &recording, &error ), WISP_IO_ERROR );
     assert_one_sentence( &error, WISP_IO_ERROR, "none/a.wisp: cannot open: " );
     assert_int_equal( wisp_recording_open( path_in( state, "." ), &recording, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "this is a folder" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "got a folder" );
     char* pipe_path = path_in( state, "pipe.wisp" );
     assert_int_equal( mkfifo( pipe_path, 0600 ), 0 );
     assert_int_equal( wisp_recording_open( pipe_path, &recording, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "this is a device or a pipe" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "got a device or a pipe" );
     assert_null( recording );
 }
 

@@ -88,7 +88,7 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
         assert_memory_equal( points, expected.hair, sizeof points );
     }
     assert_int_equal( wisp_pc2_frame( cache, 2, NULL, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a_hair-2.pc2: there is no frame 2, the cache has 2" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
     wisp_pc2_close( cache );
     assert_good( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), &error );
     wisp_pc2_close( cache );
@@ -517,7 +517,7 @@ static void a_file_in_the_place_of_the_folder_of_frames_is_a_sentence( void** st
     assert_int_equal( count_files( state ), 1 );
     path = path_in( state, "b" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_PVD, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "b: it needs an extension" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "b: expected a name with an extension" );
     assert_int_equal( count_files( state ), 1 );
 }
 

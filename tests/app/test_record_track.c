@@ -99,7 +99,7 @@ static void a_vertex_that_does_not_exist_is_refused_by_its_place( void** state )
     assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: track 1 names body 2 of 2" );
     def.point_count = 0;
     assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: 0 vertices are nothing to follow" );
+    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: got 0 vertices, expected at least 1" );
     assert_null( track );
     assert_int_equal( count_files( state ), 0 );
 }
@@ -198,7 +198,7 @@ static void info_tells_what_is_in_a_recording( void** state )
                                "  hash of the world    of 2 frames\n"
                                "  bodies               1\n"
                                "    sail               1 triangles, 3 vertices, x 0 .. 1, y 0 .. 4, z -0.5 .. 0 m\n"
-                               "  nothing is wrong with it\n" );
+                               "  no defects\n" );
     free( text );
 }
 
@@ -257,7 +257,7 @@ static void info_tells_what_is_in_a_point_cache( void** state )
     assert_string_equal( text, "sail.pc2: point cache of 2 frames\n"
                                "  frames               from 0, every 1\n"
                                "  points               3, x 0 .. 1, y 0 .. 3, z -0.5 .. 0 m\n"
-                               "  nothing is wrong with it\n" );
+                               "  no defects\n" );
     free( text );
 }
 
