@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- commands ----
+// ---- hair events ----
 
 wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node, void* base )
 {
@@ -66,7 +66,7 @@ wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* 
         scene_leave( r, outside );
     }
 
-    // The program walks along the steps. Of two commands before one step the first would be lost without a word.
+    // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.
     qsort( scene->commands, (size_t)scene->command_count, sizeof *scene->commands, compare_commands );
     for ( int i = 1; i < scene->command_count; ++i )
     {
@@ -120,7 +120,7 @@ static bool ends_in( const char* file, const char* const* extensions )
     return false;
 }
 
-// `strands` and `surface` stand before `file` in the table: what is written decides which formats there are.
+// `strands` and `surface` stand before `file` in the table, because they decide which formats are possible.
 wisp_status scene_read_output_file( scene_reader* r, const scene_node* node, void* base )
 {
     static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
@@ -225,7 +225,7 @@ wisp_status scene_read_version( scene_reader* r, const scene_node* node, void* b
     return status;
 }
 
-// The version is looked at before anything else: a newer scene has keys that would only be called unknown.
+// Check the version first: a newer scene has keys that would only be called unknown.
 static wisp_status check_version( scene_reader* r, const scene_node* root )
 {
     for ( const scene_node* child = scene_first( r->tree, root ); child; child = scene_next( r->tree, child ) )

@@ -1,7 +1,7 @@
-/// Scenes: a YAML (or JSON) file that says which strands, surfaces and colliders there are, what they wear, what happens
-/// to them when, and what is wanted of them.
+/// Scenes: a YAML (or JSON) file with strands, surfaces and colliders, their effects, events, and what to compute and
+/// write.
 /// docs/scenes.md describes the format. A scene is untrusted: bounded, checked, and refused with one sentence such as
-/// `scene.yaml:12:7: strands[0].frozen_hair.clump.radius: 'ten' is not a number`.
+/// `scene.yaml:12:7: strands[0].frozen_hair.clump.radius: got 'ten', expected a number`.
 #pragma once
 
 #include "balloon/balloon.h"

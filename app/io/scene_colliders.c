@@ -101,7 +101,7 @@ const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT] = {
     [WISP_COLLIDER_MESH] = BLOCK( MESH_FIELDS ),
 };
 
-// One number, or a pair of what must be overcome and what is felt while sliding.
+// Read one number, or a pair of static and kinetic friction.
 wisp_status scene_read_friction( scene_reader* r, const scene_node* node, void* at )
 {
     static const scene_field field = { "friction", SCENE_NUMBER, .range = RANGE( 0, 1e6 ) };

@@ -53,7 +53,7 @@ static const scene_field BOUNDARY_FIELDS[] = {
 };
 const scene_block SCENE_BOUNDARY_BLOCK = BLOCK( BOUNDARY_FIELDS );
 
-// What is left out depends on the mesh; the module compares it with what is written.
+// Spacings that are left out depend on the mesh; the module checks them.
 wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const wisp_scene_surface* s )
 {
     static const char* const screen_keys[] = { "eye", "pixel_angle", "pixels" };
@@ -187,7 +187,7 @@ static const scene_field WORLD_FIELDS[] = {
 };
 const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
 
-// A key that the other way to find contacts has no use for is refused, as sizes of other shapes are.
+// Refuse a key that these primitives do not use.
 static wisp_status check_features( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
 {
     const bool exact = settings->features == WISP_CONTACT_EXACT;

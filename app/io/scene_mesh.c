@@ -203,7 +203,7 @@ static wisp_status check_recipe( scene_reader* r, const scene_node* node, const 
                                   (double)recipe->tube_radius, (double)recipe->radius );
     }
     bool is_delaunay = recipe->shape == WISP_MESH_DELAUNAY || recipe->shape == WISP_MESH_GARMENT;
-    // As the maker asks it, in the same arithmetic.
+    // The same condition as in the generator, in the same arithmetic.
     if ( is_delaunay && !( recipe->depth >= recipe->width / 1e3f && recipe->depth <= recipe->width * 1e3f ) )
     {
         return scene_refuse_node( r, node, "got depth %g, expected a thousandth to a thousand times width, %g",

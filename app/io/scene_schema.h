@@ -77,7 +77,7 @@ typedef struct scene_field
     const char* unit;            // symbol; null: the number has no unit
     const scene_choice* choices; // ends with null; of SCENE_CUSTOM too, where words are read
     size_t list, list_count;     // of SCENE_NUMBERS
-    size_t given;                // bytes from the start to a bool that tells that the key is there; 0: nobody asks
+    size_t given;                // bytes from the start to a bool that is set if the key is there; 0: none
     const struct scene_block* block;
     scene_read_fn* read;
 
@@ -99,7 +99,7 @@ typedef struct scene_block
 /// Read a mapping into a struct. Values that it does not name stay as they are.
 wisp_status scene_read_block( scene_reader* reader, const scene_node* node, const scene_block* block, void* base );
 
-/// Read one value as a field tells.
+/// Read one value as its field describes.
 wisp_status scene_read_field( scene_reader* reader, const scene_node* node, const scene_field* field, void* base );
 
 /// The value of a key, for a reader that must see it before the others. @return null if the key is not there, or if the

@@ -1,4 +1,4 @@
-// The script: what is done to surfaces and strands before which step.
+// Events: changes of surfaces and strands before chosen steps.
 #include "scene_parts.h"
 
 #include <math.h>
@@ -40,7 +40,7 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
     return WISP_OK;
 }
 
-// ---- does the surface understand it? ----
+// ---- checks against the surface or the strands ----
 
 static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
                               const wisp_scene_surface* s )
@@ -63,7 +63,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
         return scene_refuse_node( r, node, "got gas_ratio %g, expected at least min_gas_ratio of '%s', %g",
                                   (double)e->fill, s->name, (double)s->balloon.least_fill );
     }
-    // Keyframes would overwrite it before anything was seen of it.
+    // Keyframes would overwrite it before the next step.
     const double time = (double)e->step * (double)r->scene->step_seconds;
     const wisp_scene_fill* last = s->fill_path_count > 0 ? &s->fill_path[s->fill_path_count - 1] : NULL;
     if ( e->has_fill && last && time < (double)last->time )
@@ -74,7 +74,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     return WISP_OK;
 }
 
-// Ghosts and curves follow others, and so does their air.
+// Ghosts and curves follow others and have no air of their own.
 static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];

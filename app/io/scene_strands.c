@@ -33,7 +33,7 @@ wisp_status scene_read_name( scene_reader* r, const scene_node* node, void* at )
     return status;
 }
 
-// Relative files are looked for beside the scene, wherever the program was started.
+// Relative files are relative to the folder of the scene, not to the working directory.
 wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
 {
     const char* file = NULL;
@@ -81,7 +81,7 @@ wisp_status scene_read_make( scene_reader* r, const scene_node* node, void* base
     return status;
 }
 
-// ---- what they wear ----
+// ---- environment and output ----
 
 static wisp_status read_control_point( scene_reader* r, const scene_node* node, wisp_climate_def* climate, int i )
 {
@@ -235,7 +235,7 @@ wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
         .is_shown = true,
     };
     strands.dynamics.gravity = gravity;
-    // Stages are asked for by their keys, not by default.
+    // A stage runs if its key is there, not by default.
     strands.frozen_hair.freeze = strands.frozen_hair.align = strands.frozen_hair.clump = false;
     return strands;
 }
@@ -245,7 +245,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     *strands = scene_default_strands( r->scene->gravity );
     strands->line = node->line;
     strands->column = node->column;
-    // Ghosts move all the time, and what lies on top of them follows in every frame.
+    // Ghosts move in every step, so frozen hair on them follows in every step.
     if ( scene_child( r, node, "ghosts" ) )
     {
         strands->frozen_hair.event = WISP_EVENT_FRAME;

@@ -119,7 +119,7 @@ wisp_status scene_read_pin_box( scene_reader* r, const scene_node* node, void* a
     return WISP_OK;
 }
 
-// ---- what it wears ----
+// ---- limits, gas and layers ----
 
 wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
 {
@@ -226,7 +226,7 @@ wisp_status scene_read_layers( scene_reader* r, const scene_node* node, void* at
     return status;
 }
 
-// ---- what is wanted ----
+// ---- compute ----
 
 const scene_choice SCENE_SURFACE_WORDS[] = {
     { "points", "positions" },

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A float needs no more letters; what is longer is not a number anybody meant.
+// A float needs no more letters.
 #define LONGEST_NUMBER 64
 
 static const char SEED_RANGE[] = "a whole number in [0, 18446744073709551615]";
@@ -40,7 +40,7 @@ static size_t digits( const char* text )
 }
 
 // Letters of the decimal number that a text begins with: [+-] digits [. digits] [e [+-] digits]; 0 if there is none.
-// Hexadecimal, octal, underscores and base 60 are YAML 1.1 numbers, but nobody expects them.
+// Hexadecimal, octal, underscores and base 60 are numbers in YAML 1.1 and are refused here.
 static size_t number_prefix( const char* text, bool* whole )
 {
     size_t n = text[0] == '-' || text[0] == '+';

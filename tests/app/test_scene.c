@@ -299,7 +299,7 @@ static void the_scenes_of_the_project_are_read( void** state )
 {
     (void)state;
     static const char* const files[] = { "empty.yaml",       "frozen_2d.yaml",   "frozen_3d_curly.yaml",
-                                         "freeze_only.yaml", "freeze_only.json", "climate_and_look.yaml" };
+                                         "freeze_only.yaml", "freeze_only.json", "environment_and_appearance.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
         wisp_scene scene = read_good( files[i] );
