@@ -12,7 +12,7 @@ static const uint64_t HASH_GARMENT = 0x913cc0963555b524u;
 enum
 {
     SOUND = WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_SHELL,
-    PAPER_COUNT = 958, // vertices of the cloth whose time the source prints
+    PAPER_COUNT = 958, // vertices of the cloth whose time Noh and Jung print
 };
 
 static wisp_mesh_recipe recipe_of( wisp_mesh_shape shape, int vertex_count, uint64_t seed )

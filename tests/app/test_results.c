@@ -168,7 +168,7 @@ static void gbench_has_the_keys_that_its_readers_need( void** state )
     }
     json_t* benchmarks = json_object_get( root, "benchmarks" );
 
-    // the source's printed time is nobody's run
+    // a time printed in a paper belongs to no run
     assert_int_equal( json_array_size( benchmarks ), 1 );
     json_t* run = json_array_get( benchmarks, 0 );
     assert_string_equal( json_string_value( json_object_get( run, "name" ) ),

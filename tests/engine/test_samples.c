@@ -1,4 +1,4 @@
-// Points on a mesh: how many there are (BND section 5), where they stand, and that it does not matter how they came there.
+// Points on a mesh: how many there are (boundary particle paper), where they stand, and that it does not matter how they came there.
 #include "samples_fixture.h"
 
 // Numbers of about 3 m are rounded a few times to place a point.
@@ -9,7 +9,7 @@ static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
 static void edges_have_the_counts_of_their_lengths( void** state )
 {
     (void)state;
-    // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (BND-04), all of them floats
+    // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (section 2.1), all of them floats
     const float lengths[] = { 0.15f, 0.5f, 0.75f, 1.0f, 1.85f };
     const int even[] = { 0, 0, 0, 1, 2 }, exact[] = { 0, 0, 1, 1, 3 }, up[] = { 0, 0, 1, 1, 3 },
               near[] = { 0, 0, 1, 1, 3 };
@@ -35,7 +35,7 @@ static void edges_have_the_counts_of_their_lengths( void** state )
 static void the_reference_sphere_has_the_counts_of_the_table( void** state )
 {
     (void)state;
-    // BND-14 (table B5)
+    // the boundary particle paper's trade-off of density against cost
     const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int expected[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
                                     { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };

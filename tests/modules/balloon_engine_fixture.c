@@ -19,7 +19,7 @@ balloon_scene balloon_scene_of( const balloon_mesh* mesh )
     };
     scene.def.buoyancy = false;
     scene.def.drag_coefficient = 0.0f;
-    scene.def.keep_angular_momentum = false; // the source does not, nor does the oracle
+    scene.def.keep_angular_momentum = false; // the paper does not, nor does the oracle
     return scene;
 }
 

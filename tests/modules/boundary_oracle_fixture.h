@@ -112,7 +112,7 @@ static inline double doubled_area( const double3 c[3] )
     return double3_length( double3_cross( double3_sub( c[1], c[0] ), double3_sub( c[2], c[0] ) ) );
 }
 
-/// Section 13: weights, plane, sum and normal of a point.
+/// Weights, plane, sum and normal of a point.
 static inline void assert_on_its_parents( const boundary_oracle_layer* layer, const double3* x,
                                           const boundary_oracle_point* p )
 {

@@ -1,5 +1,5 @@
-// The balloon's engine against its double-precision oracle, and its skin and gas against the closed forms. BAL-nn names
-// the row of the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+// The balloon's engine against its double-precision oracle, and its skin and gas against the closed forms. Numbers of
+// equations, figures and sections are those of the balloon paper (docs/methods.md).
 #include "balloon_engine_fixture.h"
 
 #include "balloon_internal.h"
@@ -174,7 +174,7 @@ static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int 
 }
 
 // 60 frames of 10 substeps. In the engine's order of links what differs is rounding; with all edges before all cross
-// links, as the source has it, both are only as close as the solver is converged.
+// links, as the paper has it, both are only as close as the solver is converged.
 static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles( void** state )
 {
     (void)state;
@@ -221,7 +221,7 @@ static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles(
 
 // ---- skin ----
 
-// BAL-05, Fig. 1: eight pairs at once, each alone with its two particles
+// Fig. 1: eight pairs at once, each alone with its two particles
 static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_their_inverse_masses( void** state )
 {
     (void)state;
@@ -265,7 +265,7 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
     }
 }
 
-// BAL-06, BAL-07, Fig. 2
+// Fig. 2
 static void a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_each( void** state )
 {
     (void)state;
@@ -293,7 +293,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_ea
             crosses[1] += link >= f->edge_count && ( a > b ? a : b ) == 4 && ( a > b ? b : a ) == 3 ? 1 : 0;
         }
         assert_int_equal( crosses[0], f->edge_count );
-        // A10: over the three edges of the bipyramid's ring, which is no face, lie its two tips and nothing else
+        // over the three edges of the bipyramid's ring, which is no face, lie its two tips and nothing else
         assert_true( n != 1 || crosses[1] == 3 );
         balloon_end( &flight );
         balloon_mesh_destroy( meshes + n );
@@ -312,7 +312,7 @@ static double figure_volume( const balloon_mesh* mesh, wisp_vec3 place )
     return volume;
 }
 
-// BAL-08, Eq. 7: whole numbers, so that not even floats round
+// Eq. 7: whole numbers, so that not even floats round
 static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state )
 {
     (void)state;
@@ -323,7 +323,7 @@ static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state 
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-09, Eq. 8: the area vectors that drag, outlet and volume share
+// Eq. 8: the area vectors that drag, outlet and volume share
 static void area_vectors_are_the_gradient_of_the_volume( void** state )
 {
     (void)state;
@@ -353,7 +353,7 @@ static void area_vectors_are_the_gradient_of_the_volume( void** state )
             coordinates[k] = kept - h;
             double below = balloon_oracle_present_volume( &oracle );
             coordinates[k] = kept;
-            // section 12: 1e-3 in float, of a vector of its length
+            // 1e-3 in float, of a vector of its length
             balloon_assert_close( of[k], ( above - below ) / ( 2.0 * h ),
                                   1e-3 * double3_length( balloon_from( of ) ) );
         }
@@ -370,7 +370,7 @@ static void area_vectors_are_the_gradient_of_the_volume( void** state )
 
 // ---- volume and gas ----
 
-// BAL-10, Fig. 3
+// Fig. 3
 static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 {
     (void)state;
@@ -399,7 +399,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-11
+// Section III.2
 static void the_volume_follows_a_ramp_of_its_gas( void** state )
 {
     (void)state;
@@ -432,7 +432,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-12, Eq. 9
+// Eq. 9
 static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** state )
 {
     (void)state;
@@ -459,7 +459,7 @@ static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** st
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-14: the same sphere read in three ways
+// Section III.2: the same sphere read in three ways
 static double settled_pressure( const balloon_mesh* mesh, int substeps, int iterations,
                                 wisp_balloon_pressure reading )
 {
@@ -479,7 +479,7 @@ static double settled_pressure( const balloon_mesh* mesh, int substeps, int iter
     return pressure;
 }
 
-// The table of section 5, made in double and in another order of links: its virial is met within 1 %, its converged rows
+// Pressures of a static sphere, made in double and in another order of links: its virial is met within 1 %, its converged rows
 // within 3 % in every reading, as by the oracle, and a percent for floats, whose volume of 0.017 m^3 is 1e-7 and so 0.01 Pa
 // exact but whose links round to 1e-7 of lengths that strain by 6 %.
 static void the_pressure_readings_agree_where_substeps_make_them( void** state )

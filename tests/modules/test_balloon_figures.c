@@ -1,5 +1,5 @@
-// The figures of the source as experiments in the engine (BAL section 8, Fig. 5 to 7), and what a balloon costs in memory.
-// Every result is of frames of 1/60 s with 10 substeps of 2 iterations. BAL-nn names the row of the method's contract.
+// The figures of the balloon paper as experiments in the engine (Fig. 5 to 7), and what a balloon costs in memory.
+// Every result is of frames of 1/60 s with 10 substeps of 2 iterations.
 #include "balloon_engine_fixture.h"
 
 #include <math.h>
@@ -55,7 +55,7 @@ static int most_offset_vertex( const balloon_mesh* mesh )
     return best;
 }
 
-// BAL-26, Fig. 5; BAL-14: one start of the jet, no chatter
+// Fig. 5; section III.2: one start of the jet, no chatter
 static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
 {
     (void)state;
@@ -112,7 +112,7 @@ static double3 tagged_vertex( const balloon_flight* flight, int vertex )
     return double3_make( (double)p.x, (double)p.y, (double)p.z );
 }
 
-// BAL-27, Fig. 6
+// Fig. 6
 static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow( void** state )
 {
     (void)state;
@@ -159,7 +159,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-28, Fig. 7: an outlet at the top drives a released balloon down again
+// Fig. 7: an outlet at the top drives a released balloon down again
 static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
 {
     (void)state;
@@ -203,7 +203,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
     balloon_mesh_destroy( &mesh );
 }
 
-// Guard of section 5: V_min below V_rest lets the end shape be limp
+// V_min below V_rest lets the end shape be limp
 static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 {
     (void)state;
@@ -224,7 +224,7 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-31, BAL-29's sizes: 642 to 40962 vertices
+// Memory, at sizes of 642 to 40962 vertices
 static void memory_is_proportional_to_the_vertices( void** state )
 {
     (void)state;

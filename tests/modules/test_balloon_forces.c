@@ -1,5 +1,5 @@
-// What acts on the balloon from outside: gravity, buoyancy, drag and jet (BAL section 5, Fig. 4). BAL-nn names the row of
-// the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+// What acts on the balloon from outside: gravity, buoyancy, drag and jet (Fig. 4). Numbers of
+// equations, figures and sections are those of the balloon paper (docs/methods.md).
 #include "balloon_engine_fixture.h"
 
 #include <math.h>
@@ -9,7 +9,7 @@ static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
 
 // ---- gravity and buoyancy ----
 
-// BAL-01, BAL-02, BAL-15
+// Eq. 1-2, gravity
 static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 {
     (void)state;
@@ -42,7 +42,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-01: w = 0
+// Eq. 1: w = 0
 static void a_pinned_vertex_stays_whatever_pulls( void** state )
 {
     (void)state;
@@ -84,7 +84,7 @@ static double height_of_three_grams( double radius )
     return height;
 }
 
-// BAL-16, Eq. 10
+// Eq. 10
 static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
 {
     (void)state;
@@ -95,7 +95,7 @@ static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
     assert_true( height_of_three_grams( 1.005 * truth ) > 1e-3 );
 }
 
-// A13: shared by mass it turns nothing
+// Shared by mass it turns nothing
 static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( void** state )
 {
     (void)state;
@@ -119,7 +119,7 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
 
 // ---- drag ----
 
-// BAL-17, Eq. 11, A5: 5120 faces; the measured factors of A5 depend in the fourth digit on the direction of flight
+// Eq. 11: 5120 faces; the measured factors depend in the fourth digit on the direction of flight
 static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 {
     (void)state;
@@ -130,7 +130,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
     for ( int mode = 0; mode < WISP_BALLOON_DRAG_COUNT; ++mode )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
-        scene.dt = 1e-6f; // so short that the limit of section 9 takes 1e-4
+        scene.dt = 1e-6f; // so short that the limit of drag takes 1e-4
         scene.substeps = 1;
         scene.area_density = 1.0f;
         scene.def.drag_coefficient = 0.5f;
@@ -148,7 +148,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
         balloon_assert_close( double3_length( double3_cross( f, u ) ) / speed / full, 0.0, 1e-3 );
         if ( mode == WISP_BALLOON_DRAG_MAX )
         {
-            balloon_assert_share( -double3_dot( f, u ) / speed, full, 0.01 ); // the contract's row
+            balloon_assert_share( -double3_dot( f, u ) / speed, full, 0.01 ); // within 1 %
         }
         balloon_end( &flight );
     }
@@ -162,7 +162,7 @@ static void keep_rigid( const balloon_flight* flight )
     balloon_throw( flight, ( wisp_vec3 ){ (float)( p.x / mass ), (float)( p.y / mass ), (float)( p.z / mass ) } );
 }
 
-// BAL-17. The limit of section 9 brakes less than the plain force: +2.4 % of speed at substeps of 1/600 s, +0.2 % at
+// Eq. 11. The limit that keeps drag from reversing v brakes less than the plain force: +2.4 % of speed at substeps of 1/600 s, +0.2 % at
 // 1/6000 s; here each of 480 substeps is 1/1200 s.
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
@@ -188,7 +188,6 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9
 static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
 {
     (void)state;
@@ -239,7 +238,7 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
     return scene;
 }
 
-// BAL-18 and BAL-19, Eq. 12, section 7
+// Eq. 12
 static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void** state )
 {
     (void)state;
@@ -266,7 +265,7 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-19 at constant pressure: the shape is put back in every step
+// Reaction (section III.3) at constant pressure: the shape is put back in every step
 static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
 {
     (void)state;
@@ -299,7 +298,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-13, BAL-19: M dv = -sum mdot v_e n dt, and the gas that is missing is the gas that left
+// Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the gas that is missing is the gas that left
 static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 {
     (void)state;
@@ -333,7 +332,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-14: 10 Pa and 50 Pa. The skin is put at its pressure by its scale, and read in the step that follows.
+// Section III.2: 10 Pa and 50 Pa. The skin is put at its pressure by its scale, and read in the step that follows.
 static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
 {
     (void)state;
@@ -428,7 +427,7 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-20, Fig. 4
+// Fig. 4
 static void the_four_external_forces_point_where_they_should( void** state )
 {
     (void)state;

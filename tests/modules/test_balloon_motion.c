@@ -1,5 +1,5 @@
-// How the balloon turns and what its motion keeps: torque, inertia, spin, momentum (BAL section 6, eq. 13-17). BAL-nn names
-// the row of the method's contract; where its tolerance is one of doubles, the comment says what floats can keep.
+// How the balloon turns and what its motion keeps: torque, inertia, spin, momentum (balloon paper,
+// Eq. 13-17). Where a bound is one of doubles, the comment says what floats can keep.
 #include "balloon_engine_fixture.h"
 
 #include "balloon_internal.h"
@@ -36,7 +36,7 @@ static balloon_scene loose_pear( const balloon_mesh* mesh )
     return loose_body( mesh, balloon_mesh_farthest( mesh, double3_make( 1.0, 0.3, 0.2 ) ) );
 }
 
-// BAL-21, Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
+// Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
 static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
 {
     (void)state;
@@ -57,7 +57,7 @@ static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-21 and BAL-22, Eq. 13-14. L = sum m x x v does not notice that x has moved along v.
+// Eq. 13-14. L = sum m x x v does not notice that x has moved along v.
 static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( void** state )
 {
     (void)state;
@@ -79,7 +79,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     double3 given = double3_scale( (double)scene.dt, torque );
     // 162 velocities read back from positions: 1.5e-8 m over 1/600 s each
     balloon_assert_close( double3_distance( gained, given ) / double3_length( given ), 0.0, 1e-4 );
-    // BAL-25: and nothing to the momentum but the jet
+    // and nothing to the momentum but the jet
     double3 pushed = double3_sub( balloon_momentum( &flight ), momentum );
     double3 jet = double3_scale( (double)scene.dt, balloon_from( f.jet ) );
     balloon_assert_close( double3_distance( pushed, jet ) / double3_length( jet ), 0.0, 1e-4 );
@@ -87,7 +87,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-25: a kick and the way that it goes are both proportional to dt, so lengths change by dt^4
+// Section III.4: a kick and the way that it goes are both proportional to dt, so lengths change by dt^4
 static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
 {
     (void)state;
@@ -120,7 +120,7 @@ static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
 
 // ---- inertia ----
 
-// BAL-24, Eq. 16-17
+// Eq. 16-17
 static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
 {
     (void)state;
@@ -225,7 +225,7 @@ static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
     return t;
 }
 
-// BAL-23, Eq. 15: a step turns by 2 atan( omega dt / 2 ) = omega dt (1 - (omega dt)^2 / 12)
+// Eq. 15: a step turns by 2 atan( omega dt / 2 ) = omega dt (1 - (omega dt)^2 / 12)
 static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squared( void** state )
 {
     (void)state;
@@ -246,7 +246,7 @@ static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squa
     balloon_mesh_destroy( &mesh );
 }
 
-// A8: positions turn, velocities stay. In a skin that holds together both are mixed, as in the oracle; here nothing does.
+// Positions turn, velocities stay. In a skin that holds together both are mixed, as in the oracle; here nothing does.
 static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void** state )
 {
     (void)state;
@@ -296,7 +296,7 @@ static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
 
 // ---- what motion keeps ----
 
-// BAL-30; BAL-04: sum m Dp = 0
+// Eq. 4, momentum: sum m Dp = 0
 static void internal_constraints_keep_the_momentum_in_every_step( void** state )
 {
     (void)state;
@@ -319,7 +319,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
             mass = balloon_quality( &flight ).mass;
             worst = fmax( worst, double3_distance( balloon_momentum( &flight ), before ) / mass );
         }
-        // the contract's 1e-12 is of doubles. In floats a vertex rounds some 50 times by 1.5e-8 m, over 1/60 s, as a walk,
+        // 1e-12 is a bound of doubles. In floats a vertex rounds some 50 times by 1.5e-8 m, over 1/60 s, as a walk,
         // in the mean of 162: 5e-7 m/s, and the largest of 50 such
         print_message( "           largest change of mean velocity in a step: %.1e m/s\n", worst );
         balloon_assert_close( worst, 0.0, 3e-6 );
@@ -328,7 +328,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-30, section 12: PBD does not keep L exactly, its drift is of the order of the step
+// PBD does not keep L exactly, its drift is of the order of the step
 static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_substeps( void** state )
 {
     (void)state;

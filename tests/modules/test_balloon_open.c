@@ -1,4 +1,4 @@
-// Open skins (BAL section 9, `allow_open`): each hole is closed by a virtual fan for the volume alone. The oracle is held to
+// Open skins (`allow_open`): each hole is closed by a virtual fan for the volume alone. The oracle is held to
 // central differences, the engine to the oracle, and both to what is true whatever the method.
 #include "balloon_engine_fixture.h"
 
@@ -278,7 +278,7 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
         mesh.triangle_count -= 1;
         const wisp_balloon_figures open = first_figures( &scene );
         balloon_assert_share( open.rest_volume, whole.rest_volume, 1e-13 ); // doubles
-        balloon_assert_share( open.volume, whole.volume, 1e-6 ); // sums of floats, section 12 asks for 1e-3
+        balloon_assert_share( open.volume, whole.volume, 1e-6 );            // sums of floats, which need 1e-3
         mesh.triangle_count += 1;
         memcpy( mesh.triangles + 3 * t, kept + 3 * t, 3 * sizeof( int ) );
     }
@@ -356,7 +356,7 @@ static void an_open_skin_takes_the_volume_it_is_asked_for( void** state )
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 120 );
         wisp_balloon_figures f = balloon_read( &flight );
-        balloon_assert_share( f.volume, 1.5 * f.rest_volume, 0.01 ); // BAL-10 asks a closed skin for 1 %
+        balloon_assert_share( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 asks a closed skin for 1 %
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );

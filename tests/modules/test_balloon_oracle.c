@@ -1,6 +1,6 @@
 // The balloon's equations on their double-precision oracle, and what its meshes say about themselves. Motion is in
-// test_balloon_oracle_motion.c, the constraints of Eq. 3-8 in test_constraint_oracle.c. BAL-nn names the row of the
-// method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+// test_balloon_oracle_motion.c, the constraints of Eq. 3-8 in test_constraint_oracle.c. Numbers of
+// equations, figures and sections are those of the balloon paper (docs/methods.md).
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -63,7 +63,7 @@ static double helium_density( void )
     return balloon_oracle_density( 101325.0, BALLOON_ORACLE_HELIUM, 293.15 );
 }
 
-// BAL-01, Eq. 1; BAL-15
+// Eq. 1; gravity
 static void a_constant_force_gives_n_dt_f_over_m_and_a_pinned_vertex_stays( void** state )
 {
     (void)state;
@@ -81,7 +81,7 @@ static void a_constant_force_gives_n_dt_f_over_m_and_a_pinned_vertex_stays( void
     }
 }
 
-// BAL-02, Eq. 2
+// Eq. 2
 static void the_velocity_carries_the_old_position_to_the_new_one( void** state )
 {
     (void)state;
@@ -94,7 +94,7 @@ static void the_velocity_carries_the_old_position_to_the_new_one( void** state )
     }
 }
 
-// BAL-06 and BAL-07, Fig. 2
+// Fig. 2
 static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_each( void** state )
 {
     (void)state;
@@ -135,7 +135,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_e
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-07, A10: the ring of a bipyramid is a cycle of three edges and no face, its edges have three common neighbours
+// Fig. 2b: the ring of a bipyramid is a cycle of three edges and no face, its edges have three common neighbours
 static void a_bend_pair_comes_from_the_faces_and_not_from_common_neighbours( void** state )
 {
     (void)state;
@@ -156,7 +156,7 @@ static void a_bend_pair_comes_from_the_faces_and_not_from_common_neighbours( voi
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-12, Eq. 9
+// Eq. 9
 static void the_gas_law_gives_the_densities_and_pressures_of_the_source( void** state )
 {
     (void)state;
@@ -171,7 +171,7 @@ static void the_gas_law_gives_the_densities_and_pressures_of_the_source( void** 
     }
 }
 
-// BAL-13, A2
+// Section III.2
 static void the_gas_amount_comes_from_its_volume_at_atmospheric_pressure( void** state )
 {
     (void)state;
@@ -182,7 +182,7 @@ static void the_gas_amount_comes_from_its_volume_at_atmospheric_pressure( void**
     assert_close( balloon_oracle_gas_pressure_printed( amount * 0.014, 0.014, 293.15 ), 101325.0, 1e-9 );
 }
 
-// BAL-16, Eq. 10
+// Eq. 10
 static void buoyancy_points_up_and_floats_three_grams_at_the_radius_of_the_source( void** state )
 {
     (void)state;
@@ -223,7 +223,7 @@ static double3 sphere_drag( const balloon_mesh* mesh, balloon_oracle_drag drag, 
     return sum;
 }
 
-// BAL-17, Eq. 11, A5
+// Eq. 11
 static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 {
     (void)state;
@@ -233,7 +233,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
     double speed = double3_length( v ), full = 0.5 * air_density() * 0.5 * pi * 0.15 * 0.15 * speed * speed;
     const balloon_oracle_drag variant[] = { BALLOON_ORACLE_DRAG_MAX, BALLOON_ORACLE_DRAG_ABS,
                                             BALLOON_ORACLE_DRAG_SIGNED, BALLOON_ORACLE_DRAG_NORMAL };
-    // the measured factors of A5; they depend in the fourth digit on the direction in which the mesh is met
+    // the measured factors; they depend in the fourth digit on the direction in which the mesh is met
     const double expected[] = { 0.9987, 1.9975, 0.0, 4.0 / 3.0 }, allowed[] = { 1e-3, 2e-3, 1e-12, 3e-3 };
     for ( int n = 0; n < 4; ++n )
     {
@@ -245,7 +245,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9: explicit drag may reverse v, limited drag may not; |v| = 0 and a cancelled normal give nothing.
+// Explicit drag may reverse v, limited drag may not; |v| = 0 and a cancelled normal give nothing.
 static void limited_drag_never_reverses_a_velocity( void** state )
 {
     (void)state;
@@ -260,7 +260,7 @@ static void limited_drag_never_reverses_a_velocity( void** state )
     assert_true( double3_length( balloon_oracle_drag_force( BALLOON_ORACLE_DRAG_MAX, c, v, zero, 0.0 ) ) == 0.0 );
 }
 
-// BAL-18 and BAL-19, Eq. 12, section 7
+// Eq. 12
 static void the_outlet_speed_flow_and_thrust_have_the_magnitudes_of_the_specification( void** state )
 {
     (void)state;
@@ -278,12 +278,12 @@ static void the_outlet_speed_flow_and_thrust_have_the_magnitudes_of_the_specific
     }
     assert_true( balloon_oracle_outlet_speed( 0.0, helium_density() ) == 0.0 );
     assert_true( balloon_oracle_outlet_speed( -500.0, helium_density() ) == 0.0 );
-    // A6: with a frozen constant an emptier balloon blows harder
+    // with a frozen constant an emptier balloon blows harder
     assert_true( balloon_oracle_outlet_speed_printed( 103825.0, 102000.0, helium_density() ) >
                  balloon_oracle_outlet_speed_printed( 103825.0, 103000.0, helium_density() ) );
 }
 
-// BAL-14: 10 Pa and 50 Pa
+// Section III.2: 10 Pa and 50 Pa
 static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
 {
     (void)state;
@@ -297,7 +297,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
     }
 }
 
-// BAL-21, Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
+// Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
 static void a_radial_jet_has_no_torque_and_an_offset_one_has_r_cross_f( void** state )
 {
     (void)state;
@@ -354,7 +354,7 @@ static void kick_pear( double dt, double3* gained, double3* momentum_change, dou
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-22, Eq. 14, and BAL-25
+// Eq. 14, and section III.4
 static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_momentum( void** state )
 {
     (void)state;
@@ -372,7 +372,7 @@ static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_moment
     assert_close( strain[0] / strain[1], 16.0, 0.1 );
 }
 
-// BAL-23, Eq. 15
+// Eq. 15
 static void a_quaternion_stays_of_unit_length_and_its_angle_error_falls_with_dt_squared( void** state )
 {
     (void)state;
@@ -399,7 +399,7 @@ static void a_quaternion_stays_of_unit_length_and_its_angle_error_falls_with_dt_
     assert_close( double3_distance( turned, up ), 0.0, 1e-15 );
 }
 
-// BAL-24, Eq. 16-17
+// Eq. 16-17
 static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
 {
     (void)state;
@@ -434,7 +434,7 @@ static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9: all vertices on a line have no spin about it
+// All vertices on a line have no spin about it
 static void a_singular_inertia_is_inverted_where_it_can_be( void** state )
 {
     (void)state;
@@ -468,7 +468,6 @@ static void a_singular_inertia_is_inverted_where_it_can_be( void** state )
     }
 }
 
-// Section 9
 static void a_triangle_without_area_and_a_cancelled_normal_are_counted_and_harmless( void** state )
 {
     (void)state;
@@ -508,7 +507,6 @@ static void assert_refused( const balloon_mesh* mesh, const char* words )
     }
 }
 
-// Section 9
 static void a_mesh_without_one_inside_is_refused_with_the_edge_that_is_wrong( void** state )
 {
     (void)state;
@@ -578,7 +576,7 @@ static void parameters_out_of_range_are_refused_by_name( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9: V < 0 turns all, flood fill repairs some
+// V < 0 turns all, flood fill repairs some
 static void winding_is_repaired_and_an_inside_out_mesh_is_turned( void** state )
 {
     (void)state;
@@ -616,7 +614,7 @@ static void winding_is_repaired_and_an_inside_out_mesh_is_turned( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9, allow_open: a flat hole is closed by its fan exactly
+// allow_open: a flat hole is closed by its fan exactly
 static void a_fan_over_a_hole_restores_the_volume_of_a_cube( void** state )
 {
     (void)state;
@@ -632,7 +630,7 @@ static void a_fan_over_a_hole_restores_the_volume_of_a_cube( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 5 and references, section 1
+// Closed forms
 static void the_virial_of_a_scaled_mesh_is_its_closed_form( void** state )
 {
     (void)state;

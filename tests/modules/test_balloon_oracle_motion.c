@@ -1,6 +1,5 @@
 // The balloon in motion on its double-precision oracle: pressure table, lift, jet, spin and the figures of the
-// source. BAL-nn names the row of the method's contract; tolerances are the printed ones of that contract unless a
-// comment says otherwise.
+// balloon paper, which numbers of equations, figures and sections refer to (docs/methods.md).
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -101,7 +100,7 @@ static double body_volume_ratio( const balloon_oracle* body )
     return balloon_oracle_present_volume( body ) / body->rest_volume;
 }
 
-// BAL-14, the table of section 5. It was made without bend pairs. Its virial is met within 1 %, its converged rows
+// Pressures of a static sphere in three readings. The table was made without bend pairs. Its virial is met within 1 %, its converged rows
 // (100 and 400 substeps) within 2 % in every reading; the gas and the multiplier of unconverged rows, which that
 // section calls useless, differ by up to 57 Pa of the 2410 Pa that all approach, more than another order of the edges
 // (9 Pa).
@@ -142,7 +141,7 @@ static void the_three_pressure_readings_follow_the_table_of_the_specification( v
     }
 }
 
-// BAL-10, Fig. 3
+// Fig. 3
 static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 {
     (void)state;
@@ -167,7 +166,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
     }
 }
 
-// BAL-11
+// Section III.2
 static void the_volume_follows_a_ramp_of_its_gas( void** state )
 {
     (void)state;
@@ -194,7 +193,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
     balloon_oracle_destroy( &body );
 }
 
-// BAL-15
+// Gravity
 static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 {
     (void)state;
@@ -211,7 +210,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
     balloon_oracle_destroy( &body );
 }
 
-// BAL-16
+// Eq. 10
 static void a_balloon_rises_only_when_its_lift_exceeds_its_skin( void** state )
 {
     (void)state;
@@ -231,14 +230,14 @@ static void a_balloon_rises_only_when_its_lift_exceeds_its_skin( void** state )
     }
 }
 
-// BAL-17: a sphere of 3 g that keeps its shape
+// Eq. 11: a sphere of 3 g that keeps its shape
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
     (void)state;
     double truth = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, 1.20410, 0.16639, 0.5 );
     assert_close( truth, 2.32, 5e-3 );
     balloon_oracle_options options = balloon_oracle_default_options();
-    // the limit of section 9 brakes less than the plain force: +2.4 % of speed at dt = 1/600 s, +0.2 % at 1/6000 s
+    // the limit that keeps drag from reversing v brakes less than the plain force: +2.4 % of speed at dt = 1/600 s, +0.2 % at 1/6000 s
     options.dt = 1.0 / 1200.0;
     options.substeps = 1;
     balloon_oracle body = new_sphere( 3, 0.003 / ( 4.0 * pi * 0.15 * 0.15 ), &options );
@@ -257,7 +256,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     assert_true( balloon_oracle_true_terminal_speed( 0.08, 0.003, 9.8, 1.20410, 0.16639, 0.5 ) == 0.0 );
 }
 
-// Section 9: a light skin thrown at 300 m/s with frames as steps
+// A light skin thrown at 300 m/s with frames as steps
 static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
 {
     (void)state;
@@ -279,7 +278,7 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
     }
 }
 
-// BAL-13 and BAL-19
+// Sections III.2 and III.3
 static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 {
     (void)state;
@@ -310,7 +309,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     balloon_oracle_destroy( &body );
 }
 
-// BAL-19 at constant pressure
+// Reaction (section III.3) at constant pressure
 static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
 {
     (void)state;
@@ -326,7 +325,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     assert_close( mass * v.y / balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.5 ), 1.0, 1e-6 );
 }
 
-// BAL-20, Fig. 4
+// Fig. 4
 static void the_four_external_forces_point_where_they_should( void** state )
 {
     (void)state;
@@ -356,7 +355,7 @@ static void the_four_external_forces_point_where_they_should( void** state )
     balloon_oracle_destroy( &body );
 }
 
-// BAL-30
+// Momentum (section II)
 static void internal_constraints_keep_the_momentum_in_every_step( void** state )
 {
     (void)state;
@@ -405,7 +404,7 @@ static double pair_drift( double speed, double dt )
     return balloon_oracle_angular_momentum( x, v, w, 2, zero ).z / speed - 1.0;
 }
 
-// BAL-30, section 12. The printed figures are those of ends that move at 1 m/s, half a metre from the centre, which
+// The printed figures are those of ends that move at 1 m/s, half a metre from the centre, which
 // is 2 rad/s; at 1 rad/s the drift is a quarter. Both follow L = L0 / sqrt( 1 + 2 omega^2 dt t ) to first order.
 static void the_angular_momentum_of_a_spinning_pair_drifts_in_proportion_to_dt( void** state )
 {
@@ -418,7 +417,7 @@ static void the_angular_momentum_of_a_spinning_pair_drifts_in_proportion_to_dt( 
     }
 }
 
-// Section 12, spin: a body whose jet has ended
+// Spin: a body whose jet has ended
 static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_substeps( void** state )
 {
     (void)state;
@@ -442,7 +441,7 @@ static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_sub
     assert_close( drift[1] / drift[2], 2.0, 0.4 );
 }
 
-// BAL-26, Fig. 5; BAL-14: one start of the jet, no chatter
+// Fig. 5; section III.2: one start of the jet, no chatter
 static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
 {
     (void)state;
@@ -475,7 +474,7 @@ static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
     balloon_oracle_destroy( &body );
 }
 
-// BAL-27, Fig. 6
+// Fig. 6
 static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow( void** state )
 {
     (void)state;
@@ -518,7 +517,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
     }
 }
 
-// BAL-28, Fig. 7: an outlet at the top drives a released balloon down again
+// Fig. 7: an outlet at the top drives a released balloon down again
 static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
 {
     (void)state;
@@ -554,7 +553,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
     }
 }
 
-// A8: the printed recipe turns positions and leaves velocities, so the particles do not get the spin
+// The printed recipe turns positions and leaves velocities, so the particles do not get the spin
 static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_momentum( void** state )
 {
     (void)state;
@@ -576,7 +575,7 @@ static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_moment
     assert_true( momentum[1] < 0.2 * momentum[0] );
 }
 
-// Section 9: V <= 0 after a collapse, and a pinned vertex through everything
+// V <= 0 after a collapse, and a pinned vertex through everything
 static void a_collapsed_balloon_stays_finite_and_says_so( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
 // Every switch with every other, which passes each of them makes, and the balloons that a scene should not contain but does:
-// collapsed, flat, pinned all over, no longer numbers (BAL section 9).
+// collapsed, flat, pinned all over, NaN.
 #include "balloon_engine_fixture.h"
 
 #include <math.h>

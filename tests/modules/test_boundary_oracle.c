@@ -1,4 +1,5 @@
-// Counts and places of boundary particles on their double-precision oracle: a row of the contract a test.
+// Counts and places of boundary particles on their double-precision oracle. Numbers of sections are those
+// of the boundary particle paper (docs/methods.md).
 #include "boundary_oracle_fixture.h"
 
 // ---- the reference mesh ----
@@ -50,7 +51,7 @@ static void each_edge_stands_once_lower_vertex_first_rising( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- BND-04, B2: counts of an edge ----
+// ---- Section 2.1: counts of an edge ----
 
 static void an_edge_has_the_counts_of_the_table( void** state )
 {
@@ -98,7 +99,7 @@ static void exact_points_do_not_depend_on_the_rounding( void** state )
     }
 }
 
-// ---- BND-05: places on an edge ----
+// ---- Section 2.2: places on an edge ----
 
 // The largest and smallest distance between neighbours on a segment, its ends among them.
 static void gaps_of( double length, boundary_oracle_policy policy, boundary_oracle_rounding rounding, double* least,
@@ -155,7 +156,7 @@ static void even_points_are_the_same_from_either_end_and_exact_ones_are_not( voi
     }
 }
 
-// ---- BND-06, BND-07: axis and height ----
+// ---- Sections 3.1 and 3.2: axis and height ----
 
 static void the_axis_is_the_shortest_edge_and_the_lowest_of_equals( void** state )
 {
@@ -218,7 +219,7 @@ static void the_height_ignores_a_translation_and_the_printed_one_does_not( void*
     assert_true( wrong > 190 );
 }
 
-// ---- BND-08, BND-09: lines and points on them ----
+// ---- Sections 3.3 and 3.4: lines and points on them ----
 
 static void a_triangle_has_the_lines_and_points_of_a_count_by_hand( void** state )
 {
@@ -315,7 +316,7 @@ static void inner_points_fill_the_area_from_below_as_the_spacing_falls( void** s
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- section 13: what holds for every point ----
+// ---- what holds for every point ----
 
 static void assert_order( const boundary_oracle_point* a, const boundary_oracle_point* b )
 {
@@ -406,7 +407,6 @@ static void no_two_points_of_different_elements_coincide( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// B3
 static void rows_are_parallel_to_the_axis_and_inside_before_and_after_a_translation( void** state )
 {
     (void)state;

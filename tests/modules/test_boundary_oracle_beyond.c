@@ -1,11 +1,11 @@
-// What goes beyond the source in double precision: local spacing, and contact that boundary particles pass on.
+// What goes beyond the paper in double precision: local spacing, and contact that boundary particles pass on.
 #include "boundary_oracle_fixture.h"
 
 #include "oracle/contact_oracle.h"
 
 static const boundary_oracle_criteria OFF = { .least = 1e-3, .most = 1e3 };
 
-// ---- X1 to X3: local spacing ----
+// ---- local spacing ----
 
 static void without_a_criterion_the_spacing_is_the_one_that_was_asked_for( void** state )
 {
@@ -161,7 +161,7 @@ static void points_grow_fewer_with_distance_and_both_sides_of_an_edge_agree( voi
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- X4: contact ----
+// ---- contact ----
 
 typedef struct touching
 {

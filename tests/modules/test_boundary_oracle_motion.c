@@ -35,7 +35,7 @@ static void assert_finite( const boundary_oracle_balloon* balloon )
     }
 }
 
-// ---- BND-10, BND-11: case A and case B ----
+// ---- Section 4: case A and case B ----
 
 // A motion without symmetry, so that elements change their counts one by one.
 static void wobble( double3* x, const double3* rest, int count, double phase )
@@ -102,7 +102,7 @@ static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BND-15, B6: pulsation, the share of elements in case B, of edges and of all
+// Cost of resampling: pulsation, the share of elements in case B, of edges and of all
 static void more_pulsation_puts_more_elements_into_case_b( void** state )
 {
     (void)state;
@@ -143,7 +143,6 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// X5
 static void hysteresis_stills_a_count_that_flickers( void** state )
 {
     (void)state;
@@ -207,7 +206,7 @@ static void hysteresis_lowers_the_share_of_case_b_in_a_small_pulsation( void** s
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- BND-01: the balloon ----
+// ---- Core idea: the balloon ----
 
 static void a_soft_skin_takes_half_to_three_times_its_rest_volume( void** state )
 {
@@ -339,7 +338,7 @@ static void a_gust_hits_a_vertex_once_or_as_printed_once_a_face( void** state )
     }
 }
 
-// BND-16, B7
+// Stability against steps and forces
 static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void** state )
 {
     (void)state;
@@ -383,7 +382,7 @@ static void a_pinned_balloon_stays_finite_too( void** state )
     }
 }
 
-// ---- BND-02, BND-18, BND-17: the layer on the balloon ----
+// ---- The layer on the balloon ----
 
 static void the_layer_leaves_every_bit_of_the_balloon_alone( void** state )
 {
@@ -421,7 +420,7 @@ static int lines_of( FILE* file, int* unit_normals )
     return lines;
 }
 
-// B1: inflate 1 -> 2 -> 1 with a gust, frames saved
+// Sample run: inflate 1 -> 2 -> 1 with a gust, frames saved
 static void a_sample_run_swells_and_shrinks_with_its_points_on_the_surface( void** state )
 {
     (void)state;

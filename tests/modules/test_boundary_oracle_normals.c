@@ -1,7 +1,7 @@
 // Normals of boundary particles on their double-precision oracle, and what has no length, area or direction.
 #include "boundary_oracle_fixture.h"
 
-// ---- BND-12, BND-13, B4: normals ----
+// ---- Sections 5.1 and 5.2: normals ----
 
 static void vertex_normals_are_means_of_unit_face_normals( void** state )
 {
@@ -94,7 +94,6 @@ static void normals_are_continuous_across_an_edge_in_both_modes( void** state )
     }
 }
 
-// B4
 static void the_angle_to_a_sphere_falls_with_the_size_of_its_triangles( void** state )
 {
     (void)state;
@@ -119,7 +118,7 @@ static void the_angle_to_a_sphere_falls_with_the_size_of_its_triangles( void** s
     assert_true( angle[0] < 0.02 && angle[1] < 0.75 * angle[0] && angle[2] < 0.75 * angle[1] );
 }
 
-// ---- section 10: degenerate cases ----
+// ---- degenerate cases ----
 
 static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_sentence( void** state )
 {

@@ -1,4 +1,4 @@
-// The climate drives the stiffness of strands (FRZ-X2): monotone in temperature and wetness, without a pass where
+// The climate drives the stiffness of strands (extension of Kim 2026): monotone in temperature and wetness, without a pass where
 // there is no climate, and without a hand in when a look changes.
 #include "frozen_hair_engine_fixture.h"
 
@@ -148,7 +148,7 @@ static void hair_in_a_climate_looks_like_hair_of_that_stiffness( void** state )
     hair_groom_destroy( &groom );
 }
 
-// FRZ-22 goes on holding: the weather alone moves no hair.
+// The weather alone moves no hair.
 static void weather_changes_a_look_only_with_the_next_command( void** state )
 {
     (void)state;

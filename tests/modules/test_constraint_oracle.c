@@ -1,5 +1,5 @@
-// Constraints of cloth and balloons on their double-precision oracle. BAL-nn names the row of the balloon's contract;
-// tolerances are the printed ones of that contract unless a comment says otherwise.
+// Constraints of cloth and balloons on their double-precision oracle. Numbers of equations
+// and figures are those of the balloon paper (docs/methods.md).
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -117,7 +117,7 @@ static constraint_oracle_term root_form( const double3 p[4], void* user )
     return constraint_oracle_isometric_root( p, user );
 }
 
-// Every gradient of at most four vertices; the volume's is below (BAL-09).
+// Every gradient of at most four vertices; the volume's is below (Eq. 8).
 static void gradients_agree_with_central_differences( void** state )
 {
     (void)state;
@@ -136,7 +136,7 @@ static void gradients_agree_with_central_differences( void** state )
     }
 }
 
-// BAL-03, Eq. 3
+// Eq. 3
 static void a_linear_constraint_is_solved_by_one_projection( void** state )
 {
     (void)state;
@@ -162,7 +162,7 @@ static void a_linear_constraint_is_solved_by_one_projection( void** state )
     }
 }
 
-// BAL-04, Eq. 4 against Eq. 6
+// Eq. 4 against Eq. 6
 static void the_general_projection_of_a_distance_is_the_printed_one( void** state )
 {
     (void)state;
@@ -181,7 +181,7 @@ static void the_general_projection_of_a_distance_is_the_printed_one( void** stat
     }
 }
 
-// BAL-04 and BAL-30: sum m Dp and sum m p x Dp of one projection, relative to the sum of their lengths
+// Eq. 4, momentum: sum m Dp and sum m p x Dp of one projection, relative to the sum of their lengths
 static void assert_momentum_kept( const double3* before, const double3* after, const double* w, int count )
 {
     double3 sum = { 0.0, 0.0, 0.0 }, turn = sum;
@@ -243,7 +243,7 @@ static void every_projection_keeps_linear_and_angular_momentum( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-05, Eq. 5-6, Fig. 1
+// Eq. 5-6, Fig. 1
 static void a_stretched_pair_returns_to_its_length_and_moves_in_ratio_of_inverse_masses( void** state )
 {
     (void)state;
@@ -275,7 +275,7 @@ static void a_stiffness_below_one_leaves_its_share_of_the_error( void** state )
             constraint_oracle_term term = constraint_oracle_distance( p[0], p[1], 1.0 );
             constraint_oracle_project( &term, four, w, k, p, &skips );
         }
-        // section 13: k' keeps the error at (1 - k) whatever the count
+        // k' keeps the error at (1 - k) whatever the count
         assert_close( double3_distance( p[0], p[1] ), 1.1, 1e-14 );
     }
 }
@@ -476,14 +476,14 @@ static void the_energy_form_halves_a_fold_and_the_root_form_solves_it( void** st
     }
 }
 
-// BAL-08, Eq. 7
+// Eq. 7
 static void a_cube_has_volume_one_wherever_it_is( void** state )
 {
     (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     assert_true( mesh_volume( &mesh ) == 1.0 );
-    // A1: the printed sum is six times the volume
+    // the printed sum is six times the volume
     assert_true( constraint_oracle_volume_sum( mesh.positions, mesh.triangles, 12 ) == 6.0 );
     for ( int i = 0; i < 8; ++i )
     {
@@ -507,7 +507,7 @@ static void volumes_of_solids_have_their_closed_forms( void** state )
     assert_close( mesh_volume( &mesh ) / ( 2.0 * pi * pi * 0.16 ), 1.0 - lost, 0.1 * lost );
     balloon_mesh_destroy( &mesh );
 
-    // section 13: the volume error falls with the number of faces
+    // the volume error falls with the number of faces
     double error[2];
     for ( int n = 0; n < 2; ++n )
     {
@@ -532,7 +532,7 @@ static void volume_does_not_change_with_translation_and_rotation( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// BAL-09, Eq. 8
+// Eq. 8
 static void the_volume_gradient_agrees_with_differences_and_with_its_identities( void** state )
 {
     (void)state;
@@ -624,7 +624,6 @@ static void volume_projections_reach_their_target_and_their_pressure( void** sta
     balloon_mesh_destroy( &mesh );
 }
 
-// Section 9
 static void degenerate_constraints_move_nothing_and_are_counted( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Balloons that press on each other (BAL-X1): no overlap, a flat contact, opposite forces that carry the load; on the floor,
+// Balloons that press on each other (not in the balloon paper): no overlap, a flat contact, opposite forces that carry the load; on the floor,
 // under cloth, and ten of them in a box that come to rest.
 //
 // Rest means: over the last second no centre moved by more than a hundredth of the radius, and the root of the mean square speed of

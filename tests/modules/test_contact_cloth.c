@@ -1,5 +1,5 @@
 // Cloth that folds on a ball, is crumpled by wind and by its pins, and is shot at: no triangle passes through another at any
-// step that is looked at (TRI-X2), and contact gives no energy. Crossings are counted exactly.
+// step that is looked at, and contact gives no energy. Crossings are counted exactly.
 #include "contact_fixture.h"
 
 enum

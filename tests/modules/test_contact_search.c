@@ -1,4 +1,4 @@
-// What searches, and how far it looks, change the time and not one bit; and boundary particles as what is kept apart: their law (BND-X4), and what
+// What searches, and how far it looks, change the time and not one bit; and boundary particles as what is kept apart: their law, and what
 // passes between them.
 #include "contact_fixture.h"
 

@@ -1,6 +1,6 @@
-// The contract of frozen hair, rows FRZ-01 to FRZ-11, held by the engine against closed-form truths through its
-// public face alone. Rows 12 to 16 are in test_frozen_hair_contract_clump.c, 17 to 24 in test_frozen_hair_figures.c.
-// A float rounds by u = 2^-24: where the contract prints a bound for double precision, the bound here is the number
+// Frozen hair (Kim 2026, Eq. 1-13), held by the engine against closed forms through its public interface alone. Eq. 14-19
+// are in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_figures.c.
+// A float rounds by u = 2^-24: where a bound for double precision is known, the bound here is the number
 // of roundings times u times the size of what is rounded.
 #include "frozen_hair_engine_fixture.h"
 
@@ -33,9 +33,9 @@ static double draw( uint64_t stream, int strand, int vertex )
     return wisp_random_unit( key, (uint32_t)strand, (uint32_t)vertex, 0 );
 }
 
-// ---- FRZ-01 to FRZ-06: strands, lengths, bends ----
+// ---- Eq. 1-7: strands, lengths, bends ----
 
-// FRZ-01, Eq. 1
+// Eq. 1
 static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
 {
     (void)state;
@@ -62,7 +62,7 @@ static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
     hair_groom_destroy( &groom );
 }
 
-// FRZ-02, Eq. 2: where nothing is drawn a segment is its length times its tangent, so what comes back tells both.
+// Eq. 2: where nothing is drawn a segment is its length times its tangent, so what comes back tells both.
 static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** state )
 {
     (void)state;
@@ -98,7 +98,7 @@ static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** st
     hair_groom_destroy( &groom );
 }
 
-// FRZ-03, FRZ-06, Eq. 3 and 7: the length drawn for a segment is the length it has
+// Eq. 3 and 7: the length drawn for a segment is the length it has
 static void segments_have_the_length_that_was_drawn_for_them( void** state )
 {
     (void)state;
@@ -134,7 +134,7 @@ static void segments_have_the_length_that_was_drawn_for_them( void** state )
     }
 }
 
-// FRZ-03, section 10: |l*/l0 - 1| of uniform numbers has the mean alpha/2, l*/l0 - 1 the deviation alpha/sqrt 3
+// |l*/l0 - 1| of uniform numbers has the mean alpha/2, l*/l0 - 1 the deviation alpha/sqrt 3
 static void relative_lengths_spread_as_the_printed_percentages_say( void** state )
 {
     (void)state;
@@ -164,7 +164,7 @@ static void relative_lengths_spread_as_the_printed_percentages_say( void** state
     hair_groom_destroy( &groom );
 }
 
-// FRZ-04, Eq. 4: an axis that were not a unit vector perpendicular to the segment would turn it by less
+// Eq. 4: an axis that were not a unit vector perpendicular to the segment would turn it by less
 static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
 {
     (void)state;
@@ -193,7 +193,7 @@ static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
     }
 }
 
-// FRZ-04, R3: the axis of straight hair is random, but it belongs to the hair and not to the command
+// Eq. 4: the axis of straight hair is random, but it belongs to the hair and not to the command
 static void straight_hair_bends_about_the_same_axis_at_every_command( void** state )
 {
     (void)state;
@@ -231,7 +231,7 @@ static void straight_hair_bends_about_the_same_axis_at_every_command( void** sta
     hair_groom_destroy( &groom );
 }
 
-// FRZ-06: the stiff limit
+// Eq. 6-7: the stiff limit
 static void infinitely_stiff_hair_returns_to_rest( void** state )
 {
     (void)state;
@@ -243,7 +243,7 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
         wisp_vec3* out = hair_run( NULL, &groom, &def );
         for ( int v = 0; v < groom.vertex_count; ++v )
         {
-            // every vertex adds a rounded coordinate and a step with the roundings of FRZ-02
+            // every vertex adds a rounded coordinate and a step with the roundings of Eq. 2
             double tolerance = 20.0 * u * ( extent( groom.points, groom.vertex_count ) + 10.0 * 0.0075 );
             hair_assert_close( hair_distance( out[v], groom.points[v] ), 0.0, tolerance );
         }
@@ -252,9 +252,9 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
     }
 }
 
-// ---- FRZ-05, FRZ-07 to FRZ-11: turning towards the cursor ----
+// ---- Eq. 5, 8, 9, 10, 11, 12, 13: turning towards the cursor ----
 
-// FRZ-05, Eq. 5: a rotation keeps all distances and the handedness of a curl
+// Eq. 5: a rotation keeps all distances and the handedness of a curl
 static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
 {
     (void)state;
@@ -285,7 +285,7 @@ static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
     hair_groom_destroy( &groom );
 }
 
-// FRZ-07, Eq. 8-9, R6
+// Eq. 8-9
 static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( void** state )
 {
     (void)state;
@@ -321,7 +321,7 @@ static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( v
     hair_groom_destroy( &groom );
 }
 
-// FRZ-08, Eq. 10, A16
+// Eq. 10
 static void strands_out_of_reach_keep_their_bits( void** state )
 {
     (void)state;
@@ -350,7 +350,7 @@ static void strands_out_of_reach_keep_their_bits( void** state )
     }
 }
 
-// FRZ-09, Eq. 11: after a whole turn the direction is that of the cursor, even from the opposite
+// Eq. 11: after a whole turn the direction is that of the cursor, even from the opposite
 static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** state )
 {
     (void)state;
@@ -388,7 +388,7 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
     }
 }
 
-// FRZ-10, Eq. 12
+// Eq. 12
 static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
 {
     (void)state;
@@ -422,7 +422,7 @@ static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
     hair_groom_destroy( &groom );
 }
 
-// FRZ-11, Eq. 13, R5: the printed blend shortens, the arc does not
+// Eq. 13: the printed blend shortens, the arc does not
 static void a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances( void** state )
 {
     (void)state;

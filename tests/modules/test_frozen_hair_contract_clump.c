@@ -1,5 +1,5 @@
-// The contract of frozen hair, rows FRZ-12 to FRZ-16: adhesion, gaps, guard, and the pipeline as one, held by the
-// engine against closed-form truths through its public face alone. Rows 1 to 11 are in test_frozen_hair_contract.c,
+// Frozen hair (Kim 2026, Eq. 14-19 and Algorithm 1): adhesion, gaps, guard, and the pipeline as one, held by the
+// engine against closed forms through its public interface alone. Eq. 1-13 are in test_frozen_hair_contract.c,
 // and say how tolerances are counted in u = 2^-24.
 #include "frozen_hair_engine_fixture.h"
 
@@ -25,7 +25,7 @@ static double draw( uint64_t stream, int strand, int vertex )
     return wisp_random_unit( key, (uint32_t)strand, (uint32_t)vertex, 0 );
 }
 
-// ---- FRZ-12 to FRZ-15: clumping ----
+// ---- Eq. 14-19: clumping ----
 
 // Pairs of two-vertex strands on a lattice, 3 cm apart and therefore alone: tips r apart along x, roots far above.
 typedef struct pair_groom
@@ -66,7 +66,7 @@ static wisp_frozen_hair_def one_wet_step( void )
     return def;
 }
 
-// FRZ-12, Eq. 14: the kernel, read off the step of one pair at the origin
+// Eq. 14: the kernel, read off the step of one pair at the origin
 static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly( void** state )
 {
     (void)state;
@@ -97,7 +97,7 @@ static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly
     hair_groom_destroy( &pair.groom );
 }
 
-// FRZ-13, FRZ-14, Eq. 15-16
+// Eq. 15-16
 static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( void** state )
 {
     (void)state;
@@ -126,7 +126,7 @@ static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( vo
     hair_groom_destroy( &pair.groom );
 }
 
-// FRZ-15, Eq. 17-19, R7: what remains of the step of every vertex of a pair, and its mean over many
+// Eq. 17-19: what remains of the step of every vertex of a pair, and its mean over many
 static void lambda_obeys_the_law_of_each_gap_rule( void** state )
 {
     (void)state;
@@ -180,7 +180,7 @@ static double nearest_of_all( const hair_groom* groom, const wisp_vec3* p )
     return nearest;
 }
 
-// FRZ-15, R10: the guard
+// Eq. 17-19: the guard
 static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( void** state )
 {
     (void)state;
@@ -219,7 +219,7 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
     hair_groom_destroy( &pair.groom );
 }
 
-// ---- FRZ-16: the pipeline ----
+// ---- Algorithm 1: the pipeline ----
 
 // Stages one at a time, each in a world of its own whose rest shape is what the stage before made, in a given order.
 static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
@@ -248,7 +248,7 @@ static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_
     return points;
 }
 
-// FRZ-16, Algorithm 1
+// Algorithm 1
 static void stages_run_in_the_printed_order_and_each_can_be_left_out( void** state )
 {
     (void)state;
@@ -273,7 +273,7 @@ static void stages_run_in_the_printed_order_and_each_can_be_left_out( void** sta
     hair_groom_destroy( &groom );
 }
 
-// FRZ-16, section 10 "idempotent"
+// Running a command twice
 static void replaying_an_event_from_rest_gives_the_same_bits( void** state )
 {
     (void)state;

@@ -75,7 +75,7 @@ static void clump_by_iteration( wisp_frozen_hair_def* def )
     def->gap_by_iteration = true;
 }
 
-// Everything as the source prints it.
+// Everything as the paper prints it.
 static void printed_form( wisp_frozen_hair_def* def )
 {
     def->epsilon = 1e-6f;

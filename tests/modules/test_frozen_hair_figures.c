@@ -1,6 +1,5 @@
-// The contract of frozen hair, rows FRZ-17 to FRZ-24: cost, figures and table of the source, what belongs to a
-// strand, what belongs to a command, dimensions. Rows 1 to 16 are in test_frozen_hair_contract.c and
-// test_frozen_hair_contract_clump.c.
+// Frozen hair: cost, figures and table of Kim 2026, what belongs to a strand, what belongs to a command, dimensions. The
+// equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
 #include "frozen_hair_engine_fixture.h"
 
 #include <math.h>
@@ -14,7 +13,7 @@ static double3 arm_of( const wisp_vec3* points, int a, int b )
     return double3_sub( hair_widen( points[b] ), hair_widen( points[a] ) );
 }
 
-// ---- FRZ-17 and FRZ-21: cost ----
+// ---- Eq. 20, Table 1: cost ----
 
 static double fit_quality( const double* x, const double* y, int count )
 {
@@ -33,7 +32,7 @@ static double fit_quality( const double* x, const double* y, int count )
     return xy * xy / ( xx * yy );
 }
 
-// FRZ-17, Eq. 20: at fixed density the work and the memory grow as a line in the number of vertices. That the time does
+// Eq. 20: at fixed density the work and the memory grow as a line in the number of vertices. That the time does
 // too is measured where machines are quiet, by the benchmark "paper", which prints R^2 up to a million vertices.
 static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state )
 {
@@ -63,7 +62,7 @@ static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state 
     assert_true( fit_quality( vertices, memory, sizes ) > 0.99 );
 }
 
-// FRZ-21, Table 1: sizes of the source with all stages, profiled pass by pass; the benchmark "paper" has the times
+// Table 1: sizes of the paper with all stages, profiled pass by pass; the benchmark "paper" has the times
 static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( void** state )
 {
     (void)state;
@@ -94,7 +93,7 @@ static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( vo
     }
 }
 
-// ---- FRZ-18: Fig. 1 ----
+// ---- Fig. 1 ----
 
 // The mean turn of every vertex about its root.
 static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* def, double turn[20] )
@@ -146,7 +145,7 @@ static void a_high_intensity_turns_whole_strands_and_a_low_one_their_tips( void*
     }
 }
 
-// ---- FRZ-19: Fig. 2 ----
+// ---- Fig. 2 ----
 
 typedef struct waviness
 {
@@ -207,7 +206,7 @@ static void stiffness_seven_stays_closer_to_the_original_than_three( void** stat
     hair_groom_destroy( &groom );
 }
 
-// ---- FRZ-15, FRZ-20: Fig. 3 ----
+// ---- Fig. 3 ----
 
 static int root_of( int* parent, int v )
 {
@@ -295,7 +294,7 @@ static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_ove
     }
 }
 
-// ---- FRZ-22 to FRZ-24 ----
+// ---- Section III.3, random numbers, discussion, 2D and 3D ----
 
 static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state )
 {
@@ -419,7 +418,7 @@ static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
     hair_groom_destroy( &groom );
 }
 
-// FRZ-24
+// Discussion, 2D and 3D
 static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
 {
     (void)state;

@@ -1,7 +1,6 @@
 // The method of frozen hair, equation by equation and stage by stage, on its double-precision oracle. The pipeline
 // and the guard are in test_frozen_hair_oracle_pipeline.c, statistics and figures in
-// test_frozen_hair_oracle_figures.c. FRZ-nn names the row of the method's contract; tolerances are the printed ones
-// of that contract unless a comment says otherwise.
+// test_frozen_hair_oracle_figures.c. Numbers of equations, figures and sections are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
 static const double pi = 3.14159265358979323846;
@@ -11,7 +10,7 @@ static double3 unit( double3 v )
     return double3_scale( 1.0 / double3_length( v ), v );
 }
 
-// FRZ-01, Eq. 1
+// Eq. 1
 static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( void** state )
 {
     (void)state;
@@ -43,7 +42,7 @@ static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( 
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-02, Eq. 2
+// Eq. 2
 static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_one( void** state )
 {
     (void)state;
@@ -57,7 +56,7 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
     assert_true( same_bits( &copied, &previous, 1 ) );
 }
 
-// FRZ-03, Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_figures.c
+// Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_figures.c
 static void a_target_length_stays_within_one_over_the_stiffness( void** state )
 {
     (void)state;
@@ -67,13 +66,13 @@ static void a_target_length_stays_within_one_over_the_stiffness( void** state )
         double length = frozen_oracle_target_length( 0.004, alpha, random_between( n, 0, -1.0, 1.0 ), 0.05 );
         assert_true( fabs( length / 0.004 - 1.0 ) <= alpha );
     }
-    // a stiffness below one would print negative lengths (R2)
+    // a stiffness below one would print negative lengths
     assert_close( frozen_oracle_target_length( 0.004, 2.0, -0.9, 0.05 ), 0.05 * 0.004, 1e-18 );
     assert_true( frozen_oracle_target_length( 0.0, 2.0, 0.9, 0.05 ) == 0.0 );
     assert_close( frozen_oracle_softness( 7.0, 1e-6 ), 1.0 / 7.000001, 1e-16 );
 }
 
-// FRZ-04, Eq. 4
+// Eq. 4
 static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** state )
 {
     (void)state;
@@ -98,7 +97,7 @@ static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** 
     }
 }
 
-// FRZ-04, R3
+// Eq. 4
 static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void** state )
 {
     (void)state;
@@ -128,7 +127,7 @@ static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void*
     }
 }
 
-// FRZ-05, Eq. 5
+// Eq. 5
 static void a_rodrigues_matrix_is_a_rotation( void** state )
 {
     (void)state;
@@ -156,7 +155,7 @@ static void a_rodrigues_matrix_is_a_rotation( void** state )
     assert_close( double3_distance( quarter, double3_make( 0, 1, 0 ) ), 0.0, 1e-12 );
 }
 
-// FRZ-06, Eq. 6-7
+// Eq. 6-7
 static void a_deformed_segment_has_its_target_length( void** state )
 {
     (void)state;
@@ -186,7 +185,7 @@ static void a_deformed_segment_has_its_target_length( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-06, section 10 "stiff limit"
+// The stiff limit
 static void infinitely_stiff_hair_returns_to_rest( void** state )
 {
     (void)state;
@@ -212,7 +211,7 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
     }
 }
 
-// FRZ-07, Eq. 8-9, R6
+// Eq. 8-9
 static void the_direction_of_a_straight_strand_is_the_same_from_mean_and_root( void** state )
 {
     (void)state;
@@ -230,7 +229,7 @@ static void the_direction_of_a_straight_strand_is_the_same_from_mean_and_root( v
     assert_close( double3_distance( mean, double3_make( 2.0 / 3.0, -1.0 / 3.0, 0.0 ) ), 0.0, 1e-15 );
 }
 
-// FRZ-08, Eq. 10
+// Eq. 10
 static void strands_outside_the_cursor_radius_keep_their_bits( void** state )
 {
     (void)state;
@@ -252,7 +251,7 @@ static void strands_outside_the_cursor_radius_keep_their_bits( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// Section 7 "r = 0", A16
+// The cursor's radius is 0
 static void a_zero_radius_reaches_only_a_tip_at_the_cursor_and_nearest_reaches_any_vertex( void** state )
 {
     (void)state;
@@ -263,7 +262,7 @@ static void a_zero_radius_reaches_only_a_tip_at_the_cursor_and_nearest_reaches_a
     assert_true( frozen_oracle_in_reach( p, 3, p[1], 0.5, FROZEN_ORACLE_REACH_NEAREST ) );
 }
 
-// FRZ-09, Eq. 11, R4
+// Eq. 11
 static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( void** state )
 {
     (void)state;
@@ -298,7 +297,7 @@ static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( v
     assert_false( frozen_oracle_turn( v, double3_scale( 1e-13, v ), 3, &axis, &phi ) );
 }
 
-// FRZ-10, Eq. 12
+// Eq. 12
 static void the_weight_rises_linearly_from_the_intensity_at_the_root_to_one_at_the_tip( void** state )
 {
     (void)state;
@@ -308,10 +307,10 @@ static void the_weight_rises_linearly_from_the_intensity_at_the_root_to_one_at_t
         assert_close( frozen_oracle_weight( i, 20, 1.0 ), 1.0, 1e-15 );
     }
     assert_true( frozen_oracle_weight( 0, 20, 0.0 ) == 0.0 && frozen_oracle_weight( 19, 20, 0.0 ) == 1.0 );
-    assert_true( frozen_oracle_weight( 0, 1, 0.3 ) == 0.3 ); // R12
+    assert_true( frozen_oracle_weight( 0, 1, 0.3 ) == 0.3 );
 }
 
-// FRZ-11, Eq. 13, R5
+// Eq. 13
 static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengths( void** state )
 {
     (void)state;
@@ -336,7 +335,7 @@ static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengt
     }
 }
 
-// Section 10 "align, straight strand"
+// A straight strand is aligned
 static void a_straight_strand_turns_fully_with_x_one_and_linearly_with_x_zero( void** state )
 {
     (void)state;
@@ -368,7 +367,7 @@ static void a_straight_strand_turns_fully_with_x_one_and_linearly_with_x_zero( v
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-12, Eq. 14
+// Eq. 14
 static void the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h( void** state )
 {
     (void)state;
@@ -393,7 +392,7 @@ static frozen_scene two_tips( double r )
     return new_scene_from( 2, counts, points );
 }
 
-// FRZ-13, Eq. 15
+// Eq. 15
 static void two_vertices_pull_each_other_with_opposite_forces( void** state )
 {
     (void)state;
@@ -413,7 +412,7 @@ static void two_vertices_pull_each_other_with_opposite_forces( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-13: the neighbour set does not depend on the order of the sum
+// Eq. 15: the neighbour set does not depend on the order of the sum
 static void another_order_of_the_sum_changes_rounding_only( void** state )
 {
     (void)state;
@@ -448,7 +447,7 @@ static void another_order_of_the_sum_changes_rounding_only( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-14, Eq. 16
+// Eq. 16
 static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
 {
     (void)state;
@@ -474,7 +473,7 @@ static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
     }
 }
 
-// FRZ-14: K iterations are K steps
+// Eq. 16: K iterations are K steps
 static void a_clump_of_three_iterations_is_three_clump_steps( void** state )
 {
     (void)state;
@@ -493,7 +492,7 @@ static void a_clump_of_three_iterations_is_three_clump_steps( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-15, R10
+// Eq. 17-19
 static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( void** state )
 {
     (void)state;
@@ -517,7 +516,7 @@ static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( vo
     assert_true( same_bits( &same, &whole, 1 ) );
 }
 
-// FRZ-15, Eq. 17-18, R7
+// Eq. 17-18
 static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
 {
     (void)state;
@@ -536,7 +535,7 @@ static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
     assert_true( frozen_oracle_lambda( FROZEN_ORACLE_GAP_WET, 0.25, 0.4, 0.1 ) == 1.0 );
 }
 
-// FRZ-15, R8
+// Eq. 17-19
 static void a_vertex_takes_the_kernel_weighted_mean_of_its_pairs( void** state )
 {
     (void)state;
@@ -556,7 +555,7 @@ static void a_vertex_takes_the_kernel_weighted_mean_of_its_pairs( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-15, R8: with gap_ref = stage the brake accumulates, with gap_ref = iteration it starts afresh
+// Eq. 17-19: with gap_ref = stage the brake accumulates, with gap_ref = iteration it starts afresh
 static void the_stage_reference_brakes_harder_than_the_iteration_reference( void** state )
 {
     (void)state;

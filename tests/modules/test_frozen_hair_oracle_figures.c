@@ -1,5 +1,5 @@
-// Frozen hair as experiments, on the oracle: the laws of its random numbers and the source's three figures. FRZ-nn
-// names the row of the method's contract. Bounds on sampled figures are three standard deviations of the sampling.
+// Frozen hair as experiments, on the oracle: the laws of its random numbers and the three figures of
+// Kim 2026. Bounds on sampled figures are three standard deviations of the sampling.
 #include "frozen_hair_fixture.h"
 
 static const double degree = 3.14159265358979323846 / 180.0;
@@ -24,7 +24,7 @@ static double distance_from_uniform( double* samples, int n )
     return largest * sqrt( n );
 }
 
-// FRZ-03, section 10 "lengths": |l*/l0 - 1| <= alpha, its mean is alpha / 2, the deviation of l*/l0 is alpha / sqrt 3
+// Lengths: |l*/l0 - 1| <= alpha, its mean is alpha / 2, the deviation of l*/l0 is alpha / sqrt 3
 static void lengths_are_spread_evenly_over_plus_and_minus_alpha( void** state )
 {
     (void)state;
@@ -60,7 +60,7 @@ static void lengths_are_spread_evenly_over_plus_and_minus_alpha( void** state )
     }
 }
 
-// FRZ-03, FRZ-04, FRZ-23: eta, xi and zeta are uniform, and neighbouring elements know nothing of each other
+// Eq. 3-4, random numbers: eta, xi and zeta are uniform, and neighbouring elements know nothing of each other
 static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
 {
     (void)state;
@@ -97,7 +97,7 @@ static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
     free( samples );
 }
 
-// FRZ-15, section 10 "lambda law": without growing distances the printed and the closing rule leave lambda uniform
+// The law of lambda: without growing distances the printed and the closing rule leave lambda uniform
 static void lambda_is_uniform_where_no_distance_counts( void** state )
 {
     (void)state;
@@ -124,7 +124,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
     free( samples );
 }
 
-// FRZ-15, section 10 "lambda law": E[lambda] is (1 - delta) / 2 with the prose, (1 + delta) / 2 with the closing rule
+// The law of lambda: E[lambda] is (1 - delta) / 2 with the prose, (1 + delta) / 2 with the closing rule
 static void lambda_follows_its_law_in_hair( void** state )
 {
     (void)state;
@@ -163,7 +163,7 @@ static void lambda_follows_its_law_in_hair( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-18, Fig. 1: how far vertex i of an aligned straight strand turned about its root
+// Fig. 1: how far vertex i of an aligned straight strand turned about its root
 static double turn_of( const frozen_scene* scene, const double3* out, int i )
 {
     return double3_angle( double3_sub( scene->rest[i], scene->rest[0] ), double3_sub( out[i], out[0] ) );
@@ -240,7 +240,7 @@ static double waviness( const frozen_scene* scene, const double3* out, double* s
     return sum / bends;
 }
 
-// FRZ-19, Fig. 2: the mean change of turning angle is (2/3) theta_max alpha_b in the plane: 4.29 and 10.0 degrees
+// Fig. 2: the mean change of turning angle is (2/3) theta_max alpha_b in the plane: 4.29 and 10.0 degrees
 static void stiffness_seven_is_less_wavy_than_three_by_the_printed_angles( void** state )
 {
     (void)state;
@@ -353,7 +353,7 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, int ev
     }
 }
 
-// FRZ-15, FRZ-20, Fig. 3: locks form, gaps stay: prose > printed > wet. The order of the gaps held in every scene
+// Fig. 3: locks form, gaps stay: prose > printed > wet. The order of the gaps held in every scene
 // tried with the guard on (both dimensions, three shapes, roots 0.2 h to 1.2 h apart, 12 events each). The count of
 // clusters needs room between the roots: it fell in all 12 events from 0.6 h on in space, and at 1.2 h in the plane,
 // where at 0.8 h to 1.0 h straight and wavy hair misses it in up to a quarter of the events. Those safe spacings are
@@ -386,7 +386,7 @@ static void clumping_gathers_aligned_hair_into_fewer_clusters_and_leaves_gaps( v
     }
 }
 
-// FRZ-20, where the figure's expectation ends: in dense flat hair most vertices are in a few clusters at h/2 before
+// Fig. 3, where the figure's expectation ends: in dense flat hair most vertices are in a few clusters at h/2 before
 // any clumping, which can only break them up into more and smaller locks; the order of the gaps still holds
 static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void** state )
 {
@@ -404,7 +404,7 @@ static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void*
     }
 }
 
-// FRZ-15, where the order of the gaps ends: without the guard dense hair overshoots, and the undamped step overshoots
+// Eq. 17-19, where the order of the gaps ends: without the guard dense hair overshoots, and the undamped step overshoots
 // most
 static void dense_hair_without_the_guard_reverses_the_order_of_the_gaps( void** state )
 {

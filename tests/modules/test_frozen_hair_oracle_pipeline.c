@@ -1,5 +1,5 @@
 // Frozen hair as a whole, on the oracle: order and switches of the stages, the overshoot guard, reproducibility,
-// degenerate hair, refused input. FRZ-nn names the row of the method's contract.
+// degenerate hair, refused input. Numbers of equations and figures are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
 // Options under which all three stages have something to do in the scenes of this file.
@@ -14,7 +14,7 @@ static frozen_oracle_options busy_options( int dimension )
     return options;
 }
 
-// FRZ-16, Algorithm 1: FreezeDeform, UserAlign, ClumpWithGaps, each of which may be off
+// Algorithm 1: FreezeDeform, UserAlign, ClumpWithGaps, each of which may be off
 static void the_pipeline_is_its_stages_in_their_order( void** state )
 {
     (void)state;
@@ -54,7 +54,7 @@ static void the_pipeline_is_its_stages_in_their_order( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-16: aligning before deforming is another picture, so the order is not a matter of taste
+// Algorithm 1: aligning before deforming is another picture, so the order is not a matter of taste
 static void aligning_before_deforming_is_not_the_method( void** state )
 {
     (void)state;
@@ -74,7 +74,7 @@ static void aligning_before_deforming_is_not_the_method( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-16, FRZ-22, section 10 "idempotent": nothing changes without a command, and a command always starts from rest
+// Nothing changes without a command, and a command always starts from rest
 static void the_same_command_gives_the_same_bits_and_another_command_does_not( void** state )
 {
     (void)state;
@@ -103,7 +103,7 @@ static void the_same_command_gives_the_same_bits_and_another_command_does_not( v
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-23: the numbers hang on the strand, not on the order of work
+// Random numbers depend on the strand, not on the order of work
 static void strands_may_be_worked_off_in_any_order( void** state )
 {
     (void)state;
@@ -132,7 +132,7 @@ static void strands_may_be_worked_off_in_any_order( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-23, R13: the four streams and the three element numbers are independent of each other
+// The four streams and the three element numbers are independent of each other
 static void every_random_number_has_its_own_key( void** state )
 {
     (void)state;
@@ -148,7 +148,7 @@ static void every_random_number_has_its_own_key( void** state )
     assert_true( psi == frozen_oracle_psi( &next, 3, 4 ) && psi != frozen_oracle_psi( &next, 3, 5 ) );
 }
 
-// FRZ-22: k_s, k_b and x are the strand's own
+// Section III.3: k_s, k_b and x are the strand's own
 static void each_strand_obeys_its_own_stiffness_and_intensity( void** state )
 {
     (void)state;
@@ -186,7 +186,7 @@ static void each_strand_obeys_its_own_stiffness_and_intensity( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// R14: base = previous lets bends accumulate, while lengths stay bound to the rest lengths
+// Base = previous lets bends accumulate, while lengths stay bound to the rest lengths
 static void starting_from_the_previous_output_drifts_in_angle_but_not_in_length( void** state )
 {
     (void)state;
@@ -224,7 +224,7 @@ static void starting_from_the_previous_output_drifts_in_angle_but_not_in_length(
     frozen_scene_destroy( &scene );
 }
 
-// FRZ-24
+// Discussion, 2D and 3D
 static void flat_hair_stays_flat_and_hair_in_space_does_not( void** state )
 {
     (void)state;
@@ -301,7 +301,7 @@ static void count_violations( const frozen_scene* scene, const frozen_oracle_opt
     free( next );
 }
 
-// FRZ-15, R10, section 10 "guard"
+// Eq. 17-19: the guard
 static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void** state )
 {
     (void)state;
@@ -323,7 +323,7 @@ static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void
     frozen_scene_destroy( &scene );
 }
 
-// Section 7: a single vertex, none, a single segment, a segment without length, coincident and collinear vertices
+// A single vertex, none, a single segment, a segment without length, coincident and collinear vertices
 static void degenerate_strands_come_out_finite_and_as_agreed( void** state )
 {
     (void)state;
@@ -366,7 +366,7 @@ static void degenerate_strands_come_out_finite_and_as_agreed( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// Section 7: empty hair, no neighbours, cursor on the root, K = 0
+// Empty hair, no neighbours, cursor on the root, K = 0
 static void stages_without_anything_to_do_change_nothing( void** state )
 {
     (void)state;
@@ -403,7 +403,7 @@ static void assert_refused( const frozen_scene* scene, const frozen_oracle_optio
     free( out );
 }
 
-// Section 7: what cannot be meant is refused with a sentence that names it
+// What cannot be meant is refused with a sentence that names it
 static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state )
 {
     (void)state;

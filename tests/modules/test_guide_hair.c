@@ -1,6 +1,6 @@
-// The engine's ghosts: against the oracle for every switch, and what the method promises. GUI-nn names the row of the
-// method's contract, X1..X5 its extras. The scene is a metre wide, so a millionth of a metre is a relative 1e-6; a float
-// there is within 6e-8 of a number.
+// The engine's ghosts: against the oracle for every switch, and what the method promises. Numbers of
+// equations, figures and sections are those of Park and Kim 2024. The scene is a metre wide, so a millionth of a metre
+// is a relative 1e-6; a float there is within 6e-8 of a number.
 #include "guide_hair_fixture.h"
 
 static const double tolerance = 1e-6; // m
@@ -146,7 +146,7 @@ static double run_variant( const variant* c )
     return largest;
 }
 
-// GUI-02, GUI-07..11, X1, X3, X5
+// Every switch of Eq. 2-5, other node counts, several targets, frames
 static void every_switch_follows_the_oracle( void** state )
 {
     (void)state;
@@ -161,7 +161,7 @@ static void every_switch_follows_the_oracle( void** state )
     }
 }
 
-// ---- GUI-03: correspondence ----
+// ---- Eq. 1: correspondence ----
 
 static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( void** state )
 {
@@ -237,7 +237,7 @@ static void permuting_the_ghosts_permutes_the_result( void** state )
     wisp_world_destroy( f.world );
 }
 
-// ---- GUI-04, 05: the centre follows, the block keeps its shape ----
+// ---- Fig. 1: the centre follows, the block keeps its shape ----
 
 static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset( void** state )
 {
@@ -267,7 +267,7 @@ static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_th
     wisp_world_destroy( f.world );
 }
 
-// ---- GUI-09, 13: at rest ----
+// ---- Eq. 5, Fig. 2a: at rest ----
 
 static void at_rest_the_weights_change_no_bit( void** state )
 {
@@ -294,7 +294,7 @@ static void at_rest_the_weights_change_no_bit( void** state )
     wisp_world_destroy( without.world );
 }
 
-// ---- GUI-08, 10, 11, 14, 15: the weights ----
+// ---- Eq. 4, section III.2, Fig. 2: the weights ----
 
 // Sway of a ghost's node over tau |v|, of a target that moves with v and moved with v0.
 static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, int ghost, int node )
@@ -404,7 +404,7 @@ static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weig
     wisp_world_destroy( f.world );
 }
 
-// ---- GUI-07: spread ----
+// ---- Eq. 2-3: spread ----
 
 static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void** state )
 {

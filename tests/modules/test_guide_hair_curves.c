@@ -1,4 +1,4 @@
-// The engine's curves: against the oracle, and what eq. 6 promises (GUI-12, GUI-16, X2). The strands are a metre from the
+// The engine's curves: against the oracle, and what Eq. 6 and Fig. 3 promise. The strands are a metre from the
 // origin, so a float is within 6e-8 m of a number, and the four weights of a sample sum to 1 within as much.
 #include "guide_hair_fixture.h"
 
@@ -196,7 +196,7 @@ static void straight_strands_stay_straight( void** state )
     }
 }
 
-// GUI-16, Fig. 3
+// Fig. 3
 static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** state )
 {
     (void)state;
@@ -225,7 +225,7 @@ static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** stat
     }
 }
 
-// X6: what is drawn is what appearance has made of the source, in the same step.
+// What is drawn is what appearance has made of the source, in the same step.
 static void curves_are_drawn_behind_the_appearance_of_their_source( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Ghosts whose sway is fed back (A4, A7), and ghosts drawn between steps (GUI-06): against the oracle, and what both promise.
+// Ghosts whose sway is fed back, and ghosts drawn between steps (section II.2.2): against the oracle, and what both promise.
 #include "guide_hair_fixture.h"
 
 // The scene is a metre wide, so a millionth of a metre is a relative 1e-6.

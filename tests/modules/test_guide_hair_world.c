@@ -1,4 +1,4 @@
-// Ghosts in a world: order within a step, determinism, memory, removal, refusals, and an appearance on top (X6).
+// Ghosts in a world: order within a step, determinism, memory, removal, refusals, and an appearance on top.
 #include "guide_hair_fixture.h"
 
 static double3 group_mean( const flock* f, int target, int ghosts, int node )
@@ -278,7 +278,7 @@ static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const cha
     assert_int_equal( wisp_world_hash( f->world ), before );
 }
 
-// GUI-18
+// Unequal node counts (conclusion)
 static void unequal_node_counts_are_refused_by_name_unless_resampled( void** state )
 {
     (void)state;
@@ -347,7 +347,7 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     wisp_world_destroy( f.world );
 }
 
-// ---- X6: an appearance on top ----
+// ---- An appearance on top ----
 
 static wisp_frozen_hair_def align_each_frame( void )
 {

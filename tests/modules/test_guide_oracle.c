@@ -1,9 +1,9 @@
 // Eq. 1-5 of guide hair, one by one, and its targets on their double-precision oracle. Hair as a whole is in
-// test_guide_oracle_hair.c; curves, frames and other node counts are in test_guide_oracle_curves.c. GUI-nn names the
-// row of the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+// test_guide_oracle_hair.c; curves, frames and other node counts are in test_guide_oracle_curves.c. Numbers of
+// equations, figures and sections are those of Park and Kim 2024.
 #include "guide_oracle_fixture.h"
 
-// GUI-01
+// Section II.1
 static void a_target_keeps_its_length_hanging_and_swinging( void** state )
 {
     (void)state;
@@ -36,7 +36,7 @@ static void a_target_keeps_its_length_hanging_and_swinging( void** state )
     assert_int_equal( skips.count[CONSTRAINT_ORACLE_ZERO_LENGTH], 0 );
 }
 
-// GUI-01
+// Section II.1
 static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum( void** state )
 {
     (void)state;
@@ -70,7 +70,7 @@ static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum(
     // relative to a milligram-sized strand at a metre a second
     assert_at( before, after, 1e-12 * 1e-3 );
 
-    // section 7: a segment without length has no direction, and says so
+    // A segment without length has no direction, and says so
     s.x[4] = s.x[3];
     s.v[4] = s.v[3] = zero;
     strand.bend_stiffness = 0.0;
@@ -80,7 +80,7 @@ static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum(
     assert_int_equal( skips.count[CONSTRAINT_ORACLE_ZERO_LENGTH], 1 );
 }
 
-// GUI-02
+// Section III.1
 static void one_four_or_seven_ghosts_a_target_keep_their_rest_offsets( void** state )
 {
     (void)state;
@@ -107,7 +107,7 @@ static void one_four_or_seven_ghosts_a_target_keep_their_rest_offsets( void** st
     }
 }
 
-// GUI-03, Eq. 1
+// Eq. 1
 static void correspondence_is_the_least_sum_of_squared_distances( void** state )
 {
     (void)state;
@@ -131,7 +131,7 @@ static void correspondence_is_the_least_sum_of_squared_distances( void** state )
         }
     }
 
-    // A6: 1 + 1 against 0 + 1.5: squares and plain distances choose differently
+    // 1 + 1 against 0 + 1.5: squares and plain distances choose differently
     const double3 detail[2] = { { 0, 0, 0 }, { 10, 0, 0 } };
     const double3 guides[4] = { { 0, 0, 0 }, { 10, 1.5, 0 }, { 0, 1, 0 }, { 10, 1, 0 } };
     assert_int_equal( guide_oracle_nearest_guide( detail, 2, guides, 2, 2 ), 1 );
@@ -139,7 +139,7 @@ static void correspondence_is_the_least_sum_of_squared_distances( void** state )
     assert_close( guide_oracle_strand_distance( detail, 2, guides + 2, 2 ), 2.0, 1e-15 );
 }
 
-// GUI-03
+// Eq. 1
 static void a_tie_goes_to_the_lowest_guide_and_a_permutation_of_ghosts_permutes_the_result( void** state )
 {
     (void)state;
@@ -175,7 +175,7 @@ static void a_tie_goes_to_the_lowest_guide_and_a_permutation_of_ghosts_permutes_
     guide_oracle_destroy( &mixed );
 }
 
-// GUI-04, Fig. 1; GUI-05
+// Fig. 1; section III.1
 static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block( void** state )
 {
     (void)state;
@@ -207,7 +207,7 @@ static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block(
     }
 }
 
-// A7: a ghost that only adds up its target's velocity loses it; projection of the mean brings it back
+// A ghost that only adds up its target's velocity loses it; projection of the mean brings it back
 static void a_tracked_centre_does_not_drift_where_an_open_loop_does( void** state )
 {
     (void)state;
@@ -237,7 +237,7 @@ static void a_tracked_centre_does_not_drift_where_an_open_loop_does( void** stat
     assert_true( double3_distance( off, lost ) > 1e-4 );
 }
 
-// GUI-07, Eq. 2-3
+// Eq. 2-3
 static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void** state )
 {
     (void)state;
@@ -271,7 +271,7 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
     }
 }
 
-// GUI-07, E4
+// Eq. 2-3
 static void spread_projections_reach_the_wanted_spread_and_move_nothing_in_sum( void** state )
 {
     (void)state;
@@ -310,7 +310,7 @@ static void spread_projections_reach_the_wanted_spread_and_move_nothing_in_sum( 
     }
 }
 
-// GUI-07 in the step: E4 on moving hair
+// Eq. 2-3 in the step, on moving hair
 static void spread_on_moving_hair_holds_every_node_but_the_root( void** state )
 {
     (void)state;
@@ -337,7 +337,7 @@ static void spread_on_moving_hair_holds_every_node_but_the_root( void** state )
     }
 }
 
-// GUI-08, Eq. 4, A2
+// Eq. 4
 static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( void** state )
 {
     (void)state;
@@ -373,7 +373,7 @@ static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( 
     assert_true( guide_oracle_elastic_weight( raw, zero, v ) == 0.5 );
 }
 
-// GUI-09, Eq. 5
+// Eq. 5
 static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not( void** state )
 {
     (void)state;
@@ -403,7 +403,7 @@ static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not(
     guide_oracle_destroy( &hair );
 }
 
-// GUI-09, A4
+// Eq. 5
 static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bit( void** state )
 {
     (void)state;
@@ -423,7 +423,7 @@ static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bi
     guide_oracle_destroy( &hair );
 }
 
-// Section 7: a fast head
+// A fast head
 static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_asked_for( void** state )
 {
     (void)state;
@@ -458,7 +458,7 @@ static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_i
     assert_true( cut );
 }
 
-// GUI-10
+// Section III.2
 static void the_tip_weight_is_linear_from_nothing_at_the_root( void** state )
 {
     (void)state;
@@ -472,7 +472,7 @@ static void the_tip_weight_is_linear_from_nothing_at_the_root( void** state )
     }
 }
 
-// GUI-11
+// Section III.2
 static void the_centre_weight_is_nothing_at_the_centre_and_whole_at_the_farthest_ghost( void** state )
 {
     (void)state;

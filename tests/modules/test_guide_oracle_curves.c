@@ -1,6 +1,5 @@
 // Curves of guide hair on their double-precision oracle: Eq. 6, splines along strands and in time, other node counts,
-// frames. GUI-nn names the row of the method's contract, X1..X5 its extras; tolerances are the printed ones of that
-// contract unless a comment says otherwise.
+// frames. Numbers of equations, figures and sections are those of Park and Kim 2024.
 #include "guide_oracle_fixture.h"
 
 enum
@@ -47,7 +46,7 @@ static double off_line( double3 p, double3 a, double3 b )
     return double3_length( double3_cross( double3_sub( p, a ), way ) ) / double3_length( way );
 }
 
-// GUI-12, Eq. 6, A1
+// Eq. 6
 static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** state )
 {
     (void)state;
@@ -72,7 +71,7 @@ static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** st
     assert_close( most_at, 1.0 / 3.0, 1e-15 );
 }
 
-// GUI-12
+// Eq. 6
 static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_scene( void** state )
 {
     (void)state;
@@ -107,7 +106,7 @@ static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_sce
     }
 }
 
-// GUI-12, A8
+// Eq. 6
 static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** state )
 {
     (void)state;
@@ -148,7 +147,6 @@ static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** 
     }
 }
 
-// GUI-12, section 7
 static void straight_and_repeated_nodes_are_valid_curves( void** state )
 {
     (void)state;
@@ -181,7 +179,7 @@ static void straight_and_repeated_nodes_are_valid_curves( void** state )
     }
 }
 
-// GUI-16, Fig. 3
+// Fig. 3
 static void drawn_curves_turn_less_sharply_than_their_strand_and_end_where_it_ends( void** state )
 {
     (void)state;
@@ -209,7 +207,7 @@ static double turn_between( double3 a, double3 b, double3 c )
     return double3_angle( double3_sub( b, a ), double3_sub( c, b ) );
 }
 
-// A8, X2: what the shared ends of groups cost, and what smooth curves save
+// What the shared ends of groups cost, and what smooth curves save
 static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none( void** state )
 {
     (void)state;
@@ -247,7 +245,7 @@ static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none(
     }
 }
 
-// GUI-06
+// Section II.2.2
 static void the_spline_passes_through_its_nodes_with_one_derivative( void** state )
 {
     (void)state;
@@ -270,7 +268,7 @@ static void the_spline_passes_through_its_nodes_with_one_derivative( void** stat
                                                                     guide_oracle_spline( nodes, 8, k, u - h ) ) );
             // a third derivative of 0.1 m times h^2, and rounding of 1e-16 m over h
             assert_at( quotient, guide_oracle_spline_slope( nodes, 8, k, u ), 1e-10 );
-            // X2: the Bezier form is the same curve
+            // the Bezier form is the same curve
             assert_at( guide_oracle_bezier( controls + 4 * k, u, false ), guide_oracle_spline( nodes, 8, k, u ),
                        1e-15 );
         }
@@ -282,7 +280,7 @@ static void the_spline_passes_through_its_nodes_with_one_derivative( void** stat
     }
 }
 
-// GUI-06
+// Section II.2.2
 static void between_frames_a_node_keeps_its_positions_and_velocities( void** state )
 {
     (void)state;
@@ -316,7 +314,7 @@ static void between_frames_a_node_keeps_its_positions_and_velocities( void** sta
     }
 }
 
-// GUI-X1
+// Other node counts (extension)
 static void a_stencil_is_the_spline_at_a_normalised_arc_length( void** state )
 {
     (void)state;
@@ -354,7 +352,7 @@ static void a_stencil_is_the_spline_at_a_normalised_arc_length( void** state )
                        double3_add( guide_oracle_gather( &stencil, present ), shift ), 1e-14 );
         }
     }
-    // section 7: without length or with one node there is still a point
+    // without length or with one node there is still a point
     const double3 same[3] = { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } };
     double arc[3];
     guide_oracle_arc( same, 3, arc );
@@ -387,7 +385,7 @@ static double ghost_turn( const guide_oracle* hair )
     return largest;
 }
 
-// E6, GUI-X1, GUI-18: twice the nodes by nearest particle and by spline, against node to node. The elastic and the
+// Unequal node counts (conclusion): twice the nodes by nearest particle and by spline, against node to node. The elastic and the
 // centre weight are off: they do not vanish towards the pinned root, and their step from root to node 1 turns the
 // farther the shorter that segment is, however the nodes are paired.
 static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** state )
@@ -442,7 +440,7 @@ static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** st
     }
 }
 
-// GUI-04 with X1
+// The centre with other node counts
 static void the_centre_of_a_group_with_other_nodes_is_the_resampled_target( void** state )
 {
     (void)state;
@@ -469,7 +467,7 @@ static void the_centre_of_a_group_with_other_nodes_is_the_resampled_target( void
     guide_oracle_destroy( &hair );
 }
 
-// Section 7 with X1
+// Degenerate strands with other node counts
 static void more_nodes_are_held_to_the_same_segment_of_the_target( void** state )
 {
     (void)state;
@@ -512,7 +510,6 @@ static void assert_rotation( const guide_oracle_rotation* r )
                   1e-14 );
 }
 
-// X5
 static void the_smallest_rotation_turns_one_direction_into_another_and_nothing_more( void** state )
 {
     (void)state;
@@ -538,7 +535,6 @@ static void the_smallest_rotation_turns_one_direction_into_another_and_nothing_m
     assert_false( reversed );
 }
 
-// X5
 static void parallel_frames_are_the_head_where_all_turns_and_carry_rest_tangents_where_it_bends( void** state )
 {
     (void)state;
@@ -629,7 +625,7 @@ static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** 
         }
         for ( int n = 0; n < 2 * NODES; ++n )
         {
-            // GUI-04 whatever the frames are: a rotation of offsets that sum to 0
+            // The centre is kept whatever the frames are: a rotation of offsets that sum to 0
             assert_at( ghost_mean( &hair, hair.y, n / NODES, n % NODES ), s.x[n], 1e-12 );
         }
         // without frames the farthest offset, 9 mm and its noise, ends on the other side

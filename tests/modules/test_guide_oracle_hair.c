@@ -1,8 +1,8 @@
-// Figures, switches, refusals and degenerate cases of guide hair on its double-precision oracle. GUI-nn names the
-// row of the method's contract; tolerances are the printed ones of that contract unless a comment says otherwise.
+// Figures, switches, refusals and degenerate cases of guide hair on its double-precision oracle. Numbers of
+// equations, figures and sections are those of Park and Kim 2024.
 #include "guide_oracle_fixture.h"
 
-// GUI-13, Fig. 2a: 1:1
+// Fig. 2a: 1:1
 static void difference_lines_grow_with_the_change_of_velocity_and_vanish_without_weights( void** state )
 {
     (void)state;
@@ -39,7 +39,7 @@ static void difference_lines_grow_with_the_change_of_velocity_and_vanish_without
     }
 }
 
-// GUI-14, Fig. 2b; GUI-15, Fig. 2c: 1:4
+// Fig. 2b and 2c: 1:4
 static void only_the_centre_weight_lets_four_ghosts_sway_apart( void** state )
 {
     (void)state;
@@ -113,7 +113,7 @@ static void feedback_undoes_what_is_common_and_keeps_what_differs( void** state 
     }
 }
 
-// X3
+// Several targets
 static void several_targets_a_ghost_are_weighted_by_inverse_squared_distance( void** state )
 {
     (void)state;
@@ -198,7 +198,7 @@ static void length_repair_restores_every_segment_from_the_root_on( void** state 
     assert_int_equal( hair.counters.zero_segments, 0 );
     guide_oracle_destroy( &hair );
 
-    // section 7: coincident nodes have no direction
+    // Coincident nodes have no direction
     double3 strand[3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 3, 0 } };
     const double lengths[3] = { 0.0, 1.0, 1.0 };
     assert_int_equal( guide_oracle_repair_lengths( strand, 3, lengths ), 1 );
@@ -206,7 +206,7 @@ static void length_repair_restores_every_segment_from_the_root_on( void** state 
     assert_at( strand[2], double3_make( 0.0, 1.0, 0.0 ), 1e-15 );
 }
 
-// GUI-17, by counting: what the clock says is a benchmark's business
+// Cost by counting: what the clock says is a benchmark's business
 static void ghosts_cost_one_update_a_node_however_hard_their_targets_iterate( void** state )
 {
     (void)state;
@@ -245,7 +245,7 @@ static void assert_refused( const guide_oracle_def* def, const guide_oracle_opti
     }
 }
 
-// GUI-18
+// Unequal node counts (conclusion)
 static void unequal_node_counts_are_refused_unless_resampled( void** state )
 {
     (void)state;
@@ -262,7 +262,6 @@ static void unequal_node_counts_are_refused_unless_resampled( void** state )
     guide_oracle_destroy( &hair );
 }
 
-// Section 7
 static void wrong_shapes_and_parameters_are_refused_by_name( void** state )
 {
     (void)state;
@@ -333,7 +332,7 @@ static void a_step_with_a_target_that_is_not_finite_changes_nothing( void** stat
     guide_oracle_destroy( &hair );
 }
 
-// Section 7: group of one
+// Group of one
 static void a_ghost_alone_keeps_its_offset_or_stands_on_its_target( void** state )
 {
     (void)state;
@@ -360,7 +359,7 @@ static void a_ghost_alone_keeps_its_offset_or_stands_on_its_target( void** state
     assert_int_equal( guide_oracle_spread_project( alone, 1, 1.0, true ), GUIDE_ORACLE_SPREAD_SINGLE );
 }
 
-// Section 7: V = 0, Vbar <= 0
+// V = 0, Vbar <= 0
 static void coincident_ghosts_cannot_spread_and_are_counted( void** state )
 {
     (void)state;
@@ -392,7 +391,7 @@ static void coincident_ghosts_cannot_spread_and_are_counted( void** state )
     guide_oracle_destroy( &hair );
 }
 
-// Section 7: empty group, no target
+// Empty group, no target
 static void a_target_without_ghosts_is_reported_and_no_target_leaves_ghosts_alone( void** state )
 {
     (void)state;
@@ -420,7 +419,7 @@ static void a_target_without_ghosts_is_reported_and_no_target_leaves_ghosts_alon
     assert_refused( &def, &options, "no target" );
 }
 
-// Section 7: the first step has v0 = v; a strand of one node has no tip
+// The first step has v0 = v; a strand of one node has no tip
 static void the_first_step_sees_no_change_and_a_single_node_only_follows( void** state )
 {
     (void)state;

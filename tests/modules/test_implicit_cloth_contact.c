@@ -1,4 +1,4 @@
-// Contact inside the solver: rows TRI-15 to TRI-18 and TRI-20 on the engine, on bodies of every kind, at rest and moving.
+// Contact inside the solver (Noh and Jung, section 4 and Fig. 8) in the engine, on bodies of every kind, at rest and moving.
 #include "collision_fixture.h"
 
 #include "implicit_cloth.h"
@@ -129,7 +129,7 @@ static void a_patch_slides_with_what_kinetic_friction_leaves_of_gravity( void** 
         run_for( i.h->world, DT, 100 );
         const double acceleration = ( before - speed_along( &i ) ) / ( 100.0 * (double)DT );
         const double expected = 9.8 * ( sin( i.angle ) - 0.2 * cos( i.angle ) );
-        assert_near( acceleration, expected, 0.02 * expected ); // TRI-18
+        assert_near( acceleration, expected, 0.02 * expected ); // sliding
         free_colliding( i.h );
     }
 }
@@ -254,7 +254,7 @@ static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** s
     run_for( h->world, DT, 1 );
     for ( int v = 0; v < 16; ++v )
     {
-        assert_near( (double)point_of( h->world, e, v ).y, 0.0, 1e-7 ); // TRI-16: two roundings of 0.02 m
+        assert_near( (double)point_of( h->world, e, v ).y, 0.0, 1e-7 ); // two roundings of 0.02 m
     }
     run_for( h->world, DT, 1 );
     assert_near( quality_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing is thrown
@@ -368,7 +368,7 @@ static void cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millime
         body.pose.rotation = about_z( kinds[k] == WISP_COLLIDER_CAPSULE ? 90.0 * DEGREE : 0.0 );
         const drape d = drape_on( &body, kinds[k] == WISP_COLLIDER_PLANE ? 0.05f : 0.3f, DT, 200.0f, 15.0 );
         assert_true( d.peak > 1e-3 );
-        assert_true( d.last < 1e-4 * d.peak ); // section 11 of the specification, row "drape"
+        assert_true( d.last < 1e-4 * d.peak ); // at rest
         assert_true( d.deepest < 1e-3 );
     }
 }

@@ -1,4 +1,4 @@
-// Width and colour of every vertex for stylised export (FRZ-X3), in the user's order, written only where they are
+// Width and colour of every vertex for stylised export (extension of Kim 2026), in the user's order, written only where they are
 // wanted.
 #include "frozen_hair_engine_fixture.h"
 

@@ -1,7 +1,8 @@
-// Links, weights, forces and energies of triangle cloth on its double-precision oracle.
+// Links, weights, forces and energies of triangle cloth on its double-precision oracle. Numbers of equations and
+// figures are those of Noh and Jung.
 #include "triangle_oracle_fixture.h"
 
-// ---- TRI-01, TRI-02: links ----
+// ---- Fig. 2-4, 6, 7: links ----
 
 static void assert_links( const triangle_oracle* cloth, const int* stretch, int stretch_count, const int* bend,
                           int bend_count )
@@ -172,7 +173,7 @@ static void wrong_data_is_refused_in_a_sentence( void** state )
     }
 }
 
-// ---- TRI-03, TRI-04: weights ----
+// ---- Eq. 1-4, Fig. 5: weights ----
 
 static void the_weights_of_a_vertex_sum_to_the_most_neighbours( void** state )
 {
@@ -257,7 +258,7 @@ static void a_vertex_without_neighbours_keeps_its_mass( void** state )
     triangle_oracle_destroy( &cloth );
 }
 
-// ---- TRI-05 to TRI-07: stretch ----
+// ---- Eq. 5-8: stretch ----
 
 // Of the whole sheet, so that it holds for sums too: force against the gradient of energy, in units of the largest.
 static double worst_force( triangle_oracle* cloth, bool bends )
@@ -388,7 +389,7 @@ static void the_jacobian_of_stretch_is_its_derivative( void** state )
     triangle_oracle_destroy( &cloth );
 }
 
-// ---- TRI-08 to TRI-11: bending ----
+// ---- Eq. 9-13: bending ----
 
 static void the_inverse_of_sinc_leaves_no_residual( void** state )
 {
@@ -411,7 +412,7 @@ static void the_inverse_of_sinc_leaves_no_residual( void** state )
     assert_close( triangle_oracle_sinc_inverse( 0.0 ), pi, 0.0 );
 }
 
-static void the_load_of_an_arc_has_the_values_of_the_contract( void** state )
+static void the_load_of_an_arc_has_its_known_values( void** state )
 {
     (void)state;
     // section 3 gives two digits behind the point
@@ -440,7 +441,7 @@ static void load_and_slope_of_an_arc_are_derivatives( void** state )
         const double y = n / 200.0;
         const double e = triangle_oracle_arc_energy( y + step ) - triangle_oracle_arc_energy( y - step );
         const double f = triangle_oracle_arc_load( y + step ) - triangle_oracle_arc_load( y - step );
-        // the contract's 1e-9 and what differences add: a sixth of step^2 times the third derivative
+        // 1e-9 and what differences add: a sixth of step^2 times the third derivative
         assert_ratio( e / ( 2.0 * step ), triangle_oracle_arc_load( y ), 1e-8 );
         assert_ratio( f / ( 2.0 * step ), triangle_oracle_arc_slope( y ), 1e-8 );
         assert_true( triangle_oracle_arc_load( y ) < 0.0 && triangle_oracle_arc_slope( y ) > 0.0 );
@@ -668,7 +669,7 @@ int main( void )
         cmocka_unit_test( a_short_edge_has_no_force_and_the_force_begins_at_zero ),
         cmocka_unit_test( the_jacobian_of_stretch_is_its_derivative ),
         cmocka_unit_test( the_inverse_of_sinc_leaves_no_residual ),
-        cmocka_unit_test( the_load_of_an_arc_has_the_values_of_the_contract ),
+        cmocka_unit_test( the_load_of_an_arc_has_its_known_values ),
         cmocka_unit_test( load_and_slope_of_an_arc_are_derivatives ),
         cmocka_unit_test( a_bent_link_pushes_its_ends_apart ),
         cmocka_unit_test( the_ramped_load_is_continuous_and_never_below_the_arc ),

@@ -30,7 +30,7 @@ static void step_on( triangle_oracle* cloth, const triangle_oracle_body* body, i
     triangle_oracle_step( cloth, step, &bodies );
 }
 
-// ---- TRI-15: hold ----
+// ---- Section 4: hold ----
 
 static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
 {
@@ -93,7 +93,7 @@ static void a_pinned_vertex_minds_no_body( void** state )
     triangle_oracle_destroy( &dust );
 }
 
-// ---- TRI-16: recovery ----
+// ---- Section 4: recovery ----
 
 static void depth_is_undone_in_one_step( void** state )
 {
@@ -134,7 +134,7 @@ static void a_ball_pushes_along_its_radius( void** state )
     triangle_oracle_destroy( &dust );
 }
 
-// ---- TRI-17: release ----
+// ---- Section 4: release ----
 
 // A vertex on the floor that a stretched link pulls up; the link's other end is pinned above it.
 static triangle_oracle make_lifted( double force )
@@ -220,7 +220,7 @@ static void what_was_let_go_comes_back_when_it_approaches( void** state )
     triangle_oracle_destroy( &pair );
 }
 
-// ---- TRI-18: friction ----
+// ---- Section 4: friction ----
 
 static triangle_oracle_body slope_of( double angle, double still, double slip )
 {

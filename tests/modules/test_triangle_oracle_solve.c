@@ -49,7 +49,7 @@ static void the_matrix_is_symmetric_and_positive( void** state )
     }
 }
 
-// ---- TRI-14: conjugate gradients ----
+// ---- Section 4: conjugate gradients ----
 
 static triangle_oracle_matrix without_direction( double3 n )
 {
@@ -242,7 +242,7 @@ static void a_step_by_elimination_is_the_step( void** state )
     triangle_oracle_destroy( &b );
 }
 
-// ---- TRI-12, TRI-13: closed forms ----
+// ---- Eq. 14-17: closed forms ----
 
 static void the_rate_of_a_damped_pair_falls_as_it_should( void** state )
 {
@@ -357,7 +357,7 @@ static void pinned_vertices_go_to_their_targets( void** state )
     }
 }
 
-// ---- TRI-04, TRI-25: momentum and energy ----
+// ---- Eq. 3-4, section 3.3: momentum and energy ----
 
 static void momentum_of_the_rows_is_kept( void** state )
 {
@@ -379,7 +379,7 @@ static void momentum_of_the_rows_is_kept( void** state )
 }
 
 // One linear solve of implicit Euler is not a descent where links go slack: measured against the least energy so
-// far, late and small motion does grow at this substep (1.7 times without damping). The contract's per cent is one
+// far, late and small motion does grow at this substep (1.7 times without damping). A bound of one per cent is one
 // of the first energy.
 // @param most how much the energy ever grew over any before, in units of the first
 static double energy_after( double damping, double h, int count, double* most )
@@ -478,7 +478,7 @@ static void a_step_with_repeats_solves_the_nonlinear_equations( void** state )
     }
 }
 
-// ---- TRI-X4: order ----
+// ---- BDF2: order ----
 
 // A pendulum on a spring that never comes slack; where it is after 0.4 s. Substeps differ in length where said.
 static double3 swung( triangle_oracle_integrator integrator, int count, bool uneven )

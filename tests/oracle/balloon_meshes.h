@@ -19,8 +19,7 @@ bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge ); ///< open, e
 bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge );   ///< regular, V = edge^3 / (6 sqrt 2)
 bool balloon_mesh_cube( balloon_mesh* mesh, double edge );          ///< twelve triangles, a corner at the origin
 
-/// Two tetrahedra on a common triangle that is no face: the edges of that triangle have three common neighbours
-/// (A10).
+/// Two tetrahedra on a common triangle that is no face: the edges of that triangle have three common neighbours.
 bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge );
 
 /// 20 * 4^level triangles, vertices on the sphere.
@@ -51,7 +50,7 @@ typedef struct balloon_mesh_edge
     int opposite[2]; ///< their third vertices; -1 when there is none
 } balloon_mesh_edge;
 
-/// The edges of a mesh in ascending order of (a, b), and counts of what section 9 of the method refuses.
+/// The edges of a mesh in ascending order of (a, b), and counts of what is refused.
 typedef struct balloon_mesh_topology
 {
     int edge_count;
@@ -74,7 +73,7 @@ void balloon_mesh_destroy_topology( balloon_mesh_topology* topology );
 /// @return number of pairs
 int balloon_mesh_structural_pairs( const balloon_mesh_topology* topology, int* pairs );
 
-/// Bend springs: the two vertices across every edge of exactly two faces (A10: from the faces, not from common
+/// Bend springs: the two vertices across every edge of exactly two faces (from the faces, not from common
 /// neighbours).
 /// @param pairs receives at most [2 * edge_count]
 /// @return number of pairs

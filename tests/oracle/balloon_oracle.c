@@ -250,7 +250,7 @@ double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, con
     return sum;
 }
 
-// Section 9: open meshes.
+// Open meshes.
 
 void balloon_oracle_destroy_caps( balloon_oracle_caps* caps )
 {

@@ -1,8 +1,9 @@
 /// The balloon in plain double precision: the method's equations one by one, the closed forms that judge them, and a
 /// body that steps through them in the order of the specification.
 ///
-/// Equation numbers and switch names are those of the PBD-based balloon paper; A1..A13 are the resolutions of what
-/// that text leaves open or misprints. SI units. Nothing here is optimised. Eq. 3-8 are in constraint_oracle.h.
+/// Equation numbers and switch names are those of the balloon paper (balloons by PBD and gas law, a Korean conference
+/// paper); docs/methods.md has the resolutions of what it leaves open or misprints. SI units. Nothing here is optimised.
+/// Eq. 3-8 are in constraint_oracle.h.
 #pragma once
 
 #include "balloon_meshes.h"
@@ -17,22 +18,22 @@
 
 // ---- switches ----
 
-/// How the volume constraint is projected (section 5).
+/// How the volume constraint is projected.
 typedef enum balloon_oracle_volume
 {
     BALLOON_ORACLE_VOLUME_XPBD, ///< compliance V_0 / P_atm, edges with compliance 1 / k_edge (default)
-    BALLOON_ORACLE_VOLUME_PBD,  ///< the source: stiffness in (0, 1] for volume and edges
+    BALLOON_ORACLE_VOLUME_PBD,  ///< as printed: stiffness in (0, 1] for volume and edges
 } balloon_oracle_volume;
 
-/// Where the pressure is read (section 5). Equal at true equilibrium.
+/// Where the pressure is read. Equal at true equilibrium.
 typedef enum balloon_oracle_reading
 {
     BALLOON_ORACLE_PRESSURE_VIRIAL,     ///< from the tensions of the skin, clamped at 0 (default)
-    BALLOON_ORACLE_PRESSURE_GAS,        ///< P_atm V_0 / V, the source
+    BALLOON_ORACLE_PRESSURE_GAS,        ///< P_atm V_0 / V, as printed
     BALLOON_ORACLE_PRESSURE_MULTIPLIER, ///< lambda_V / dt^2 of the last substep
 } balloon_oracle_reading;
 
-/// How the angle between motion and normal weighs the drag (A5).
+/// How the angle between motion and normal weighs the drag.
 typedef enum balloon_oracle_drag
 {
     BALLOON_ORACLE_DRAG_MAX,    ///< against v, weighted with max( 0, v.n ): the textbook drag (default)
@@ -41,7 +42,7 @@ typedef enum balloon_oracle_drag
     BALLOON_ORACLE_DRAG_NORMAL, ///< along n, weighted with v.n: 4/3 pi r^2 on a sphere
 } balloon_oracle_drag;
 
-/// How the torque turns the body (A8, A9).
+/// How the torque turns the body.
 typedef enum balloon_oracle_spin
 {
     BALLOON_ORACLE_SPIN_KICK,    ///< D_omega x r is added to the velocities (default)
@@ -67,7 +68,7 @@ double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v );
 double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_oracle_matrix* axes );
 
 /// Pseudo-inverse of a symmetric matrix: eigenvalues below 1e-12 of the largest count as 0, so that a body whose
-/// vertices stand on a line has no spin about it (section 9).
+/// vertices stand on a line has no spin about it.
 balloon_oracle_matrix balloon_oracle_pseudo_inverse( const balloon_oracle_matrix* symmetric );
 
 /// Eq. 15: q + dt/2 (0, omega) q, normalised; omega in world axes, rad/s.
@@ -117,7 +118,7 @@ double3 balloon_oracle_momentum( const double3* v, const double* mass, int verte
 double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, const double* mass, int vertex_count,
                                          double3 centre );
 
-// ---- section 9: open meshes ----
+// ---- open meshes ----
 
 /// An open skin whose holes are closed by fans (`allow_open`): V is that of the closed mesh, as a function of the skin's own
 /// vertices. A hub is the mean of its border, so a border vertex also has its share of the hub's gradient.
@@ -154,13 +155,13 @@ void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const
 /// rho = P M / (R T), kg/m^3.
 double balloon_oracle_density( double pressure, double molar_mass, double temperature );
 
-/// N_gas = P_atm V_0 / (R T), mol: V_0 is the volume of the gas at atmospheric pressure (A2).
+/// N_gas = P_atm V_0 / (R T), mol: V_0 is the volume of the gas at atmospheric pressure.
 double balloon_oracle_gas_amount( double atmosphere, double gas_volume, double temperature );
 
 /// P = N R T / V, Pa.
 double balloon_oracle_gas_pressure( double amount, double volume, double temperature );
 
-/// The source taken literally, N = V_added in mol (A2): P = V_added R T / V, Pa.
+/// The balloon paper taken literally, N = V_added in mol: P = V_added R T / V, Pa.
 double balloon_oracle_gas_pressure_printed( double added_volume, double volume, double temperature );
 
 /// One distance constraint of the skin, in the order in which it is projected.
@@ -177,7 +178,7 @@ double balloon_oracle_virial( const double3* x, const balloon_oracle_link* links
 
 // ---- Eq. 10-11: air around the skin ----
 
-/// Eq. 10 resolved: -g V (rho_air - rho_He), N (A4).
+/// Eq. 10 resolved: -g V (rho_air - rho_He), N.
 double3 balloon_oracle_buoyancy( double3 gravity, double volume, double air_density, double gas_density );
 
 /// Eq. 11 resolved: the drag on one vertex, N.
@@ -193,14 +194,14 @@ double3 balloon_oracle_drag_force( balloon_oracle_drag drag, double coefficient,
 /// v_e = sqrt( 2 max( 0, P - P_atm ) / rho_He ), m/s.
 double balloon_oracle_outlet_speed( double gauge_pressure, double gas_density );
 
-/// Eq. 12 with a constant frozen at the start (A6), for comparison: sqrt( 2 max( 0, P_start - P ) / rho ), which
+/// Eq. 12 with a constant frozen at the start for comparison: sqrt( 2 max( 0, P_start - P ) / rho ), which
 /// speeds up as the balloon empties.
 double balloon_oracle_outlet_speed_printed( double start_pressure, double pressure, double gas_density );
 
 /// mdot = rho_He A_h v_e, kg/s.
 double balloon_oracle_mass_flow( double gas_density, double outlet_area, double speed );
 
-/// F = -mdot v_e n_h, N (A7).
+/// F = -mdot v_e n_h, N.
 double3 balloon_oracle_reaction( double mass_flow, double speed, double3 outlet_normal );
 
 /// Hysteresis of the outlet: a running jet ends at P <= P_atm (1 + close), a resting one starts above P_atm (1 +
@@ -215,7 +216,7 @@ double3 balloon_oracle_torque( double3 outlet, double3 centre, double3 force );
 /// Eq. 14: the increment dt I^-1 tau, rad/s.
 double3 balloon_oracle_spin_increment( const balloon_oracle_matrix* inertia, double3 torque, double dt );
 
-/// Section 6: v_i += D_omega x (x_i - c) for every vertex with w > 0.
+/// v_i += D_omega x (x_i - c) for every vertex with w > 0.
 void balloon_oracle_spin_kick( const double3* x, double3* v, const double* w, int vertex_count, double3 centre,
                                double3 increment );
 
@@ -256,7 +257,7 @@ typedef struct balloon_oracle_options
     balloon_oracle_drag drag;
     balloon_oracle_spin spin;
     bool use_gravity, use_buoyancy, use_drag, use_jet; ///< the four external forces, default on
-    bool limit_drag;                                   ///< default on (section 9)
+    bool limit_drag;                                   ///< default on
     bool update_per_frame;                             ///< read P and jet only in the first substep, default off
     double3 gravity;                                   ///< m/s^2, default (0, -9.8, 0)
     double atmosphere;                                 ///< Pa, default 101325
@@ -343,7 +344,7 @@ typedef struct balloon_oracle
     balloon_oracle_counters counters;
 } balloon_oracle;
 
-/// Refuse what the method cannot take (section 9), else make a body at rest with V_0 = V_rest.
+/// Refuse what the method cannot take, else make a body at rest with V_0 = V_rest.
 /// @param error receives one sentence that names the vertex, edge or triangle; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,

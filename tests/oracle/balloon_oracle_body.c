@@ -414,7 +414,7 @@ double balloon_oracle_present_volume( const balloon_oracle* b )
                               : constraint_oracle_volume( b->x, b->triangles, b->triangle_count );
 }
 
-// Section 9: after a collapse Eq. 9 still needs a volume above zero.
+// After a collapse Eq. 9 still needs a volume above zero.
 static double usable_volume( const balloon_oracle* b )
 {
     return fmax( balloon_oracle_present_volume( b ), 1e-3 * b->rest_volume );
@@ -511,7 +511,7 @@ static double3 share( const balloon_oracle* b, int i, double3 force )
     return double3_scale( b->mass[i] / b->total_mass, force );
 }
 
-// Step 4. Buoyancy and jet are shared by mass, which gives no torque about the centre (A13).
+// Step 4. Buoyancy and jet are shared by mass, which gives no torque about the centre.
 static void gather_forces( balloon_oracle* b, double h )
 {
     const balloon_oracle_options* o = &b->options;

@@ -1,8 +1,8 @@
 /// Boundary particles in plain double precision: a layer of points on a triangle mesh, on its edges and inside its
 /// triangles, and the balloon of position based dynamics that carries it.
 ///
-/// E1..E4, I1..I5, N1, N2, U1, U2 are the equations of the README "Position Based Dynamics Cloth Balloons with Boundary
-/// Particles", A1..A11 the resolutions of what it leaves open or misprints, X1..X5 what goes beyond it. SI units. Nothing
+/// Sections are those of the README "Position Based Dynamics Cloth Balloons with Boundary
+/// Particles", as docs/methods.md resolves what it leaves open or misprints. SI units. Nothing
 /// here is optimised.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 // ---- switches ----
 
-/// Where points of an edge or of a line stand (A2).
+/// Where points of an edge or of a line stand.
 typedef enum boundary_oracle_policy
 {
     BOUNDARY_ORACLE_EVEN,  ///< n equal parts, points between them: what the program does (default)
@@ -34,30 +34,30 @@ typedef enum boundary_oracle_rounding
 /// What an inner normal is interpolated from.
 typedef enum boundary_oracle_normals
 {
-    BOUNDARY_ORACLE_BARYCENTRIC, ///< N2: the three vertex normals by the three weights (default)
-    BOUNDARY_ORACLE_SCANLINE,    ///< N1 twice: at the two ends of the line, then between those
+    BOUNDARY_ORACLE_BARYCENTRIC, ///< the three vertex normals by the three weights (default)
+    BOUNDARY_ORACLE_SCANLINE,    ///< interpolated twice: at the two ends of the line, then between those
 } boundary_oracle_normals;
 
-// ---- E1-E4, I4, I5: counts and places on an edge or a line ----
+// ---- counts and places on an edge or a line ----
 
-/// E2: round( length / d ), >= 0.
+/// round( length / d ), >= 0.
 int boundary_oracle_count( double length, double d, boundary_oracle_rounding rounding );
 
-/// X5: may a count stay, because length / d is within `hysteresis` of the interval where that is the count?
+/// Hysteresis: may a count stay, because length / d is within `hysteresis` of the interval where that is the count?
 bool boundary_oracle_may_stay( int count, double length, double d, boundary_oracle_rounding rounding,
                                double hysteresis );
 
 /// How many points a count gives: even n - 1, exact those of i = 1..n with i d < length - 1e-6 d; never negative.
 int boundary_oracle_points( int n, double length, double d, boundary_oracle_policy policy );
 
-/// E4: where point i stands, as a share of the length: i / n, or i d / length.
+/// Where point i stands, as a share of the length: i / n, or i d / length.
 double boundary_oracle_share( int i, int n, double length, double d, boundary_oracle_policy policy );
 
-/// E2 and the line above in one.
+/// The count and the line above in one.
 int boundary_oracle_points_of_length( double length, double d, boundary_oracle_policy policy,
                                       boundary_oracle_rounding rounding );
 
-// ---- I1-I5: lines inside a triangle ----
+// ---- lines inside a triangle ----
 
 /// The shortest edge of a triangle and what stands on it.
 typedef struct boundary_oracle_axis
@@ -71,13 +71,13 @@ typedef struct boundary_oracle_axis
     double3 upward; ///< u / |u|, 0 without a height
 } boundary_oracle_axis;
 
-/// I1-I3: u = (c - a) - ((c - a).s) s, h = |u|.
+/// Axis and height: u = (c - a) - ((c - a).s) s, h = |u|.
 boundary_oracle_axis boundary_oracle_axis_of( const double3 corner[3] );
 
 /// The same on a given edge.
 boundary_oracle_axis boundary_oracle_axis_on( const double3 corner[3], int edge );
 
-/// I3 as printed (A1): dot( s, a ), which depends on where the origin is.
+/// The height as printed: dot( s, a ), which depends on where the origin is.
 double boundary_oracle_height_printed( const boundary_oracle_axis* axis, const double3 corner[3] );
 
 /// Length of line k of nt, m: base (1 - q), q its share of the height.
@@ -87,10 +87,10 @@ double boundary_oracle_line_length( double base, double q );
 /// @param weight receives them in the triangle's own order of corners
 void boundary_oracle_weights( const boundary_oracle_axis* axis, double q, double r, double weight[3] );
 
-/// Barycentric weights of a place from areas of sub-triangles, the source's form of the same. @return false without area
+/// Barycentric weights of a place from areas of sub-triangles, the printed form of the same. @return false without area
 bool boundary_oracle_weights_by_area( const double3 corner[3], double3 y, double weight[3] );
 
-// ---- N1, N2: normals ----
+// ---- normals ----
 
 /// Unit vertex normals: the mean of the UNIT normals of incident faces, normalised. A face without area, or with a corner
 /// that is not finite, adds nothing; a vertex without faces, or whose faces cancel (below 1e-12), has 0.
@@ -103,32 +103,32 @@ double3 boundary_oracle_unit( double3 v );
 /// Unit normal of a face, 0 when it has no area or is not finite.
 double3 boundary_oracle_face_normal( const double3 corner[3] );
 
-/// N1: normalize( (1 - tau) N0 + tau N1 ), 0 where the sum is below 1e-12.
+/// Edge normal: normalize( (1 - tau) N0 + tau N1 ), 0 where the sum is below 1e-12.
 double3 boundary_oracle_edge_normal( double3 n0, double3 n1, double tau );
 
-/// N2 by the weights, or along the line; 0 where a sum is below 1e-12.
+/// Inner normal by the weights, or along the line; 0 where a sum is below 1e-12.
 double3 boundary_oracle_inner_normal( const double3 normal[3], const boundary_oracle_axis* axis, double q, double r,
                                       boundary_oracle_normals mode );
 
-// ---- X1-X3: local spacing, one value an edge ----
+// ---- local spacing, one value an edge ----
 
 /// Gains of 0 are off, and so is the screen.
 typedef struct boundary_oracle_criteria
 {
     double least, most;    ///< m
     double curvature_gain; ///< 1/rad: d / (1 + gain angle)
-    double strain_gain;    ///< d / (1 + gain |l/l0 - 1|), or d (1 + |gain| |l/l0 - 1|) when it is negative (A6)
+    double strain_gain;    ///< d / (1 + gain |l/l0 - 1|), or d (1 + |gain| |l/l0 - 1|) when it is negative
     bool by_screen;        ///< what `pixels` come to at the edge's middle
     double3 eye;           ///< m
     double pixel_angle;    ///< rad
     double pixels;
 } boundary_oracle_criteria;
 
-/// X1. @param n0, n1 unit vertex normals of the ends
+/// By curvature. @param n0, n1 unit vertex normals of the ends
 double boundary_oracle_spacing_by_curvature( double d, double gain, double3 n0, double3 n1 );
-/// X2. @param rest m; without a rest length there is no strain
+/// By strain. @param rest m; without a rest length there is no strain
 double boundary_oracle_spacing_by_strain( double d, double gain, double length, double rest );
-/// X3.
+/// By distance on the screen.
 double boundary_oracle_spacing_by_screen( double3 eye, double3 middle, double pixel_angle, double pixels );
 /// clamp( the least that a criterion asks for, least, most ); d when none asks.
 double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, double d, double3 p0, double3 p1,
@@ -136,7 +136,7 @@ double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, 
 /// What a triangle takes from its edges: the least of the three, so that its inside is as fine as its border.
 double boundary_oracle_triangle_spacing( const double edge_spacing[3] );
 
-// ---- X4: contact of a boundary point ----
+// ---- contact of a boundary point ----
 
 /// The point y = sum b_i x_i against the plane y.n = offset, C = y.n - offset, acting where C < 0:
 /// Dx_i = -C w_i b_i n / (sum w_j b_j^2 + W).
@@ -155,7 +155,7 @@ typedef struct boundary_oracle_options
     boundary_oracle_policy policy;
     boundary_oracle_rounding rounding;
     boundary_oracle_normals normals;
-    /// X5, of a spacing, in [0, 0.5]. A triangle's counts stay together or none does; lines without points ask nothing, but
+    /// Hysteresis, of a spacing, in [0, 0.5]. A triangle's counts stay together or none does; lines without points ask nothing, but
     /// for the lowest of them, which must not grow beyond. Default 0: exact comparison
     double hysteresis;
     double cap;                     ///< points at most, estimated as sum( L / d ) + Area / d^2; default 4e6
@@ -209,7 +209,7 @@ wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_ora
                                     boundary_oracle_layer* out, wisp_error* error );
 void boundary_oracle_destroy( boundary_oracle_layer* layer );
 
-/// U1, U2, element by element (A4): where counts are the same, positions and normals are refreshed; elsewhere points are
+/// Update, element by element: where counts are the same, positions and normals are refreshed; elsewhere points are
 /// dropped and sampled anew. Options may be changed between updates.
 /// @return false when memory ran out; the layer is then as it was, but for vertex normals
 bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x );
@@ -222,16 +222,16 @@ int boundary_oracle_write( const boundary_oracle_layer* layer, const double3* x,
 
 // ---- the balloon ----
 
-/// Section 7. Start from boundary_oracle_default_balloon_options(). May be changed between steps.
+/// Start from boundary_oracle_default_balloon_options(). May be changed between steps.
 typedef struct boundary_oracle_balloon_options
 {
     int iterations;     ///< default 5
     double distance_k;  ///< default 0.9
     double volume_k;    ///< default 1
-    double multiplier;  ///< of the rest volume, the target; default 1 (A7: no pressure)
+    double multiplier;  ///< of the rest volume, the target; default 1, no pressure
     double decay;       ///< 1/s, v *= exp( -decay dt ) every step, default 31.7: 0.59 in 1/60 s
     double3 gravity;    ///< m/s^2, default 0: the reference program has it switched off
-    bool stale_scale;   ///< A10: the scale of the volume is that of before the distances, as in the program
+    bool stale_scale;   ///< the scale of the volume is that of before the distances, as in the program
     bool gust_per_face; ///< as printed: a gust hits a vertex once a face, not once; default false
 } boundary_oracle_balloon_options;
 

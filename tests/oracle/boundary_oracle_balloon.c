@@ -94,7 +94,7 @@ static double volume_scale( boundary_oracle_balloon* b, double target )
     return sum > 0.0 ? c / sum : 0.0;
 }
 
-// A10: the scale is that of before the distances, the gradients are those of after them.
+// The scale is that of before the distances, the gradients are those of after them.
 static void push_with( boundary_oracle_balloon* b, double scale )
 {
     constraint_oracle_volume_gradient( b->p, b->vertex_count, b->triangles, b->triangle_count, b->gradient );

@@ -152,7 +152,7 @@ static element element_of( const boundary_oracle_layer* layer, const double3* x,
     return found;
 }
 
-// The estimate of section 10, sum( L / d ) + Area / d^2 over what can be sampled.
+// The estimate sum( L / d ) + Area / d^2 over what can be sampled.
 static double estimate( const boundary_oracle_layer* layer, const double3* x )
 {
     double sum = 0.0;
@@ -196,7 +196,7 @@ static double share_of_line( const boundary_oracle_options* o, const element* e,
     return boundary_oracle_share( k, lines, e->axis.height, e->d, o->policy );
 }
 
-// X5. Lines only get shorter, so behind the first one without points none has any. That one may get shorter still, and with
+// Hysteresis. Lines only get shorter, so behind the first one without points none has any. That one may get shorter still, and with
 // even spacing it is the same to it whether it has one part or none.
 static bool line_stays( const boundary_oracle_options* o, const element* e, int n, double length )
 {
@@ -297,7 +297,7 @@ static void weigh( const boundary_oracle_options* o, const element* e, const bou
     boundary_oracle_weights( &e->axis, q, r, point->weight );
 }
 
-// N1 or N2 of a point with its weights, 0 where it cancels.
+// The normal of a point from its weights, 0 where it cancels.
 static double3 interpolate( const boundary_oracle_layer* layer, const element* e,
                             const boundary_oracle_memory* memory, const double weight[3] )
 {

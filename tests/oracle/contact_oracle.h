@@ -1,5 +1,5 @@
 /// Contact of surfaces and strands in plain double precision: the closest points of a vertex and a triangle and of
-/// two edges with the weights of their corners, and the law by which two weighted points keep their distance (BND-X4)
+/// two edges with the weights of their corners, and the law by which two weighted points keep their distance
 /// and rub on each other.
 ///
 ///   yA = sum_i a_i x_i,  yB = sum_j b_j x_j,  S = sum_i w_i a_i^2 + sum_j w_j b_j^2

@@ -364,7 +364,7 @@ frozen_oracle_adhesion frozen_oracle_adhere( const frozen_oracle_hair* hair, con
         double3 d = double3_sub( points[q], p );
         double r = double3_length( d );
 
-        // Own strand is no neighbour (R9); a coincident vertex has no direction.
+        // Own strand is no neighbour; a coincident vertex has no direction.
         if ( belongs_to( hair, strand, q ) || r == 0.0 || r >= options->clump_radius )
         {
             continue;
@@ -514,7 +514,7 @@ void frozen_oracle_align( const frozen_oracle_hair* hair, const frozen_oracle_op
     }
 }
 
-// Steps of all vertices before the brake; roots stay where they are (R9).
+// Steps of all vertices before the brake; roots stay where they are.
 static void tentative_steps( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const double3* in,
                              const int* order, double3* step, double3* tentative )
 {

@@ -2,28 +2,28 @@
 /// pipeline.
 ///
 /// Equation numbers and switch names are those of "A Stiffness-Based Real-Time Appearance Deformation Method for 2D
-/// Frozen Hair Without Physical Simulation"; R1..R14 are the resolutions of what that text leaves open or misprints.
+/// Frozen Hair Without Physical Simulation"; docs/methods.md says what that text leaves open or misprints.
 /// Nothing here is optimised: neighbours are searched among all vertices.
 #pragma once
 
 #include "double3.h"
 #include "wisp/base.h"
 
-/// How the aligning rotation is spread along a strand (R5).
+/// How the aligning rotation is spread along a strand.
 typedef enum frozen_oracle_blend
 {
     FROZEN_ORACLE_BLEND_ARC,   ///< rotate by w phi: distances to the root are kept (default)
     FROZEN_ORACLE_BLEND_CHORD, ///< Eq. 13 as printed: mix the turned and the unturned point
 } frozen_oracle_blend;
 
-/// What stands for the direction of a strand (R6).
+/// What stands for the direction of a strand.
 typedef enum frozen_oracle_direction
 {
     FROZEN_ORACLE_DIRECTION_MEAN, ///< tip - mean, as printed (default)
     FROZEN_ORACLE_DIRECTION_ROOT, ///< tip - root
 } frozen_oracle_direction;
 
-/// How a change of distance brakes a clumping step (R7).
+/// How a change of distance brakes a clumping step.
 typedef enum frozen_oracle_gap
 {
     FROZEN_ORACLE_GAP_PROSE,   ///< the more a distance has changed, the smaller the step (default)
@@ -32,21 +32,21 @@ typedef enum frozen_oracle_gap
     FROZEN_ORACLE_GAP_WET,     ///< no brake: lambda = 1
 } frozen_oracle_gap;
 
-/// Where the distance r0 of Eq. 17 is measured (R8).
+/// Where the distance r0 of Eq. 17 is measured.
 typedef enum frozen_oracle_gap_reference
 {
     FROZEN_ORACLE_GAP_REFERENCE_STAGE,     ///< before the clumping stage (default)
     FROZEN_ORACLE_GAP_REFERENCE_ITERATION, ///< before each clumping iteration
 } frozen_oracle_gap_reference;
 
-/// Which vertex decides whether the cursor reaches a strand (A16).
+/// Which vertex decides whether the cursor reaches a strand.
 typedef enum frozen_oracle_reach
 {
     FROZEN_ORACLE_REACH_TIP,     ///< Eq. 10 as printed (default)
     FROZEN_ORACLE_REACH_NEAREST, ///< any vertex
 } frozen_oracle_reach;
 
-/// Which shape a command starts from (R14).
+/// Which shape a command starts from.
 typedef enum frozen_oracle_base
 {
     FROZEN_ORACLE_BASE_REST,     ///< the rest shape (default)
@@ -73,10 +73,10 @@ typedef struct frozen_oracle_options
     double cursor_radius;  ///< m, r of Eq. 10, default 0.15
     double clump_radius;   ///< m, h of Eq. 14, default 0.01
     int clump_iterations;  ///< K, default 4
-    double clump_step;     ///< m, sigma = dt^2/m times a unit force, default 0.1 h (R11)
-    double guard_distance; ///< m, r_min of R10, default 0.02 h
+    double clump_step;     ///< m, sigma = dt^2/m times a unit force, default 0.1 h
+    double guard_distance; ///< m, r_min of the guard, default 0.02 h
     double lambda_min;     ///< lambda at delta = 1 with gap = prose, default 0
-    double length_floor;   ///< shortest l* as a share of l0, default 0.05 (R2)
+    double length_floor;   ///< shortest l* as a share of l0, default 0.05
     double epsilon;        ///< of the printed divisions, default 0: the resolved forms
     int dimension;         ///< 2 or 3; decides the fallback axes only
     frozen_oracle_blend blend;
@@ -85,7 +85,7 @@ typedef struct frozen_oracle_options
     frozen_oracle_gap_reference gap_reference;
     frozen_oracle_reach reach;
     frozen_oracle_base base;
-    bool guard;                ///< R10, default on
+    bool guard;                ///< no two vertices come closer than r_min, default on
     bool deform, align, clump; ///< the three stages, default on
     uint64_t seed;
     uint64_t event; ///< number of the user's command; the number of the frame gives the flicker of the printed text
@@ -100,7 +100,7 @@ frozen_oracle_options frozen_oracle_default_options( void );
 wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                  wisp_error* error );
 
-// Random numbers (R13): pure functions of seed, event and element.
+// Random numbers: pure functions of seed, event and element.
 
 double frozen_oracle_eta( const frozen_oracle_options* options, int strand, int vertex ); ///< U(-1,1), length
 double frozen_oracle_xi( const frozen_oracle_options* options, int strand, int vertex );  ///< U(-1,1), angle
@@ -110,13 +110,13 @@ double frozen_oracle_psi( const frozen_oracle_options* options, int strand, int 
 
 // Equations 2 to 7: stretch and bend one segment.
 
-/// Eq. 2: unit tangent of a segment, or the previous tangent when the segment has no length (R1).
+/// Eq. 2: unit tangent of a segment, or the previous tangent when the segment has no length.
 double3 frozen_oracle_tangent( double3 segment, double3 previous_tangent );
 
 /// alpha = 1 / (k + eps), the softness that goes with a stiffness.
 double frozen_oracle_softness( double stiffness, double epsilon );
 
-/// Eq. 3 with the floor of R2: l* = max( l0 (1 + alpha eta), floor l0 ).
+/// Eq. 3 with a floor: l* = max( l0 (1 + alpha eta), floor l0 ).
 double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_share );
 
 /// Eq. 4, first half: theta = theta_max alpha xi.
@@ -125,7 +125,7 @@ double frozen_oracle_bend_angle( double theta_max, double alpha, double xi );
 /// Two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017).
 void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 );
 
-/// Eq. 4, second half: the unit axis of a bend, with the fallback of R3 for straight hair and for the first segment.
+/// Eq. 4, second half: the unit axis of a bend, with a fallback for straight hair and for the first segment.
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi );
 
 /// Eq. 5: the rotation matrix R(axis, angle), rows first; the axis must be of unit length.
@@ -161,14 +161,14 @@ double3 frozen_oracle_representative( const double3* points, int count, frozen_o
 bool frozen_oracle_in_reach( const double3* points, int count, double3 cursor, double radius,
                              frozen_oracle_reach reach );
 
-/// Eq. 11 with R4: unit axis and angle in [0, pi] that turn v onto u.
+/// Eq. 11: unit axis and angle in [0, pi] that turn v onto u.
 /// @return false when v or u is shorter than 1e-12 m: there is no direction, nothing turns
 bool frozen_oracle_turn( double3 v, double3 u, int dimension, double3* axis, double* phi );
 
-/// Eq. 12: w = t (1 - x) + x with t = vertex / (count - 1); x when count is 1 (R12).
+/// Eq. 12: w = t (1 - x) + x with t = vertex / (count - 1); x when count is 1.
 double frozen_oracle_weight( int vertex, int count, double intensity );
 
-/// Eq. 13 or R5: the turned point.
+/// Eq. 13, as a chord or an arc: the turned point.
 double3 frozen_oracle_blend_point( frozen_oracle_blend blend, double3 root, double3 point, double3 axis, double phi,
                                    double weight );
 
@@ -181,7 +181,7 @@ double frozen_oracle_kernel( double distance, double radius );
 typedef struct frozen_oracle_adhesion
 {
     double3 force;  ///< f of Eq. 15
-    double nearest; ///< m, r_nn of R10; infinite without neighbours
+    double nearest; ///< m, r_nn of the guard; infinite without neighbours
     int neighbours; ///< vertices of other strands with 0 < r < h
 } frozen_oracle_adhesion;
 
@@ -190,18 +190,18 @@ typedef struct frozen_oracle_adhesion
 frozen_oracle_adhesion frozen_oracle_adhere( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                              const double3* points, int strand, int vertex, const int* order );
 
-/// Eq. 16 with R10: sigma f, no longer than max( 0, (r_nn - r_min) / 2 ) when the guard is on.
+/// Eq. 16 with the guard: sigma f, no longer than max( 0, (r_nn - r_min) / 2 ) when the guard is on.
 double3 frozen_oracle_tentative_step( const frozen_oracle_options* options, frozen_oracle_adhesion adhesion );
 
-/// Eq. 17 with R7: how much one pair has changed, in [0, 1].
+/// Eq. 17 in one of its readings: how much one pair has changed, in [0, 1].
 double frozen_oracle_pair_delta( frozen_oracle_gap gap, double r0, double r1, double radius );
 
-/// R8: the mean of the pair deltas of one vertex, weighted by g(r0), over its neighbourhood in the reference shape.
+/// The mean of the pair deltas of one vertex, weighted by g(r0), over its neighbourhood in the reference shape.
 double frozen_oracle_vertex_delta( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                    const double3* reference, const double3* tentative, int strand, int vertex,
                                    const int* order );
 
-/// Eq. 18 with R7: the share of the step that remains.
+/// Eq. 18 in one of its readings: the share of the step that remains.
 double frozen_oracle_lambda( frozen_oracle_gap gap, double delta, double zeta, double lambda_min );
 
 // The stages. Arrays hold offsets[strand_count] points; in and out must differ.

@@ -224,7 +224,7 @@ int guide_oracle_repair_lengths( double3* strand, int node_count, const double* 
     return skipped;
 }
 
-// X5.
+// The frame of a segment.
 
 guide_oracle_rotation guide_oracle_no_rotation( void )
 {

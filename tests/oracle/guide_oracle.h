@@ -2,7 +2,7 @@
 /// ghosts of a head of hair stepped in the order of the specification, then the curves that draw them.
 ///
 /// Equation numbers and switch names are those of "PBD-based Framework for Efficiently Controlling the Movement of
-/// Strands in Hair"; A1..A16 are the resolutions of what that text leaves open or misprints, X1..X5 what goes beyond
+/// Strands in Hair"; docs/methods.md says what that text leaves open or misprints and what goes beyond
 /// it. SI units. A strand is a run of nodes, node 0 its root; strand s of a set of n nodes each begins at s * n.
 /// Nothing here is optimised.
 #pragma once
@@ -12,7 +12,7 @@
 
 // ---- switches ----
 
-/// How Eq. 4 reads the change of velocity (A2).
+/// How Eq. 4 reads the change of velocity.
 typedef enum guide_oracle_elastic
 {
     GUIDE_ORACLE_ELASTIC_CHANGE,      ///< 0.5 - 0.5 cos: 0 in steady motion, 1 at reversal (default)
@@ -20,7 +20,7 @@ typedef enum guide_oracle_elastic
     GUIDE_ORACLE_ELASTIC_PRINTED_RAW, ///< 0.5 + 0.5 v.v0: literally, in m^2/s^2, not bounded
 } guide_oracle_elastic;
 
-/// What turns the offsets of the ghosts (A16, X5).
+/// What turns the offsets of the ghosts.
 typedef enum guide_oracle_frame
 {
     GUIDE_ORACLE_FRAME_OFF,      ///< R = 1: offsets keep their directions in the world (default)
@@ -28,17 +28,17 @@ typedef enum guide_oracle_frame
     GUIDE_ORACLE_FRAME_GIVEN,    ///< the caller's rotation for every paired target node
 } guide_oracle_frame;
 
-/// Which point of its target a ghost node follows (A14, X1).
+/// Which point of its target a ghost node follows.
 typedef enum guide_oracle_pairing
 {
     GUIDE_ORACLE_PAIRING_NODE,    ///< node i follows node i; other node counts are refused (default)
-    GUIDE_ORACLE_PAIRING_NEAREST, ///< the nearest rest particle of the target: the source's limitation, for E6 only
-    GUIDE_ORACLE_PAIRING_SPLINE,  ///< X1: the Catmull-Rom point at the same normalised arc length
+    GUIDE_ORACLE_PAIRING_NEAREST, ///< the nearest rest particle of the target: the printed limitation, for comparison
+    GUIDE_ORACLE_PAIRING_SPLINE,  ///< the Catmull-Rom point at the same normalised arc length
 } guide_oracle_pairing;
 
 // ---- Eq. 1: correspondence ----
 
-/// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2 (A6).
+/// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2.
 double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes );
 
 /// The guide with the least strand distance; the lowest index wins a tie.
@@ -46,7 +46,7 @@ double guide_oracle_strand_distance( const double3* detail, int detail_nodes, co
 int guide_oracle_nearest_guide( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
                                 int guide_nodes );
 
-/// X3: the `link_count` guides with the least strand distances d_k, nearest first, ties lowest index first, and
+/// Several targets: the `link_count` guides with the least strand distances d_k, nearest first, ties lowest index first, and
 /// their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse squared
 /// distance of the rest strands. Guides at distance 0 share the whole weight equally. One link has weight 1.
 /// @param link_count in [1, guide_count]
@@ -64,7 +64,7 @@ typedef enum guide_oracle_spread_fault
     GUIDE_ORACLE_SPREAD_BAD_TARGET, ///< Vbar is not positive
 } guide_oracle_spread_fault;
 
-/// The plain mean of points (A10), measured from the first one so that a translation costs no digits.
+/// The plain mean of points, measured from the first one so that a translation costs no digits.
 double3 guide_oracle_mean( const double3* points, int count );
 
 /// Eq. 3: V = sum |c - d|^2 about the mean c, m^2.
@@ -88,14 +88,14 @@ guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int coun
 /// `printed_cos`.
 double guide_oracle_elastic_weight( guide_oracle_elastic elastic, double3 v, double3 v0 );
 
-/// k_tip i/(N-1), linear from the root to the tip (A12); 0 for a strand of one node.
+/// k_tip i/(N-1), linear from the root to the tip; 0 for a strand of one node.
 double guide_oracle_tip_weight( double gain, int node, int node_count );
 
-/// k_com |b - c| / largest (A12); 0 when the largest offset is 0. It is k_com at the farthest ghost; more
+/// k_com |b - c| / largest; 0 when the largest offset is 0. It is k_com at the farthest ghost; more
 /// is possible only where b is not rigid about c: with feedback, and with several targets a ghost.
 double guide_oracle_centre_weight( double gain, double3 b, double3 c, double largest_offset );
 
-/// What Eq. 5 adds to b: tau v (sum of weights), no longer than `longest` (section 7).
+/// What Eq. 5 adds to b: tau v (sum of weights), no longer than `longest`.
 /// @param longest m; negative: no limit, as printed. 0 forbids every move
 /// @param cut set to true when the limit acted, otherwise left alone
 double3 guide_oracle_displacement( double3 v, double weight, double tau, double longest, bool* cut );
@@ -109,7 +109,7 @@ void guide_oracle_track( double3* members, int count, double3 goal );
 /// @return how many segments had no length, hence no direction, and were left alone
 int guide_oracle_repair_lengths( double3* strand, int node_count, const double* segment_lengths );
 
-// ---- X5: frames ----
+// ---- frames ----
 
 typedef struct guide_oracle_rotation
 {
@@ -143,11 +143,11 @@ int guide_oracle_parallel_frames( const double3* rest, const double3* present, i
 typedef enum guide_oracle_curve
 {
     GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (A8, default)
-    GUIDE_ORACLE_CURVE_SMOOTH, ///< X2: one cubic a segment through all nodes, C1
+    GUIDE_ORACLE_CURVE_SMOOTH, ///< one cubic a segment through all nodes, C1
 } guide_oracle_curve;
 
 /// The weights of Eq. 6.
-/// @param printed true: the second coefficient is 2, as printed (A1); false: 3
+/// @param printed true: the second coefficient is 2, as printed; false: 3
 void guide_oracle_bezier_weights( double t, bool printed, double weight[4] );
 
 double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
@@ -173,14 +173,14 @@ double guide_oracle_largest_turn( const double3* points, int count );
 double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, double u );
 double3 guide_oracle_hermite_slope( double3 p0, double3 m0, double3 p1, double3 m1, double u );
 
-/// GUI-06 in time: a node between two frames dt apart, by its positions and velocities at both; u in [0, 1].
+/// Between two steps (section II.2.2): a node between two frames dt apart, by its positions and velocities at both; u in [0, 1].
 double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
 double3 guide_oracle_velocity_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u );
 
 /// Catmull-Rom tangent by the node number: (x_{i+1} - x_{i-1})/2, one-sided differences at the ends.
 double3 guide_oracle_tangent( const double3* nodes, int node_count, int node );
 
-/// GUI-06 along the strand: the Hermite curve of segment k with Catmull-Rom tangents, and its derivative by u.
+/// Along the strand (section II.2.2): the Hermite curve of segment k with Catmull-Rom tangents, and its derivative by u.
 double3 guide_oracle_spline( const double3* nodes, int node_count, int segment, double u );
 double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int segment, double u );
 
@@ -195,7 +195,7 @@ typedef struct guide_oracle_stencil
     double weight[4];
 } guide_oracle_stencil;
 
-/// X1: the spline point at a normalised arc length of the rest polyline. Segment k holds s between its nodes' arc
+/// The spline point at a normalised arc length of the rest polyline. Segment k holds s between its nodes' arc
 /// lengths and u = (s - s_k)/(s_{k+1} - s_k). Made at rest, applied to present positions and velocities alike.
 guide_oracle_stencil guide_oracle_spline_stencil( const double3* rest, int node_count, double arc );
 
@@ -210,7 +210,7 @@ double3 guide_oracle_gather( const guide_oracle_stencil* stencil, const double3*
 typedef struct guide_oracle_strand
 {
     int node_count;
-    const double3* rest;   ///< [node_count], m: rest lengths of segments and of the bends |x_i - x_{i+2}| (A13)
+    const double3* rest;   ///< [node_count], m: rest lengths of segments and of the bends |x_i - x_{i+2}|
     const double* w;       ///< [node_count], 1/kg
     double dt;             ///< s, one frame
     int substeps;          ///< > 0
@@ -233,11 +233,11 @@ int guide_oracle_strand_step( const guide_oracle_strand* strand, double3* x, dou
 typedef struct guide_oracle_options
 {
     guide_oracle_pairing pairing;
-    int link_count;      ///< X3: targets a ghost, default 1
+    int link_count;      ///< targets a ghost, default 1
     bool keep_offset;    ///< a ghost alone in its group keeps y - X of the rest shape, default on
     bool strict;         ///< no target at all is an error, default off: the ghosts are static
     double dt;           ///< s, default 1/60; only read with feedback
-    double tau;          ///< s, default dt; the printed form has 1 (A3)
+    double tau;          ///< s, default dt; the printed form has 1
     double elastic_gain; ///< factor of W, default 1; 0 switches W off
     double tip_gain;     ///< k_tip >= 0, default 0.5
     double centre_gain;  ///< k_com >= 0, default 0.5
@@ -245,7 +245,7 @@ typedef struct guide_oracle_options
     guide_oracle_elastic elastic;
     guide_oracle_frame frame;
     bool cap_offset;     ///< Eq. 5 moves no farther than one segment of the target, default on
-    bool feedback;       ///< pos* is integrated, default off (A4); needs frame = off and one target a ghost
+    bool feedback;       ///< pos* is integrated, default off; needs frame = off and one target a ghost
     bool use_spread;     ///< default off
     bool spread_exact;   ///< default on
     bool repair_lengths; ///< default off
@@ -269,7 +269,7 @@ typedef struct guide_oracle_counters
     int empty_groups;       ///< targets that won no ghost
     int coincident_spreads; ///< groups of a node, summed over steps, that stand on one point and cannot spread
     int zero_segments;      ///< segments without a direction to repair
-    int cut_displacements;  ///< ghost nodes that section 7 held to one segment
+    int cut_displacements;  ///< ghost nodes held to one segment
     int reversed_tangents;  ///< segments opposite to their carried rest tangent
     long node_updates;      ///< ghost nodes moved: what the ghosts cost
 } guide_oracle_counters;
@@ -287,7 +287,7 @@ typedef struct guide_oracle_counters
 /// (j/(M-1) for an empty group). With pairing = nearest it has the particle nearest to the mean of the group's nodes
 /// j.
 ///
-/// The segment to which section 7 holds Eq. 5 is one of the target as it came, so that ghosts with more nodes are not
+/// The segment that bounds Eq. 5 is one of the target as it came, so that ghosts with more nodes are not
 /// held shorter: the segment before the node, or with pairing = spline the one that holds the point.
 typedef struct guide_oracle
 {
@@ -324,7 +324,7 @@ typedef struct guide_oracle_motion
                                            ///< frame = given: [target_count * node_count]; null: none
 } guide_oracle_motion;
 
-/// Refuse what the method cannot take (section 7), else make ghosts at their base positions about the rest targets.
+/// Refuse what the method cannot take, else make ghosts at their base positions about the rest targets.
 /// @param error receives one sentence that names the ghost, the node or the parameter; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,

@@ -278,7 +278,7 @@ static void set_links( guide_oracle* hair, const guide_oracle_def* def )
     }
 }
 
-// X1: the mean of the members' normalised arc lengths at a node.
+// The mean of the members' normalised arc lengths at a node.
 static double group_arc( const guide_oracle* hair, const double3* ghosts, int group, int node, double* arc )
 {
     double sum = 0.0;
@@ -449,7 +449,7 @@ static void pair_targets( guide_oracle* hair, const guide_oracle_motion* motion 
     hair->has_previous = true;
 }
 
-// A velocity as the ghost has it: that of its targets, blended (A5).
+// A velocity as the ghost has it: that of its targets, blended.
 static double3 ghost_velocity( const guide_oracle* hair, const double3* v, int g, int i )
 {
     int links = hair->options.link_count;
@@ -492,7 +492,7 @@ static void sway( guide_oracle* hair, int g, int i, double3 c )
 
     if ( i == 0 )
     {
-        return; // A9: pinned
+        return; // pinned
     }
     bool cut = false;
     double weight = hair->elastic_weight[n] +

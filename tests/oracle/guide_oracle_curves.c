@@ -68,7 +68,7 @@ static void group_controls( const double3* nodes, int node_count, int group, dou
     }
 }
 
-// X2: the Bezier form of the Hermite curve between nodes k and k + 1.
+// the Bezier form of the Hermite curve between nodes k and k + 1.
 static void smooth_controls( const double3* nodes, int node_count, int k, double3 control[4] )
 {
     control[0] = nodes[k];
@@ -180,7 +180,7 @@ double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int seg
                                        u );
 }
 
-// X1: another node count.
+// Another node count.
 
 void guide_oracle_arc( const double3* nodes, int node_count, double* arc )
 {

@@ -1,4 +1,4 @@
-// The arc, the forces of links and their energies: TRI (2) to (15).
+// The arc, the forces of links and their energies: Noh and Jung, Eq. 2-15.
 #include "triangle_oracle.h"
 
 #include <stdlib.h>

@@ -1,10 +1,9 @@
 /// Triangle cloth in plain double precision: particles joined by the edges and diagonals of a triangle mesh,
 /// moved by one linear solve a substep, contact inside the solver.
 ///
-/// Equation numbers are those of "Cloth simulation using a particle system on triangular mesh"; what that text
-/// leaves open is read as modules/implicit_cloth/README.md does, whose sections Links, A substep, Conjugate
-/// gradients and Contact are functions here. SI units. Nothing is optimised: sums run over a list of links, each
-/// of them once.
+/// Equation numbers are those of Noh and Jung; docs/methods.md says how what they leave open is resolved, and its sections
+/// on the linear system, conjugate gradients and contact are functions here. SI units. Nothing is optimised: sums run
+/// over a list of links, each of them once.
 #pragma once
 
 #include "double3.h"

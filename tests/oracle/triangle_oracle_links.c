@@ -1,4 +1,4 @@
-// What may come in, the links of a mesh, their weights, and the memory of a cloth: TRI (1).
+// What may come in, the links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
 #include "triangle_oracle.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-// A = M - s D - s^2 K, conjugate gradients with a filter, elimination, and the substep: TRI (16) to (18) and
-// section 5.
+// A = M - s D - s^2 K, conjugate gradients with a filter, elimination, and the substep: Noh and Jung,
+// Eq. 16-17, solved as their section 4 says.
 #include "triangle_oracle.h"
 
 #include <stdlib.h>
