@@ -1,4 +1,4 @@
-// Pairwise adhesion with a gap-keeping brake, eight vertices at once (FRZ, eq. 14-19).
+// Pairwise adhesion with a gap-keeping brake, eight vertices at once (Kim 2026, eq. 14-19).
 //
 //   f_i = sum g(r) (q - p_i) / r,  g(r) = (1 - r/h)^2        Dp_i = sigma f_i, held back by the guard
 //   delta_i = sum g(r0) clamp( change(r0, r1) / h ) / sum g(r0)
@@ -277,7 +277,7 @@ LANE_INLINE float brake_by_gap( const wisp_adhesion_job* job, int slice_first, i
 
 float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
 {
-    // the default has a plane of its own; the studies of the source's other laws run in space
+    // the default has a plane of its own; the other readings of the brake run in space
     bool by_iteration = job->measured == NULL;
     if ( by_iteration )
     {

@@ -1,5 +1,5 @@
-// Points between parents (BND N1, N2, and E4, I5 as weights). Eight at a time as four rows of two quads, row r holding points
-// r and r + 4: parents come as whole quads and leave as whole quads, so that only lengths of normals need transposing.
+// Points between parents (boundary particle paper, sections 2.2, 3.4 and 5). Eight at a time as four rows of two quads, row r
+// holding points r and r + 4. Parents come and leave as whole quads, so only lengths of normals need transposing.
 #include "kernel_isa.h"
 
 enum

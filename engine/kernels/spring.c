@@ -1,5 +1,5 @@
 // Springs of a triangle mesh as rows of links: forces, derivatives, and the product with the matrix that is never
-// assembled (TRI eq. 5-18; the product of one-ring slices was measured to be a third faster than stored blocks).
+// assembled (Noh and Jung, eq. 5-17; the product of one-ring slices was measured to be a third faster than stored blocks).
 //
 // A link between i and j contributes K2 I + e e' to A_ii and its negative to A_ij, with e along the link and
 // |e|^2 = K1 - K2: four numbers instead of nine, and the same ones for both ends up to the sign of e.
@@ -10,7 +10,7 @@ enum
     BLOCK = 64, // slices summed in floats before they go into a double
 };
 
-// The load of an arc over its chord (TRI eq. 11). F(y) = 4 u^2 / ( cos u - y ), y = sin u / u, has a pole where y is least,
+// The load of an arc over its chord (Noh and Jung, eq. 11). F(y) = 4 u^2 / ( cos u - y ), y = sin u / u, has a pole where y is least,
 // at y = -0.217: times s = sqrt( y + 0.217 ) it is as smooth as can be, and this polynomial in s, fitted at Chebyshev's
 // points, is F s within 3e-9 and gives F' within 6e-7 on [0, 1].
 static const float ARC_POLE = 0.217233628f, ARC_MIDDLE = 0.784683199f, ARC_SCALE = 3.1387328f;
@@ -123,7 +123,7 @@ LANE_INLINE lane8 no_stiffer( const wisp_spring_job* job, lane8 stiffness )
     return lane8_min( stiffness, lane8_set1( job->stiffest > 0.0f ? job->stiffest : FLT_MAX ) );
 }
 
-// Only beyond its rest length (TRI eq. 6 and 8).
+// Only beyond its rest length (Noh and Jung, eq. 6 and 8).
 LANE_INLINE void stretch( const wisp_spring_job* job, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( job, row, entry );
@@ -136,7 +136,7 @@ LANE_INLINE void stretch( const wisp_spring_job* job, row_lanes* row, int entry 
     add_link( job, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
-// Only below it: the load of an arc, reached over a ramp (TRI eq. 11-13).
+// Only below it: the load of an arc, reached over a ramp (Noh and Jung, eq. 11-13).
 LANE_INLINE void bend( const wisp_spring_job* job, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( job, row, entry );

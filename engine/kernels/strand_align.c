@@ -1,4 +1,4 @@
-// Rotation of whole strands about their roots towards a target, sixteen strands at once (FRZ, eq. 8-13).
+// Rotation of whole strands about their roots towards a target, sixteen strands at once (Kim 2026, eq. 8-13).
 #include "kernel_isa.h"
 
 #include "lane_trig.h"

@@ -1,4 +1,4 @@
-// Jitter of segment lengths and directions, sixteen strands at once (FRZ, eq. 2-7).
+// Jitter of segment lengths and directions, sixteen strands at once (Kim 2026, eq. 2-7).
 //
 //   l* = max( l0 (1 + eta / (k_s + eps)), 0.05 l0 )       theta = theta_max xi / (k_b + eps)
 //   p'_i = p'_{i-1} + l* R( a_i, theta_i ) t_i            a_i = t_{i-1} x t_i, normalised

@@ -1,4 +1,4 @@
-// Strands in time, sixteen at once: prediction, velocity, damping against a rigid motion, air (BAL eq. 1-2 on strands).
+// Strands in time, sixteen at once: prediction, velocity, damping against a rigid motion, air.
 #include "kernel_isa.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;

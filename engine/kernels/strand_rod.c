@@ -1,6 +1,6 @@
 // Elastic rods, sixteen at once: bending implicit in the positions by one pentadiagonal solve, twist in balance by a tridiagonal
 // one, frames carried along (discrete elastic rods of Bergou et al. 2008 and 2010 with their rest curvature held while a
-// substep is solved). modules/strands/README.md has the equations.
+// substep is solved). docs/methods.md has the equations.
 #include "strand_frame.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;

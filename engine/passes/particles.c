@@ -1,4 +1,4 @@
-// Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (BAL eq. 1-2).
+// Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (Mueller et al. 2007).
 #include "passes.h"
 #include "passes_common.h"
 

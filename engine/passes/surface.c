@@ -178,7 +178,7 @@ static void sum_angular_momentum( const wisp_fabric* f, const float* position, c
     }
 }
 
-// Volume about the first vertex, which keeps digits far from the origin (BAL eq. 7 with the sixth that it lacks).
+// Volume about the first vertex, which keeps digits far from the origin.
 static double sum_volume( const wisp_fabric* f, const float* position )
 {
     double volume = 0.0;

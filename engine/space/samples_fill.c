@@ -53,7 +53,7 @@ static double length_of_blend( const float* a, const float* b, double share )
     return sqrt( sum );
 }
 
-// N1 twice: at the ends of the line, which become unit, then between those. As weights of the three corners that is their share
+// Normals interpolated twice: at the ends of the line, which become unit, then between those. As weights of the three corners that is their share
 // over the length that the ends have. An end whose normals cancel adds nothing.
 static void weigh_normals( const samples_update* u, int t, const samples_lines* line, int axis, int first )
 {

@@ -1,4 +1,4 @@
-// How lengths become counts and shares (BND sections 4, 5 and 10), in double precision.
+// How lengths become counts and shares (boundary particle paper, sections 2 and 3), in double precision.
 #include "samples_parts.h"
 
 #include <float.h>

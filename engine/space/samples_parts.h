@@ -90,7 +90,7 @@ typedef struct samples_bounds
     double low, high;
 } samples_bounds;
 
-/// n of a length (E2).
+/// Number of spacings in a length, rounded.
 double samples_count_of( const wisp_samples_job* job, double length );
 /// Points that n gives on a length.
 double samples_points_of( const wisp_samples_job* job, double n, double length );

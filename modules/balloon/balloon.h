@@ -1,5 +1,5 @@
-/// Balloon: a closed elastic skin filled with gas that floats, jets, spins and shrinks (BAL; every ambiguity of the source
-/// is a switch here). The skin's links come from here too, so a surface is a balloon or a cloth, not both.
+/// Balloon: a closed elastic skin filled with gas that floats, jets, spins and shrinks (balloon paper, docs/methods.md; what it
+/// leaves open is a switch here). The skin's links come from here too, so a surface is a balloon or a cloth, not both.
 #pragma once
 
 #include "wisp/wisp.h"
@@ -13,7 +13,7 @@ typedef enum wisp_balloon_pressure
 {
     WISP_BALLOON_PRESSURE_VIRIAL,     ///< from the skin's tensions: sum T l / (3 V), smooth and hardly mesh dependent
     WISP_BALLOON_PRESSURE_MULTIPLIER, ///< lambda / dt^2 of the volume constraint
-    WISP_BALLOON_PRESSURE_GAS,        ///< P_atm V_0 / V, as the source has it: 1 % of volume is 1013 Pa
+    WISP_BALLOON_PRESSURE_GAS,        ///< P_atm V_0 / V, as printed: 1 % of volume is 1013 Pa
     WISP_BALLOON_PRESSURE_COUNT,
 } wisp_balloon_pressure;
 
@@ -68,7 +68,7 @@ typedef struct wisp_balloon_def
     bool outlet_open;                        ///< the valve, default false
     wisp_balloon_spin spin;                  ///< default kick
     bool
-        keep_angular_momentum; ///< default true: projections of a free skin do not turn it. False is the source: it spins
+        keep_angular_momentum; ///< default true: projections of a free skin do not turn it. False as in the paper: it spins
                                ///< up without a torque, and faster with more substeps
     /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its border, for
     /// the volume alone; a fan has no mass, no links, no normal and no drag.
@@ -92,7 +92,7 @@ WISP_API wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity ballo
 WISP_API wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate );
 WISP_API wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open );
 
-/// What a balloon shows after a step (BAL Fig. 4 to 7): the last substep's forces, and the body at its start.
+/// What a balloon shows after a step (balloon paper, fig. 4-7): the last substep's forces, and the body at its start.
 typedef struct wisp_balloon_figures
 {
     double rest_volume;                              ///< V_rest, m^3

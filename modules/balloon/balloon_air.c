@@ -1,4 +1,4 @@
-// Air around the skin: buoyancy (BAL eq. 10) and drag (eq. 11).
+// Air around the skin: buoyancy (balloon paper, eq. 10) and drag (eq. 11).
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -54,7 +54,7 @@ void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// Shared by mass, so that it turns nothing (A13). The gas's own weight is inside this difference of densities.
+// Shared by mass, so that it turns nothing. The gas's own weight is inside this difference of densities.
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;

@@ -1,4 +1,4 @@
-// The balloon as a rigid body: mass, centre, inertia (BAL eq. 16-17), and the torque's share of the spin (eq. 13-15).
+// The balloon as a rigid body: mass, centre, inertia (balloon paper, eq. 16-17), and the torque's share of the spin (eq. 13-15).
 #include "balloon_internal.h"
 
 #include <math.h>

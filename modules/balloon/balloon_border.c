@@ -1,4 +1,4 @@
-// Holes of a skin (BAL section 9, `allow_open`): each is closed by a virtual fan of triangles about the mean of its border
+// Holes of a skin (`allow_open`): each is closed by a virtual fan of triangles about the mean of its border
 // loop. Fans are part of the function V, so of its value and of the gradient that the volume's projection follows: with
 // them the gradients of all vertices sum to zero, and the gas cannot push its own balloon along. They are part of nothing
 // else: no mass, no links, no area, no normal.

@@ -1,4 +1,4 @@
-// What a balloon shows: pressures, volumes, the four forces (BAL Fig. 4), spin and orientation. Only where asked for.
+// What a balloon shows: pressures, volumes, the four forces (balloon paper, fig. 4), spin and orientation. Only where asked for.
 #include "balloon_internal.h"
 
 #include <math.h>

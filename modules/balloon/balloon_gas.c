@@ -1,4 +1,4 @@
-// Volume, gas and pressure (BAL eq. 7-9, section 5).
+// Volume, gas and pressure (balloon paper, eq. 7-9).
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -72,7 +72,7 @@ static bool find_border( wisp_frame* frame, const wisp_span* span, const balloon
     return out->vertex != NULL;
 }
 
-// Section 9: after a collapse eq. 9 still needs a volume above zero. What is no number stays none: it starts no jet, so that
+// After a collapse eq. 9 still needs a volume above zero. What is no number stays none: it starts no jet, so that
 // the gas is all there when the guard has put the particles back.
 static double usable_volume( double volume, const balloon_gas* gas )
 {
@@ -207,7 +207,7 @@ static void push_slices( void* context, int begin, int end, int worker )
     loop->kernels->push( &loop->job, begin, end );
 }
 
-// Change of lambda for C = V - V_0: the source's share k of the error, or the gas's compliance V_0 / P_atm.
+// Change of lambda for C = V - V_0: a part k of the error, as printed, or the gas's compliance V_0 / P_atm.
 static double change_of_lambda( balloon_gas* gas, float share, wisp_ring_sums sums, double dt )
 {
     double error = sums.volume - gas->target_volume;

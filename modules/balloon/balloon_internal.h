@@ -9,7 +9,7 @@
 /// R, J/(mol K)
 #define BALLOON_GAS_CONSTANT 8.314462618
 
-/// The gas (BAL section 5). Doubles, because V_0 sums thousands of tiny changes.
+/// The gas. Doubles, because V_0 sums thousands of tiny changes.
 typedef struct balloon_gas
 {
     double rest_volume;              // V_rest, m^3
@@ -128,7 +128,7 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
 // balloon_air.c
 void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user );
-/// Drag on one slot, N, and the share of the velocity that stays (BAL eq. 11, section 9).
+/// Drag on one slot, N, and the share of the velocity that stays (balloon paper, eq. 11).
 wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
                               float dt_w );
 

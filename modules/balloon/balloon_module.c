@@ -85,7 +85,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
 }
 
 // In the order of section 4: geometry, control, pressure and outlet, then what changes velocities. The printed spin turns
-// positions before they are predicted, so that no velocity is read back from it (A8). Figures and drag come before all
+// positions before they are predicted, so that no velocity is read back from it. Figures and drag come before all
 // that changes velocities, because both are functions of the velocity at the start of the substep. The border of an open
 // mesh is in nobody's list: no pass writes it, and a closed mesh has none.
 static wisp_status declare_passes( wisp_registry* r, balloon_state* s )

@@ -1,4 +1,4 @@
-// The outlet: what leaves, and how it pushes back (BAL eq. 12, A6, A7).
+// The outlet: what leaves, and how it pushes back (balloon paper, eq. 12).
 #include "balloon_internal.h"
 
 #include <math.h>

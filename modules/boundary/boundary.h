@@ -1,5 +1,5 @@
 /// Boundary particles: a layer of points on a surface, on its edges and inside its triangles, about a spacing apart, with
-/// interpolated normals (BND). It follows the surface after each step and changes nothing of it: the surface has the same
+/// interpolated normals (boundary particle paper, docs/methods.md). It follows the surface after each step and changes nothing of it: the surface has the same
 /// bits with and without. It is there to be drawn, exported, or read by what couples to it.
 #pragma once
 
@@ -18,10 +18,10 @@ typedef struct wisp_boundary_def
     wisp_rounding rounding; ///< default down
     bool scanline_normals;  ///< inner normals from the ends of a line; default false: barycentric
     float hysteresis;       ///< of a spacing, in [0, 0.5]: counts stay while lengths are so near to where they would
-                            ///< change; default 0, as the source. Counts of a triangle stay or go together
+                            ///< change; default 0, as in the paper. Counts of a triangle stay or go together
     int limit;              ///< points at most, > 0; default 4 000 000. A layer that would have more stays as it was
 
-    // Local spacing (BND-X1 to X3), one value an edge: d_e = clamp( the least that a criterion asks for, least, most ).
+    // Local spacing (not in the paper), one value an edge: d_e = clamp( the least that a criterion asks for, least, most ).
     // A triangle has the least of its three edges: what an edge asks for holds beside it, too.
     float least_spacing;  ///< m; default 0: a quarter of the spacing
     float most_spacing;   ///< m; default 0: four times the spacing
@@ -45,7 +45,7 @@ WISP_API wisp_boundary_def wisp_default_boundary_def( void );
 WISP_API wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def );
 /// Take the layer away, and its passes with it.
 WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface );
-/// Look from somewhere else from the next step on (BND-X3). @param eye m, finite
+/// Look from somewhere else from the next step on. @param eye m, finite
 /// @return WISP_CONFLICT also if the surface has no layer, or its spacing is not by_screen
 WISP_API wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye );
 

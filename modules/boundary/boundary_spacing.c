@@ -1,4 +1,4 @@
-// Local spacing (BND-X1 to X3): one value an edge, so that both of its sides agree, and of a triangle the least of its three:
+// Local spacing (not in the boundary particle paper): one value an edge, so that both of its sides agree, and of a triangle the least of its three:
 // what an edge asks for must hold on the surface beside it, too.
 #include "boundary_internal.h"
 

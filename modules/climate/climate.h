@@ -1,4 +1,4 @@
-/// Climate: temperature and wetness drive the stiffness of strands through a monotone curve (FRZ-X2).
+/// Climate: temperature and wetness drive the stiffness of strands through a monotone curve (named as future work by Kim 2026).
 ///
 ///   ice = wetness * s( (freezing - temperature) / span ),  s the smooth step, clamped
 ///   k   = curve( ice )

@@ -1,7 +1,7 @@
 /// Frozen hair: a static groom takes on a frozen look in one pass a command, without time, collision or fluid.
 /// Three stages in this order: freeze (lengths almost kept, bends limited), align (turned towards a cursor), clump
-/// (neighbours attract, gaps stay). Source: "A Stiffness-Based Real-Time Appearance Deformation Method for 2D Frozen
-/// Hair Without Physical Simulation"; equation numbers are its own, resolutions R1-R14 are in README.md.
+/// (neighbours attract, gaps stay). Kim 2026, "A Stiffness-Based Real-Time Appearance Deformation Method for 2D Frozen
+/// Hair Without Physical Simulation"; docs/methods.md says where it leaves a choice.
 #pragma once
 
 #include "wisp/variants.h"

@@ -71,7 +71,7 @@ typedef struct frozen_state
     int workspace; // of the clump stage
 } frozen_state;
 
-/// Random streams of the source's symbols.
+/// Random streams of the paper's symbols.
 enum
 {
     FROZEN_STREAM_LENGTH = 1, // eta

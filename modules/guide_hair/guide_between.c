@@ -1,4 +1,4 @@
-// Interpolation in time (GUI-06): both last places of ghosts and the velocities of their targets' nodes are kept, and a place
+// Interpolation in time (Park and Kim 2024, section II.2.2): both last places of ghosts and the velocities of their targets' nodes are kept, and a place
 // between them is read off a cubic Hermite curve.
 #include "guide_internal.h"
 

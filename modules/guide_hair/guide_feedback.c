@@ -1,4 +1,4 @@
-// Feedback (A4, A7): the sway of eq. 5 is integrated from the last step's place, and the group's mean is tracked.
+// Feedback: the sway of Park and Kim 2024, eq. 5, is integrated from the last step's place, and the group's mean is tracked.
 #include "guide_internal.h"
 
 #include <math.h>

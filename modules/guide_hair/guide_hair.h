@@ -1,4 +1,4 @@
-/// Guide hair: a few strands move, many ghosts follow them (GUI, "PBD-based Framework for Efficiently Controlling the
+/// Guide hair: a few strands move, many ghosts follow them (Park and Kim 2024, "PBD-based Framework for Efficiently Controlling the
 /// Movement of Strands in Hair"), and smooth curves are drawn through them.
 #pragma once
 
@@ -31,9 +31,9 @@ typedef enum wisp_ghost_frame
 typedef struct wisp_ghosts_def
 {
     wisp_entity targets; ///< strands that move: the guides
-    int target_count;    ///< X3: 1 .. 4 targets a ghost, weighted by the inverse square of their distance; default 1.
+    int target_count;    ///< 1 .. 4 targets a ghost, weighted by the inverse square of their distance; default 1.
                          ///< Where there are fewer targets, all of them
-    bool resample;       ///< X1: ghosts may have another number of vertices than their targets, paired by arc length;
+    bool resample;       ///< ghosts may have another number of vertices than their targets, paired by arc length;
                          ///< default false: such ghosts are refused
     wisp_ghost_elastic elastic; ///< default change
     float tip_gain;             ///< k_tip, 0 .. 1e3, default 0.5
@@ -44,7 +44,7 @@ typedef struct wisp_ghosts_def
     float spread;               ///< Vbar / v_0 of eq. 2-3, 1e-6 .. 1e6; default 1: off. Sway comes on top
     bool repair_length;         ///< segments at rest length again, root first; default false
     wisp_ghost_frame frame;     ///< default parallel
-    bool feedback; ///< A4: the place after the sway is where the next step begins, and the mean of a group is
+    bool feedback; ///< the place after the sway is where the next step begins, and the mean of a group is
                    ///< tracked: sway that all share is undone, what differs adds up. Default false. Needs
                    ///< frame off and one target. The spread, unless 1, is then held with the sway in it
     bool between;  ///< keep what wisp_ghosts_between() needs, default false
@@ -63,7 +63,7 @@ WISP_API wisp_ghosts_def wisp_default_ghosts_def( void );
 ///       ghosts stay where they are.
 WISP_API wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def );
 
-/// GUI-06: where ghosts are between the last two steps, for drawing at a higher rate than steps are made: cubic Hermite
+/// Where ghosts are between the last two steps, for drawing at a higher rate than steps are made: cubic Hermite
 /// curves through both places, with the velocities of the targets' nodes. Ghosts stand still before their first step, and
 /// an appearance on top is not in it.
 /// @param fraction 0 the step before, 1 the last step
@@ -89,7 +89,7 @@ WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity gho
 typedef enum wisp_curve_kind
 {
     WISP_CURVE_BEZIER,      ///< eq. 6 on groups of four that share their ends, coefficient 3
-    WISP_CURVE_CATMULL_ROM, ///< X2: once continuously differentiable
+    WISP_CURVE_CATMULL_ROM, ///< once continuously differentiable
     WISP_CURVE_KIND_COUNT,
 } wisp_curve_kind;
 

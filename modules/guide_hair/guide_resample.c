@@ -1,4 +1,4 @@
-// GUI-X1: points of a strand at any arc length, so that a ghost may have another number of vertices than its target.
+// Points of a strand at any arc length, so that a ghost may have another number of vertices than its target.
 #include "guide_internal.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/// Implicit cloth: particles joined by the links of a triangle mesh, moved by one linear solve a substep (method TRI).
+/// Implicit cloth: particles joined by the links of a triangle mesh, moved by one linear solve a substep (Noh and Jung).
 /// The honest counterpart of position-based cloth: forces in SI units, contact inside the solver.
 #pragma once
 
@@ -8,7 +8,7 @@ WISP_BEGIN_C
 
 WISP_API extern const wisp_module wisp_implicit_cloth_module;
 
-/// What a neighbour's force weighs (TRI eq. 1-3).
+/// What a neighbour's force weighs (Noh and Jung, eq. 1-3).
 typedef enum wisp_implicit_weights
 {
     WISP_IMPLICIT_WEIGHTS_EFFECTIVE, ///< eq. 3 exactly, with symmetric forces and masses m |N| / max |N|
@@ -20,20 +20,20 @@ typedef enum wisp_implicit_weights
 /// What a stiffness belongs to.
 typedef enum wisp_implicit_stiffness
 {
-    WISP_IMPLICIT_STIFFNESS_LINK,  ///< to every link alike, as the source has it: another mesh is another cloth
-    WISP_IMPLICIT_STIFFNESS_SHEET, ///< to the sheet: a link has the share of its length and area (TRI-X3), so that
+    WISP_IMPLICIT_STIFFNESS_LINK,  ///< to every link alike, as printed: another mesh is another cloth
+    WISP_IMPLICIT_STIFFNESS_SHEET, ///< to the sheet: a link has the share of its length and area, so that
                                    ///< refining the mesh does not change the cloth. Only with the mesh's own links
     WISP_IMPLICIT_STIFFNESS_COUNT,
 } wisp_implicit_stiffness;
 
 typedef enum wisp_implicit_damping
 {
-    WISP_IMPLICIT_DAMPING_ISOTROPIC, ///< all relative velocity of a link's ends dies (TRI eq. 14)
+    WISP_IMPLICIT_DAMPING_ISOTROPIC, ///< all relative velocity of a link's ends dies (eq. 14)
     WISP_IMPLICIT_DAMPING_AXIAL,     ///< only that along the link, so that rigid spin is left alone
     WISP_IMPLICIT_DAMPING_COUNT,
 } wisp_implicit_damping;
 
-/// The derivative of bending forces (TRI eq. 13).
+/// The derivative of bending forces (Noh and Jung, eq. 13).
 typedef enum wisp_implicit_jacobian
 {
     WISP_IMPLICIT_JACOBIAN_DROPPED, ///< without its negative second term: the matrix stays positive
@@ -43,9 +43,9 @@ typedef enum wisp_implicit_jacobian
 
 typedef enum wisp_implicit_integrator
 {
-    WISP_IMPLICIT_EULER, ///< implicit Euler (TRI eq. 16-18): first order, damps oscillation
-    WISP_IMPLICIT_BDF2, ///< second order from the last two substeps (TRI-X4); the first substep is Euler's, and so are
-                        ///< those with k h^2 / m beyond 512 (WISP_COUNT_FIRST_ORDER)
+    WISP_IMPLICIT_EULER, ///< implicit Euler (eq. 16-17): first order, damps oscillation
+    WISP_IMPLICIT_BDF2,  ///< second order from the last two substeps; the first substep is Euler's, and so are
+                         ///< those with k h^2 / m beyond 512 (WISP_COUNT_FIRST_ORDER)
     WISP_IMPLICIT_INTEGRATOR_COUNT,
 } wisp_implicit_integrator;
 
@@ -57,16 +57,15 @@ typedef struct wisp_implicit_cloth_def
     float stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the sheet (force a width and strain)
     float bend_stiffness;    ///< k_b, N m^2, >= 0, default 1e-6: of a diagonal link; not with `sheet`
     float bend_rigidity;     ///< D, N m, >= 0, default 5e-6: flexural rigidity with `sheet`; else not used
-    float
-        compression_stiffness; ///< c_b, N/m, >= 0, slope at which bending sets in (TRI eq. 12); default 0: as stretch
-    float damping;             ///< k_d of a link, N s/m, >= 0, default 0.02
+    float compression_stiffness; ///< c_b, N/m, >= 0, slope at which bending sets in (eq. 12); default 0: as stretch
+    float damping;               ///< k_d of a link, N s/m, >= 0, default 0.02
 
     wisp_implicit_weights weights;       ///< default effective
     wisp_implicit_damping damping_form;  ///< default isotropic
     wisp_implicit_jacobian jacobian;     ///< default dropped
     wisp_implicit_integrator integrator; ///< default Euler
 
-    int newton_repeats; ///< linear solves a substep, 1 .. 64, default 1: as the source; more approach Euler's nonlinear step.
+    int newton_repeats; ///< linear solves a substep, 1 .. 64, default 1, as in the paper; more approach Euler's nonlinear step.
     int stiff_repeats; ///< where k h^2 / m is beyond 1024: as many as it takes, up to this, 1 .. 64, default 16. 1: newton_repeats
                        ///< and nothing else, as in other substeps, which may gain energy
     float tolerance;    ///< of a solve: its residual over that of standing still, in [1e-7, 0.1], default 1e-4
@@ -105,8 +104,8 @@ typedef struct wisp_implicit_cloth_figures
     int32_t most_neighbours;            ///< max |N|
     int32_t sticking, sliding, landing; ///< vertices in contact
     int32_t released;                   ///< vertices let go in the last substep because a body would have to pull
-    double stretch_energy;              ///< J (TRI eq. 5)
-    double bend_energy;                 ///< J, the potential of TRI eq. 12
+    double stretch_energy;              ///< J (eq. 5)
+    double bend_energy;                 ///< J, the potential of eq. 12
     double newton_residual; ///< m/s, largest |v - v* - h f(x, v) / m| of a free vertex: 0 is Euler's nonlinear step
 } wisp_implicit_cloth_figures;
 

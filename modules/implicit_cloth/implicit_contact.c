@@ -1,4 +1,4 @@
-// Contact inside the solver (TRI section 5, C1 to C4; the rules with their reasons are in README.md): who is held, lands,
+// Contact inside the solver (Noh and Jung, section 4; docs/methods.md lists the rules): who is held, lands,
 // sticks or slides, and what that leaves a row free to do.
 #include "implicit_internal.h"
 

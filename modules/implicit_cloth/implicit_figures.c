@@ -19,7 +19,7 @@ static double arc_angle( double y )
     return u;
 }
 
-// f_b L^2 / k_b (TRI eq. 11).
+// f_b L^2 / k_b (Noh and Jung, eq. 11).
 static double arc_load( double y )
 {
     const double u = arc_angle( y );
@@ -48,7 +48,7 @@ static double meeting_place( double load, double ramp, double rest )
     return y;
 }
 
-// The potential of TRI eq. 12: the integral of the force from the rest length down. Along the arc it is a difference of
+// The potential of eq. 12: the integral of the force from the rest length down. Along the arc it is a difference of
 // 1/2 k_b L kappa^2 = 2 k_b / L u^2.
 static double bend_energy( double load, double ramp, double rest, double length )
 {

@@ -1,4 +1,4 @@
-// Which vertices are linked, how long, how strongly: from the mesh or from pairs given by hand (TRI section 3 and 4).
+// Which vertices are linked, how long, how strongly: from the mesh or from pairs given by hand (Noh and Jung, section 3).
 #include "implicit_pairs.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-// Filtered conjugate gradients (Baraff and Witkin 1998, with the filter of Ascher and Boxerman; TRI section 4) over rows
+// Filtered conjugate gradients (Baraff and Witkin 1998, with the filter of Ascher and Boxerman) over rows
 // of springs. The loops of an iteration are cut at the same places whoever runs them, and their sums are added in order,
 // so the answer is the same bits for any number of workers.
 #include "implicit_internal.h"

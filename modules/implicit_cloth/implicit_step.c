@@ -1,5 +1,5 @@
 // One substep: what the surface is and what touches it goes into rows, forces are linearised and solved for, once or
-// several times, and the new velocities go back with the places they lead to. Equations and their order: README.md.
+// several times, and the new velocities go back with the places they lead to. Equations: docs/methods.md.
 #include "implicit_internal.h"
 
 #include <float.h>
@@ -451,7 +451,7 @@ static double mean_mass( const implicit_links* links, const float* position )
     return count > 0 ? mass / count : INFINITY;
 }
 
-// Two step BDF with w = h / h_before (TRI-X4); Euler where there was nothing before, and where a substep is so long beside
+// Two step BDF with w = h / h_before; Euler where there was nothing before, and where a substep is so long beside
 // what links do that going on from the substep before has nothing to do with the motion.
 static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s )
 {

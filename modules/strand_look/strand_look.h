@@ -1,4 +1,4 @@
-/// Strand look: width and colour a vertex for stylised export (FRZ-X3). Width tapers from root to tip; colour runs
+/// Strand look: width and colour a vertex for stylised export (named as future work by Kim 2026). Width tapers from root to tip; colour runs
 /// from a root colour to a tip colour. Written only if somebody wants point.width or point.colour.
 #pragma once
 

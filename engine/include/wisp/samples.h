@@ -1,14 +1,14 @@
-/// Points on a triangle mesh, on its edges and inside its triangles, about a spacing apart (BND). A point is a recipe, the
-/// numbers of its parents and their weights, which holds while no count changes; where it is, and its normal, are sums
-/// over the parents. Points come edge by edge, then triangle by triangle, then line by line: the same for any number of
-/// workers, and whether they were sampled in place or anew.
+/// Points on a triangle mesh, on its edges and inside its triangles, about a spacing apart (boundary particle paper, see
+/// docs/methods.md). A point is a recipe, the numbers of its parents and their weights, which holds while no count changes;
+/// where it is, and its normal, are sums over the parents. Points come edge by edge, then triangle by triangle, then line
+/// by line: the same for any number of workers, and whether they were sampled in place or anew.
 #pragma once
 
 #include "wisp/base.h"
 
 WISP_BEGIN_C
 
-/// Where points of an edge or of a line stand (BND section 5).
+/// Where points of an edge or of a line stand (boundary particle paper, sections 2.2 and 3.4).
 typedef enum wisp_spacing
 {
     WISP_SPACING_EVEN,  ///< n parts of equal length, points between them

@@ -15,7 +15,7 @@ typedef enum wisp_pair_search
     WISP_PAIR_SEARCH_COUNT,
 } wisp_pair_search;
 
-/// How the brake reads a change of distance (FRZ, eq. 17-18 and its resolutions).
+/// How the brake reads a change of distance (Kim 2026, eq. 17-18, and other readings of it).
 typedef enum wisp_gap
 {
     WISP_GAP_PROSE,   ///< |r1 - r0|, a large change brakes

@@ -107,7 +107,7 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 typedef enum wisp_solver
 {
     WISP_SOLVER_XPBD, ///< a compliance in SI units: the answer does not depend on iterations or the step (once converged)
-    WISP_SOLVER_PBD, ///< a stiffness in [0, 1]: the share of an error taken away at once, as the sources have it
+    WISP_SOLVER_PBD, ///< a stiffness in [0, 1]: the share of an error taken away at once, as in Mueller et al. 2007
     WISP_SOLVER_COUNT,
 } wisp_solver;
 

@@ -16,7 +16,7 @@ WISP_BEGIN_C
 /// Pairwise sums run over slices of eight consecutive items.
 #define WISP_SLICE 8
 
-/// Jitter of segment lengths and directions along strands (seed FRZ, eq. 2-7). In place, from root to tip.
+/// Jitter of segment lengths and directions along strands (Kim 2026, eq. 2-7). In place, from root to tip.
 typedef struct wisp_strand_jitter_job
 {
     const int32_t* group_row;   ///< [group_count + 1] first row of a group
@@ -31,7 +31,7 @@ typedef struct wisp_strand_jitter_job
     int dimension;   ///< 2: bends about the z axis where a strand is straight; 3: about a random perpendicular
 } wisp_strand_jitter_job;
 
-/// Rotation of whole strands about their roots towards a target (FRZ, eq. 8-13). In place.
+/// Rotation of whole strands about their roots towards a target (Kim 2026, eq. 8-13). In place.
 typedef struct wisp_strand_align_job
 {
     const int32_t* group_row;  ///< [group_count + 1]
@@ -124,7 +124,7 @@ typedef struct wisp_reference_pairs
     int32_t* near;     ///< [slice] pairs above 0 and below the radius
 } wisp_reference_pairs;
 
-/// Pairwise adhesion with a gap-keeping brake (FRZ, eq. 14-19), one Jacobi iteration in two sweeps.
+/// Pairwise adhesion with a gap-keeping brake (Kim 2026, eq. 14-19), one Jacobi iteration in two sweeps.
 /// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
 typedef struct wisp_adhesion_job
 {
@@ -155,7 +155,7 @@ typedef struct wisp_adhesion_job
     int gap;     ///< wisp_gap
 } wisp_adhesion_job;
 
-/// Distances between two particles (pbd: BAL eq. 5-6 times stiffness; xpbd: Macklin, Mueller and Chentanez 2016, eq.
+/// Distances between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and Chentanez 2016, eq.
 /// 17-18). Groups of eight slots share no particle. Links of length 0 and links between two pinned ends do nothing.
 typedef struct wisp_link_job
 {
@@ -183,7 +183,7 @@ typedef struct wisp_hinge_job
     float inverse_dt2;
 } wisp_hinge_job;
 
-/// Area vectors and volume around vertices (BAL eq. 7-8 with true volume), vertex by vertex over ordered one-rings.
+/// Area vectors and volume around vertices (docs/methods.md, volume and its gradient), vertex by vertex over ordered one-rings.
 typedef struct wisp_ring_job
 {
     const float* position;       ///< [slot][4]; slice s holds the slots from 8 s
@@ -306,7 +306,7 @@ typedef struct wisp_half_space_job
     const int32_t* row16;     ///< 16 times its row
 } wisp_half_space_job;
 
-/// Time integration of particles (BAL eq. 1-2). Pinned particles have no velocity of their own and keep their place.
+/// Time integration of particles (Mueller et al. 2007, algorithm 1). Pinned particles have no velocity of their own and keep their place.
 typedef struct wisp_particle_job
 {
     float* position;        ///< [slot][4]
@@ -418,7 +418,7 @@ typedef struct wisp_strand_follow_job
     float* previous;
     const float* weight;
     const float* length;
-    float share; ///< s of the source, in [0, 1]
+    float share; ///< s of the paper, in [0, 1]
 } wisp_strand_follow_job;
 
 /// Bending and twist of elastic rods, implicit in the positions. Vertex i bends with the energy

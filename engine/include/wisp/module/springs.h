@@ -21,7 +21,7 @@ typedef struct wisp_spring_links
     const float ( *damping )[8];  ///< [entry] k_d, N s/m
 } wisp_spring_links;
 
-/// Forces and their derivatives at a state, and the linear system of an implicit step (TRI eq. 5-18):
+/// Forces and their derivatives at a state, and the linear system of an implicit step (Noh and Jung, eq. 5-17):
 ///
 ///   A dv = b,  A_ij = -( K2 I + e e' ),  A_ii = m I - sum A_ij
 ///   b = m ( v_start - v ) + s f + drag,  drag = s f_damping in a repeat, -( A - M ) v in the first solve
