@@ -36,7 +36,7 @@ typedef struct wisp_samples_job
     int32_t* triangle_points; ///< [triangle_count]
 } wisp_samples_job;
 
-/// Count, scan, fill, place (BND E1..E4, I1..I5, N1, N2, U1, U2). Lengths are measured in double precision. Lines of a triangle
+/// Count, scan, fill, place (boundary particle paper, sections 2 to 5). Lengths are measured in double precision. Lines of a triangle
 /// run from the first corner of its axis to the second; the lowest of equally short sides is the axis.
 /// @param job the edges and triangles of the call before, as long as their numbers are the same: release first where others
 ///        take their place. A change of anything else is met by sampling anew
