@@ -1,6 +1,7 @@
 // Elastic rods, sixteen at once: bending implicit in the positions by one pentadiagonal solve, twist in balance by a tridiagonal
 // one, frames carried along (discrete elastic rods of Bergou et al. 2008 and 2010 with their rest curvature held while a
-// substep is solved). docs/methods.md has the equations.
+// substep is solved). The equations are in modules/strands/rod_factors.c and
+// rod_frames.c.
 #include "strand_frame.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;

@@ -1,5 +1,14 @@
-// What the module declares: components, and the passes that their presence asks for.
-#include "strands_internal.h"
+// The module: components, and the passes that depend on their presence.
+#include "fused_substeps.h"
+#include "head_roots.h"
+#include "rest_curvature.h"
+#include "rod_factors.h"
+#include "state_check.h"
+#include "strand_grid.h"
+#include "strands_state.h"
+#include "strands_stats.h"
+#include "substep_passes.h"
+#include "surface_roots.h"
 
 #define STRANDS_LIST( member, name, table, columns )                                                                 \
     static const wisp_column_def member##_columns[] = { columns( WISP_COLUMN_DEF ) };
@@ -18,7 +27,7 @@ static wisp_status declare_all( wisp_registry* r, strands_state* s, const wisp_p
     return status;
 }
 
-// Before the substeps: where the head goes, and what depends on the length of a substep.
+// Declare the passes before the substeps: the head, and what depends on the length of a substep.
 static wisp_status declare_input( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
@@ -65,8 +74,8 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
 }
 
-// Nothing from here to the velocities runs over entities or is asked whether it is due: a group of strands runs all of its
-// substeps before the next one.
+// From here to the velocities all passes run over groups of strands and are always due, so that a group runs all of
+// its substeps before the next one.
 static wisp_status declare_roots( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
@@ -158,7 +167,7 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .needs = { s->air },
             .reads = { s->air, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH },
             .writes = { WISP_STRAND_VELOCITY },
-            .run = strands_blow,
+            .run = strands_drag,
         },
         {
             .name = "strands.predict",
@@ -174,7 +183,7 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
 }
 
-// A rod with a rest curvature has frames that a straight one does without: two passes, of which an entity has one.
+// Declare the rod twice: with rest curvature it has frames, a straight one has none. An entity has one of the two.
 static wisp_status declare_rods( wisp_registry* r, strands_state* s )
 {
     wisp_pass rod = {
@@ -252,7 +261,7 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
 }
 
-// Passes that can run together. With a rod, other ways to keep lengths, contacts or wishes for more iterations they run apart.
+// Declare the fused pass. With a rod, other kinds of lengths, contacts or more iterations the passes run one by one.
 static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
 {
     const wisp_join join = {
@@ -313,7 +322,7 @@ static wisp_status declare_figures( wisp_registry* r, strands_state* s )
             .reads = { s->settings, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT,
                        WISP_STRAND_LENGTH },
             .writes = { WISP_QUALITY },
-            .run = strands_take_quality,
+            .run = strands_compute_quality,
         },
         {
             .name = "strands.strain",
@@ -322,7 +331,7 @@ static wisp_status declare_figures( wisp_registry* r, strands_state* s )
             .needs = { s->settings },
             .reads = { WISP_STRAND_POSITION, WISP_STRAND_LENGTH },
             .writes = { WISP_POINT_STRAIN },
-            .run = strands_hand_out_strain,
+            .run = strands_scatter_strain,
         },
         {
             .name = "strands.speed",
@@ -331,7 +340,7 @@ static wisp_status declare_figures( wisp_registry* r, strands_state* s )
             .needs = { s->settings },
             .reads = { WISP_STRAND_VELOCITY },
             .writes = { WISP_POINT_SPEED },
-            .run = strands_hand_out_speed,
+            .run = strands_scatter_speed,
         },
     };
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
@@ -365,7 +374,7 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     typedef wisp_status declare_fn( wisp_registry * registry, strands_state * state );
-    // the order of equals: in PROJECT lengths have the last word
+    // the order among equals: in PROJECT lengths come last
     static declare_fn* const ALL[] = { declare_input,   declare_roots,    declare_forces, declare_rods,
                                        declare_lengths, declare_substeps, declare_guard,  declare_figures };
     wisp_status status = WISP_OK;

@@ -1,9 +1,10 @@
-/// Strands that move, in plain double precision: one strand at a time, one function a stage of the substep. The mathematics
-/// is that of modules/strands/README.md; a function has the name of the kernel that it checks.
+/// Strands that move, in plain double precision: one strand at a time, one function a stage of the substep. The
+/// mathematics is that of modules/strands (rod_factors.c, rod_frames.c, rest_curvature.c); a function has the name of
+/// the kernel that it checks.
 ///
-/// SI units. Vertex 0 is the root; segment s runs from vertex s to vertex s + 1. A weight is an inverse mass, 0 holds a
-/// vertex. A strand is a plain value: an assignment copies it. Guards against what has no direction or no end are part of
-/// the method and stand beside their function.
+/// SI units. Vertex 0 is the root; segment s runs from vertex s to vertex s + 1. A weight is an inverse mass, 0 holds
+/// a vertex. A strand is a plain value: an assignment copies it. Guards against what has no direction or no end are
+/// part of the method and stand beside their function.
 #pragma once
 
 #include "double3.h"
@@ -27,8 +28,8 @@ strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle );
 /// First b, then a.
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b );
 double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v );
-/// The smallest rotation that takes one unit vector to another; opposite ones turn about an axis across the first, the one
-/// nearest to that of the coordinate axis along which the first is shortest.
+/// The smallest rotation that takes one unit vector to another; opposite ones turn about an axis across the first,
+/// the one nearest to that of the coordinate axis along which the first is shortest.
 strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to );
 /// A frame turned by the smallest rotation that takes its z axis along e; without a length e leaves it.
 strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, double3 e );
@@ -57,28 +58,30 @@ typedef struct strand_oracle
     double factor[STRAND_ORACLE_MOST][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
 } strand_oracle;
 
-/// A strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the direction
-/// of the first segment (of a segment without length: as strand_oracle_directions()). A segment has at least a thousandth of
-/// the mean length, and at least 1e-6 m, so that t_s = e_s / l_s is defined. Neither masses nor stiffness yet.
+/// A strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
+/// direction of the first segment (of a segment without length: as strand_oracle_directions()). A segment has at
+/// least a thousandth of the mean length, and at least 1e-6 m, so that t_s = e_s / l_s is defined. Neither masses nor
+/// stiffness yet.
 /// @return false when count is below 1 or above STRAND_ORACLE_MOST
 bool strand_oracle_shape( strand_oracle* strand, const double3* points, int count );
-/// Half the mass of each of its segments for a vertex; the root is held where `held` says so. A strand of one vertex weighs
-/// as much as a millimetre.
+/// Half the mass of each of its segments for a vertex; the root is held where `held` says so. A strand of one vertex
+/// weighs as much as a millimetre.
 void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held );
 /// Every vertex weighs so much.
 void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held );
 /// Hold a vertex.
 void strand_oracle_pin( strand_oracle* strand, int vertex );
-/// EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and the tip have none.
-/// dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three vertices that move),
-/// where single precision still solves; dt 0 does not limit.
+/// EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and the tip have
+/// none. dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three vertices
+/// that move), where single precision still solves; dt 0 does not limit.
 void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double twist_rigidity, bool clamped,
                             double dt );
 
 // ---- motion ----
 
-/// v <- v + dt a, p <- p + dt v with the new velocity, previous = p before. A held root goes to `root` (null: it stays) and
-/// has the velocity that takes it there; other held vertices stand at the end of their way already: previous = p - dt v.
+/// v <- v + dt a, p <- p + dt v with the new velocity, previous = p before. A held root goes to `root` (null: it
+/// stays) and has the velocity that takes it there; other held vertices stand at the end of their way already:
+/// previous = p - dt v.
 void strand_oracle_predict( strand_oracle* strand, const double3* root, double3 acceleration, double dt );
 /// v <- v + (p - (previous + dt v)) / dt of vertices that are not held.
 void strand_oracle_velocity( strand_oracle* strand, double dt );
@@ -98,18 +101,18 @@ typedef enum strand_oracle_measure
     STRAND_ORACLE_LENGTH, ///< C_s = |e_s| - l_s, gradients e_s / |e_s|
 } strand_oracle_measure;
 
-/// Unit directions of the present segments. A segment shorter than 1e-15 m, or not finite, has the direction of the one
-/// before it, (0, -1, 0) if it is the first.
+/// Unit directions of the present segments. A segment shorter than 1e-15 m, or not finite, has the direction of the
+/// one before it, (0, -1, 0) if it is the first.
 void strand_oracle_directions( const strand_oracle* strand, double3* direction );
 
-/// Newton passes with J W J^T dlambda = -C, tridiagonal. A segment whose pivot vanishes (below 1e-12 of its own diagonal, or
-/// below 1e-30 m^2/kg) moves nothing: it has no length, or nothing of it is free. Tension of a segment grows by
-/// -|grad C_s| dlambda / dt^2, the force that the pass has put there.
+/// Newton passes with J W J^T dlambda = -C, tridiagonal. A segment whose pivot vanishes (below 1e-12 of its own
+/// diagonal, or below 1e-30 m^2/kg) moves nothing: it has no length, or nothing of it is free. Tension of a segment
+/// grows by -|grad C_s| dlambda / dt^2, the force that the pass has put there.
 ///
-/// A strand that is not within tolerance afterwards and is held at most at its root is laid out: p_0 stays, p_{s+1} = p_s + l_s
-/// d_s with the directions of the segments as Newton left them. Its tension is 0, and a vertex that is put farther from
-/// `previous` than the strand is long loses its velocity: previous = p. None gets faster than its predicted velocity: previous
-/// moves towards p until it is dt |v| away.
+/// A strand that is not within tolerance afterwards and is held at most at its root is laid out: p_0 stays, p_{s+1} =
+/// p_s + l_s d_s with the directions of the segments as Newton left them. Its tension is 0, and a vertex that is put
+/// farther from `previous` than the strand is long loses its velocity: previous = p. None gets faster than its
+/// predicted velocity: previous moves towards p until it is dt |v| away.
 /// @return whether it was laid out
 bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure, int passes, double tolerance,
                             bool keeps_tension, double dt );
@@ -122,14 +125,14 @@ typedef struct strand_oracle_link_rule
     double inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
 } strand_oracle_link_rule;
 
-/// One sweep from the root over the pairs (i, i + stride), each at once. A pair shorter than 1e-15 m, or with a negative rest
-/// length, does nothing.
+/// One sweep from the root over the pairs (i, i + stride), each at once. A pair shorter than 1e-15 m, or with a
+/// negative rest length, does nothing.
 /// @param lambda [count], xpbd: N s^2, begins at 0 every substep
 void strand_oracle_link( strand_oracle* strand, const double* rest, double* lambda, int stride,
                          strand_oracle_link_rule rule );
 
-/// Each vertex is put at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. Where a leader
-/// came from moves along by `share` of the correction of its follower.
+/// Each vertex is put at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. Where a
+/// leader came from moves along by `share` of the correction of its follower.
 void strand_oracle_follow( strand_oracle* strand, double share );
 
 /// Largest |l/l_0 - 1| of the segments.
@@ -141,19 +144,21 @@ double strand_oracle_strain( const strand_oracle* strand );
 void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double* matrix );
 /// M + (dt^2 + damping dt) K = L D L^T. A held vertex has 1/pivot = 0.
 void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt );
-/// Tension first, frames, twist in balance, bending. The guards: the tangent in T_i is cut where |w'| < 0.087 (a twist of
-/// 170 degrees), 1 + t_{i-1} . t_i is at least 0.1, and a segment turns about itself by at most a radian, to first order: q_s
-/// by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ / L_i times their difference. A
-/// segment whose pivot vanishes does not turn. The clamp counts as still where the bending's rate is damped.
-/// @param acceleration null: tension pulls along the segments at p*, frames and twist look at p* + tension. Else, of the
+/// Tension first, frames, twist in balance, bending. The guards: the tangent in T_i is cut where |w'| < 0.087 (a
+/// twist of 170 degrees), 1 + t_{i-1} . t_i is at least 0.1, and a segment turns about itself by at most a radian, to
+/// first order: q_s by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ / L_i times
+/// their difference. A segment whose pivot vanishes does not turn. The clamp counts as still where the bending's rate
+/// is damped.
+/// @param acceleration null: tension pulls along the segments at p*, frames and twist look at p* + tension. Else, of
+/// the
 ///        prediction, m/s^2: all of them look at p* - dt^2 a, where the strand goes by itself. At rest that is where it is,
 ///        so that an equilibrium of the equations is one of the substep too; with p* it is one up to dt^2 only.
 void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration );
 
-/// What a rod at rest needs so that its present shape is in balance under gravity: k_i, rest twist, and the tension that
-/// belongs to it. The stiffness must be set. Without twist stiffness T_i = 0 and segments do not turn about themselves, so
-/// twist is left out of the balance; a vertex without stiffness gets the curvature that it has. A held vertex beyond the
-/// root carries what hangs behind it. A segment without length has tension 0.
+/// What a rod at rest needs so that its present shape is in balance under gravity: k_i, rest twist, and the tension
+/// that belongs to it. The stiffness must be set. Without twist stiffness T_i = 0 and segments do not turn about
+/// themselves, so twist is left out of the balance; a vertex without stiffness gets the curvature that it has. A held
+/// vertex beyond the root carries what hangs behind it. A segment without length has tension 0.
 void strand_oracle_balance( strand_oracle* strand, double3 gravity );
 /// The present shape without twist as the rest shape.
 void strand_oracle_rest_shape( strand_oracle* strand );
@@ -162,8 +167,9 @@ void strand_oracle_rest_straight( strand_oracle* strand );
 
 /// m_i = 2 atan2( r_z, r_w ) of vertex i, rad.
 double strand_oracle_twist( const strand_oracle* strand, int vertex );
-/// Energy of bending and twist with t_s = e_s / l_s and frames as they are. Twist has the energy whose derivative is T_i = 2
-/// GJ / L_i tan( d/2 ), d = m_i less its rest value: -4 GJ / L_i log cos( d/2 ), which is GJ / (2 L_i) d^2 up to d^4.
+/// Energy of bending and twist with t_s = e_s / l_s and frames as they are. Twist has the energy whose derivative is
+/// T_i = 2 GJ / L_i tan( d/2 ), d = m_i less its rest value: -4 GJ / L_i log cos( d/2 ), which is GJ / (2 L_i) d^2 up
+/// to d^4.
 double strand_oracle_rod_energy( const strand_oracle* strand );
 /// The gradient that the rod's right-hand side has, [count], with frames as they are.
 void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient );
@@ -206,7 +212,7 @@ typedef struct strand_oracle_settings
 
 /// Direct lengths, two passes, tolerance 1e-3, no bending, gravity -9.81 along y.
 strand_oracle_settings strand_oracle_default_settings( double dt );
-/// Damping, prediction, rod, lengths, velocity: the order of the README. Links bend with the distances that two segments span
-/// when they are straight.
+/// Damping, prediction, rod, lengths, velocity: the order of the README. Links bend with the distances that two
+/// segments span when they are straight.
 /// @return whether the strand was laid out
 bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root );

@@ -1,7 +1,11 @@
-// How strands act on each other: velocity and density on a grid (Petrovic, Henne and Anderson 2005), once a step. Corners of
-// cells gather from the vertices around them in the order of the grid, so that no worker count changes a sum; what a vertex
-// then takes from the eight corners of its cell are the same weights, which keeps the momentum that friction exchanges.
-#include "strands_internal.h"
+// Interaction of strands: velocity and density on a grid, once per step (Petrovic, Henne and Anderson 2005). In:
+// positions, velocities, masses. Out: velocities. Corners of cells gather from the vertices around them in the order
+// of the grid, so that sums do not depend on the workers. A vertex takes from the eight corners of its cell with the
+// same weights, which keeps the momentum that friction exchanges.
+#include "strand_grid.h"
+
+#include "strand_rows.h"
+#include "strands_definition.h"
 
 #include "wisp/module/space.h"
 
@@ -11,14 +15,14 @@ static const uint32_t GRID_DEF_MADE = 0x53544744;
 
 enum
 {
-    GRAIN = 256, // cells or corners a block
+    GRAIN = 256, // cells or corners per block
 };
 
 typedef struct grid_workspace
 {
     wisp_grid grid;
     wisp_buffer quads;   // [item][4] x, y, z, 0
-    wisp_buffer entries; // [item] place in a column of scalars
+    wisp_buffer entries; // [item] index in a column of scalars
     wisp_buffer corners; // grid_corner
 } grid_workspace;
 
@@ -42,7 +46,7 @@ void strands_grid_workspace_release( void* memory, const wisp_allocator* allocat
     wisp_buffer_release( &w->corners, allocator );
 }
 
-// ---- items: vertices that move ----
+// ---- items: free vertices ----
 
 static int gather_items( const wisp_strand_topology* t, const float* position, const float* weight, float* quads,
                          int32_t* entries )
@@ -83,7 +87,7 @@ typedef struct grid_loop
     grid_corner* corners;
     int nodes[3];
     double inverse_volume;       // 1/m^3
-    float friction;              // share, in this step
+    float friction;              // fraction, in this step
     float push;                  // m/s where the density is twice that at rest
     double inverse_rest_density; // m^3/kg
 } grid_loop;
@@ -94,7 +98,7 @@ static int cell_number( const wisp_grid* g, const int cell[3] )
     return ( cell[axis[2]] * g->dims[axis[1]] + cell[axis[1]] ) * g->dims[axis[0]] + cell[axis[0]];
 }
 
-// Place of an item within its cell, each in [0, 1].
+// Compute the position of an item within its cell, each coordinate in [0, 1].
 static void place_in( const wisp_grid* g, int slot, const int cell[3], double out[3] )
 {
     const float p[3] = { g->x[slot], g->y[slot], g->z[slot] };
@@ -105,7 +109,7 @@ static void place_in( const wisp_grid* g, int slot, const int cell[3], double ou
     }
 }
 
-// Trilinear weight of a cell's corner; bit k of the corner is its side along axis k.
+// Return the trilinear weight of a cell's corner. Bit k of the corner is its side along axis k.
 static double share_of( const double place[3], int corner )
 {
     double share = 1.0;
@@ -165,7 +169,7 @@ static void gather_corners( void* context, int begin, int end, int worker )
     }
 }
 
-// What the corners of a cell say at a place: velocity, density, and how it grows.
+// Interpolated velocity, density and its gradient.
 typedef struct grid_sample
 {
     double velocity[3], density, gradient[3];
@@ -242,7 +246,7 @@ static void mix_cells( void* context, int begin, int end, int worker )
     }
 }
 
-// Mean over the mass of the density that it feels.
+// Return the mean density, weighted by mass.
 static double mean_density( const grid_loop* loop )
 {
     const wisp_grid* g = loop->grid;
@@ -265,7 +269,7 @@ static double mean_density( const grid_loop* loop )
 
 // ---- the pass ----
 
-// Sort vertices into cells and gather at the corners. @return false without memory, or without a vertex that moves
+// Sort vertices into cells and gather at the corners. @return false without memory, or without a free vertex
 static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, const float* position, float cell,
                   grid_loop* loop )
 {
@@ -319,7 +323,7 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
         .friction = 1.0f - powf( 1.0f - settings->friction, 60.0f * seconds ),
         .push = settings->repulsion * seconds,
     };
-    // the density at rest is found in the first step, and kept
+    // the density at rest is computed in the first step
     if ( settings->repulsion > 0.0f && settings->rest_density == 0.0f &&
          fill( frame, span, w, wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ), settings->cell,
                &loop ) )
@@ -336,7 +340,7 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// ---- the public face ----
+// ---- definition ----
 
 wisp_strand_grid_def wisp_default_strand_grid_def( void )
 {
@@ -365,7 +369,7 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
     return WISP_OK;
 }
 
-// Twice the mean segment. Strands whose segments all have no length get a millimetre.
+// Return twice the mean segment, m; a millimetre if all segments have no length.
 static float cell_for( const strands_rows* rows )
 {
     const wisp_strand_topology* t = rows->topology;

@@ -1,11 +1,15 @@
-// Roots that a head carries as a rigid body, and vertices that are held behind them.
-#include "strands_internal.h"
+// Roots on a head: a rigid motion, interpolated over the substeps. In: poses of the head. Out: positions and
+// rotations of roots, pinned vertices behind them; strands that teleport.
+#include "head_roots.h"
+
+#include "strand_rows.h"
+#include "strands_definition.h"
 
 #include <string.h>
 
 // ---- the head ----
 
-// A head that goes farther than strands can follow takes them along.
+// Move the head. Beyond the teleport distance it takes its strands along as rigid bodies.
 void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
@@ -15,15 +19,15 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
     head->jumped = way > settings->teleport ? 1 : 0;
-    head->stands = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0 ? 1 : 0;
+    head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0 ? 1 : 0;
 }
 
 wisp_rigid strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
 {
-    // a head that stands still is bitwise where it was, in every substep
-    const bool stands = head->jumped != 0 || head->stands != 0;
-    return wisp_rigid_between( stands ? head->to : head->from, head->to,
-                               stands ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
+    // a head that stands still keeps its pose exactly in every substep
+    const bool is_still = head->jumped != 0 || head->is_still != 0;
+    return wisp_rigid_between( is_still ? head->to : head->from, head->to,
+                               is_still ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
 }
 
 static void turn_vertex( float* position, float* velocity, int row, int lane, wisp_vec3 from, wisp_vec3 to,
@@ -60,7 +64,7 @@ void strands_turn_frames( wisp_frame* frame, wisp_entity entity, wisp_component 
 
 static wisp_quat turn_of( const strands_head* head )
 {
-    return strands_quat_multiply( head->to.rotation, strands_quat_back( head->from.rotation ) );
+    return strands_quat_multiply( head->to.rotation, strands_quat_inverse( head->from.rotation ) );
 }
 
 void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
@@ -86,10 +90,10 @@ void strands_jump_frames( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// A pose as the rows of its matrix, which sixteen lanes go through side by side.
+// A pose as the rows of its matrix, for sixteen lanes at once.
 typedef struct pose_rows
 {
-    float x[4], y[4], z[4]; // of the rotation, translation behind
+    float x[4], y[4], z[4]; // rotation, then translation
 } pose_rows;
 
 static pose_rows rows_of_pose( wisp_rigid pose )
@@ -101,7 +105,7 @@ static pose_rows rows_of_pose( wisp_rigid pose )
     return ( pose_rows ){ { a.x, b.x, c.x, t.x }, { a.y, b.y, c.y, t.y }, { a.z, b.z, c.z, t.z } };
 }
 
-static void carry_lanes( const float row[4], const float* rest, float* out )
+static void transform_lanes( const float row[4], const float* rest, float* out )
 {
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
@@ -122,9 +126,9 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    if ( head->stands != 0 )
+    if ( head->is_still != 0 )
     {
-        return; // roots are where its last way has ended, or where strands began
+        return; // roots are in place
     }
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
@@ -136,9 +140,9 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     {
         const float* from = rest + strands_vector( t->group_row[g], 0 );
         float* to = position + strands_vector( g, 0 );
-        carry_lanes( rows.x, from, to );
-        carry_lanes( rows.y, from, to + WISP_LANES );
-        carry_lanes( rows.z, from, to + 2 * WISP_LANES );
+        transform_lanes( rows.x, from, to );
+        transform_lanes( rows.y, from, to + WISP_LANES );
+        transform_lanes( rows.z, from, to + 2 * WISP_LANES );
         float* turn = rotation + (size_t)g * 4 * WISP_LANES;
         fill_lanes( pose.rotation.x, turn );
         fill_lanes( pose.rotation.y, turn + WISP_LANES );
@@ -147,8 +151,8 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// Vertices that are held behind the root stand to it as they did at rest. A kernel that predicts finds them at the end of
-// their way, with the velocity that took them there.
+// Move pinned vertices behind the root as at rest. They are put at the end of the substep, with the velocity that
+// takes them there, before the prediction runs.
 void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;

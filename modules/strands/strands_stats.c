@@ -1,152 +1,13 @@
-// The guard, and figures: sums in double over fixed blocks of groups, so that no worker count changes them.
-#include "strands_internal.h"
+// Statistics: masses, momenta, energies, strains and speeds at the end of a step. Sums are in double precision over
+// fixed blocks of groups, so that they do not depend on the workers.
+#include "strands_stats.h"
 
-#include <limits.h>
-#include <stdatomic.h>
-#include <stdio.h>
-#include <string.h>
+#include "strand_rows.h"
 
 enum
 {
-    GUARD_GRAIN = 16,    // groups a block
-    QUALITY_BLOCKS = 64, // of groups, each a sum
+    QUALITY_BLOCKS = 64, // of groups, each with its own sum
 };
-
-// ---- the guard ----
-
-typedef struct guard_loop
-{
-    const wisp_kernels* kernels;
-    const int32_t* group_row;
-    int32_t* seen;
-    float *position, *velocity;
-    float *good_position, *good_velocity;
-    _Atomic int first_bad; // lowest row that left the bounds, INT_MAX if none did
-} guard_loop;
-
-static void look( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    guard_loop* loop = context;
-    const wisp_strand_bound_job job = { loop->position, loop->velocity, STRANDS_BOUND };
-    int bad = INT_MAX;
-    for ( int g = begin; g < end; ++g )
-    {
-        const int last = loop->group_row[g + 1];
-        const int row =
-            loop->seen[g] != 0 ? last : loop->kernels->strand_first_beyond( &job, loop->group_row[g], last );
-        bad = row < last && row < bad ? row : bad;
-        loop->seen[g] = 0; // until somebody has seen the next step
-    }
-    int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
-    while ( bad < lowest && atomic_compare_exchange_weak( &loop->first_bad, &lowest, bad ) == false )
-    {
-    }
-}
-
-static void keep( void* context, int begin, int end, int worker )
-{
-    (void)worker;
-    guard_loop* loop = context;
-    const size_t first = strands_vector( loop->group_row[begin], 0 );
-    const size_t bytes = ( strands_vector( loop->group_row[end], 0 ) - first ) * sizeof( float );
-    memcpy( loop->good_position + first, loop->position + first, bytes );
-    memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
-}
-
-static bool is_place( wisp_vec3 p )
-{
-    return fabsf( p.x ) <= STRANDS_BOUND && fabsf( p.y ) <= STRANDS_BOUND && fabsf( p.z ) <= STRANDS_BOUND;
-}
-
-static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop, int row )
-{
-    const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
-    int group = 0, lane = 0;
-    while ( t->group_row[group + 1] <= row )
-    {
-        group += 1;
-    }
-    while ( lane + 1 < WISP_LANES && is_place( strands_get( loop->position, row, lane ) ) &&
-            is_place( strands_get( loop->velocity, row, lane ) ) )
-    {
-        lane += 1;
-    }
-    const wisp_vec3 p = strands_get( loop->position, row, lane );
-    char sentence[300];
-    snprintf(
-        sentence, sizeof( sentence ),
-        "entity %u: strand %d, vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to "
-        "the step before and halted",
-        entity.index, t->lane_strand[group * WISP_LANES + lane], row - t->group_row[group],
-        (unsigned long long)wisp_frame_step( frame ), (double)p.x, (double)p.y, (double)p.z );
-    const size_t bytes = strands_vector( t->row_count, 0 ) * sizeof( float );
-    memcpy( loop->position, loop->good_position, bytes );
-    memcpy( loop->velocity, loop->good_velocity, bytes );
-    wisp_frame_halt( frame, entity, sentence );
-}
-
-void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    int32_t* fault = wisp_frame_column( frame, span->entity, state->fault, 0 );
-    guard_loop loop = {
-        .kernels = wisp_frame_kernels( frame ),
-        .group_row = t->group_row,
-        .seen = wisp_frame_column( frame, span->entity, state->seen, 0 ),
-        .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-        .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
-        .good_position = wisp_frame_column( frame, span->entity, state->good, 0 ),
-        .good_velocity = wisp_frame_column( frame, span->entity, state->good, 1 ),
-    };
-    atomic_init( &loop.first_bad, t->row_count );
-    wisp_parallel_for( parallel, t->group_count, GUARD_GRAIN, look, &loop );
-    const int bad = atomic_load( &loop.first_bad );
-    *fault = bad < t->row_count ? 1 : 0;
-    if ( *fault != 0 )
-    {
-        put_back( frame, span->entity, &loop, bad );
-    }
-    else
-    {
-        wisp_parallel_for( parallel, t->group_count, GUARD_GRAIN, keep, &loop );
-    }
-}
-
-bool strands_is_faulty( wisp_frame* frame, wisp_entity entity, void* user )
-{
-    const strands_state* state = user;
-    const int32_t* fault = wisp_frame_column( frame, entity, state->fault, 0 );
-    return *fault != 0;
-}
-
-// What was NaN with the positions begins anew, so that strands that are let go again can move.
-void strands_mend_tension( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const int32_t* group_row = wisp_frame_strands( frame, span->entity )->group_row;
-    float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
-    const size_t begin = strands_scalar( group_row[span->begin], 0 );
-    memset( tension + begin, 0, ( strands_scalar( group_row[span->end], 0 ) - begin ) * sizeof( float ) );
-}
-
-void strands_mend_frames( wisp_frame* frame, const wisp_span* span, void* user )
-{
-    const strands_state* state = user;
-    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    const float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
-    const float* clamp = wisp_frame_column( frame, span->entity, state->clamp, 0 );
-    const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
-    float* frames = wisp_frame_column( frame, span->entity, state->curve, 0 );
-    for ( int g = span->begin; g < span->end; ++g )
-    {
-        strands_lay_group( t, position, clamp, root, frames, g );
-    }
-}
-
-// ---- figures ----
 
 typedef struct strand_sums
 {
@@ -159,8 +20,8 @@ typedef struct quality_loop
 {
     const wisp_strand_topology* topology;
     const float *position, *velocity, *weight, *length;
-    double origin[3]; // m, keeps digits far away from the world's
-    int groups;       // a block
+    double origin[3]; // m, against cancellation far from the origin
+    int groups;       // per block
     strand_sums sums[QUALITY_BLOCKS];
 } quality_loop;
 
@@ -269,7 +130,7 @@ static wisp_quality quality_of( const strand_sums* s, const double origin[3], wi
     return q;
 }
 
-void strands_take_quality( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_compute_quality( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
@@ -296,7 +157,7 @@ void strands_take_quality( wisp_frame* frame, const wisp_span* span, void* user 
     *out = quality_of( &sums, loop.origin, settings->gravity );
 }
 
-void strands_hand_out_strain( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_scatter_strain( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
@@ -316,7 +177,7 @@ void strands_hand_out_strain( wisp_frame* frame, const wisp_span* span, void* us
     }
 }
 
-void strands_hand_out_speed( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_scatter_speed( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );

@@ -1,5 +1,24 @@
-// A substep: each pass hands columns to a kernel.
-#include "strands_internal.h"
+// The passes of a substep, each of which passes columns to a kernel.
+//
+//   v <- v + dt g, p* = p + dt v                  strands.predict    roots at their pose at the end of the substep
+//   rod: apply tension, turn frames,
+//        (M + dt^2 K) x = -dt^2 dE/dp at p*       strands.rod        pentadiagonal, one for x, y and z, factored once
+//   contacts                                      (module collision)
+//   J W J^T dlambda = -C, twice                   strands.stretch    tridiagonal: |e_s| = l_s
+//   v <- v + (p - p*) / dt                        strands.velocity
+//
+// Bending is solved before lengths, so tension must be applied first or the order costs accuracy: p* += dt^2 w (T_s
+// t_s - T_{s-1} t_{s-1}). A straight rod takes the tension of the substep before, within the bound of rod_factors.c.
+// Heavy elasticas of 64 vertices are within 0.3 % of the closed form at any number of substeps from 4 on. In a curled
+// rod stretching and bending mix, and tension that is fed back grows without bound; it takes the tension of its rest
+// shape in balance instead (none for `rest: shape`).
+//
+// A strand whose lengths Newton does not solve is reset to its rest lengths from the root on. The reset makes no
+// vertex faster than predicted.
+#include "substep_passes.h"
+
+#include "head_roots.h"
+#include "strand_rows.h"
 
 #include <string.h>
 
@@ -28,7 +47,7 @@ float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
 
 // ---- forces ----
 
-// v' = -rate (v - u) by one implicit step, as for particles.
+// Solve v' = -rate (v - u) by one implicit step, as for particles. @return the factor of v - u
 static float keep_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const float* rate = column_of( frame, span, state->damping, 0 );
@@ -46,10 +65,10 @@ static wisp_strand_damp_job damp_job( wisp_frame* frame, const wisp_span* span, 
     };
 }
 
-// Angular velocity of the turn from a to b in dt.
+// Return the angular velocity of the rotation from a to b in dt.
 static wisp_vec3 angular_velocity( wisp_quat a, wisp_quat b, float dt )
 {
-    wisp_quat turn = strands_quat_multiply( b, strands_quat_back( a ) );
+    wisp_quat turn = strands_quat_multiply( b, strands_quat_inverse( a ) );
     const float sign = turn.w < 0.0f ? -1.0f : 1.0f;
     const wisp_vec3 axis = { sign * turn.x, sign * turn.y, sign * turn.z };
     const float half_sine = strands_norm( axis );
@@ -57,6 +76,7 @@ static wisp_vec3 angular_velocity( wisp_quat a, wisp_quat b, float dt )
     return ( wisp_vec3 ){ scale * axis.x, scale * axis.y, scale * axis.z };
 }
 
+// Damp motion relative to the rigid motion of the head.
 void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
@@ -72,7 +92,7 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_damp( &job, span->begin, span->end );
 }
 
-// Roots on a surface have no rigid motion in common: each group of strands goes with the mean of its own.
+// Roots on a surface have no common rigid motion, so each group is damped relative to the mean of its own roots.
 void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
@@ -98,7 +118,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
     }
 }
 
-void strands_blow( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
@@ -117,8 +137,8 @@ void strands_blow( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- prediction ----
 
-// Of gravity, found at the start of a step. What has no rest curvature feels all of it; predict runs for both, and so does not
-// declare what only one has.
+// Return the fractions of gravity (rest_curvature.c), or null without rest curvature. The pass runs for both, so it
+// does not declare the component.
 static const float* share_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;
@@ -184,8 +204,7 @@ void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// A curled rod is pulled with the tension that it has in balance: the tension of the substep before would feed on itself where
-// bending and stretching mix (README).
+// Start with the tension of the rest shape.
 static void begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const int32_t* group_row = rows_of( frame, span );
@@ -211,7 +230,7 @@ void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- lengths ----
 
-// Links keep their multipliers from one iteration to the next; with a single one they begin at 0 and are not kept.
+// Multipliers accumulate over the iterations; with a single iteration they start at 0 and are not stored.
 static wisp_strand_link_job link_job( wisp_frame* frame, const wisp_span* span, const strands_link* link,
                                       wisp_component rows, int stride )
 {
@@ -276,14 +295,14 @@ void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_kernels( frame )->strand_follow( &job, span->begin, span->end );
 }
 
-// What the last substep finds is read after the step; that of the others is read by rods alone, which pull with it.
+// Return where to store tensions. They are read after the last substep; after others only by rods.
 static float* tension_of( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_rod )
 {
     const bool is_read = has_rod || span->substep + 1 == wisp_frame_substeps( frame );
     return is_read ? column_of( frame, span, state->tension, 0 ) : NULL;
 }
 
-// The rod has pulled with a tension already, so what is found here adds to it.
+// A rod has applied tension already, so the solve adds to it.
 wisp_strand_stretch_job strands_stretch_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );

@@ -1,5 +1,11 @@
-// A definition: what is right about it, and the components that it gives an entity.
-#include "strands_internal.h"
+// Definition of the dynamics of strands. In: wisp_strand_dynamics_def. Out: the components whose presence decides
+// which passes run, and their values.
+#include "strands_definition.h"
+
+#include "masses_lengths.h"
+#include "rod_factors.h"
+#include "rod_frames.h"
+#include "strand_rows.h"
 
 #include <string.h>
 
@@ -155,7 +161,7 @@ enum
     COMPONENT_COUNT = 23,
 };
 
-// A place to hold is asked for where one may come to be: by a pin, and by a strand that has no length to move in.
+// Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
 static bool holds_vertices( const wisp_strand_topology* t, const float* rest, const wisp_strand_dynamics_def* d )
 {
     bool holds = d->pin_count > 0;
@@ -207,9 +213,9 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
     memcpy( all, list, sizeof( list ) );
 }
 
-// All that is missing comes before anything goes, so that without memory the strands are what they were.
-static wisp_status dress( wisp_world* world, wisp_entity strands, const strands_state* s,
-                          const wisp_strand_dynamics_def* d )
+// Attach missing components before detaching others, so that without memory nothing changes.
+static wisp_status update_components( wisp_world* world, wisp_entity strands, const strands_state* s,
+                                      const wisp_strand_dynamics_def* d )
 {
     wanted_component all[COMPONENT_COUNT + 1];
     bool came[COMPONENT_COUNT + 1] = { false };
@@ -230,7 +236,7 @@ static wisp_status dress( wisp_world* world, wisp_entity strands, const strands_
     {
         if ( status == WISP_OK ? all[i].wanted == false : came[i] )
         {
-            (void)wisp_world_detach( world, strands, all[i].component ); // gives memory back, asks for none
+            (void)wisp_world_detach( world, strands, all[i].component ); // frees memory, so it cannot fail
         }
     }
     return status;
@@ -249,14 +255,14 @@ static void fill_settings( wisp_world* world, wisp_entity strands, const strands
         .bend_rigidity = d->bend_rigidity,
         .twist_rigidity = d->twist_rigidity,
         .bend_damping = d->bend_damping,
-        .teleport = longest > 0.0f ? d->teleport * longest : INFINITY, // points only follow
+        .teleport = longest > 0.0f ? d->teleport * longest : INFINITY, // strands without length only follow
         .rest = (int32_t)d->rest,
         .clamped = d->clamped ? 1 : 0,
     };
 }
 
-static void fill_answers( wisp_world* world, wisp_entity strands, const strands_state* s,
-                          const wisp_strand_dynamics_def* d )
+static void fill_materials( wisp_world* world, wisp_entity strands, const strands_state* s,
+                            const wisp_strand_dynamics_def* d )
 {
     float* damping = wisp_world_column( world, strands, s->damping, 0 );
     strands_air* air = wisp_world_column( world, strands, s->air, 0 );
@@ -291,8 +297,8 @@ static void fill_answers( wisp_world* world, wisp_entity strands, const strands_
     }
 }
 
-// At rest in the shape they were added with, at a head that is where it was added.
-static void start( wisp_world* world, wisp_entity strands, const strands_state* s )
+// Set positions to the rest shape, with the head at its first pose.
+static void set_rest_shape( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const size_t bytes = (size_t)t->row_count * 3 * WISP_LANES * sizeof( float );
@@ -312,7 +318,7 @@ static void start( wisp_world* world, wisp_entity strands, const strands_state* 
     }
 }
 
-// A rod that is new has no twist.
+// Lay the frames of a new rod, without twist.
 static void lay_frames( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
@@ -326,8 +332,8 @@ static void lay_frames( wisp_world* world, wisp_entity strands, const strands_st
     }
 }
 
-// The rest curvature is found at the start of the next step.
-static void forget_rest( wisp_world* world, wisp_entity strands, const strands_state* s )
+// Mark the rest curvature as outdated; the next step computes it.
+static void reset_rest( wisp_world* world, wisp_entity strands, const strands_state* s )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     float* balanced = wisp_world_column( world, strands, s->balance, 0 );
@@ -337,12 +343,12 @@ static void forget_rest( wisp_world* world, wisp_entity strands, const strands_s
     }
 }
 
-// What follows from the definition alone, whether the strands move already or not.
+// Compute everything that follows from the definition alone, for new and for moving strands.
 static void cook( wisp_world* world, wisp_entity strands, const strands_state* s, const wisp_strand_dynamics_def* d )
 {
     const int pins = strands_cook_masses( world, strands, d );
     fill_settings( world, strands, s, d );
-    fill_answers( world, strands, s, d );
+    fill_materials( world, strands, s, d );
     int32_t* held = wisp_world_column( world, strands, s->pins, 0 );
     if ( held != NULL )
     {
@@ -350,10 +356,10 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
     }
     strands_cook_links( world, strands, s );
     strands_cook_rods( world, strands, s );
-    forget_rest( world, strands, s );
+    reset_rest( world, strands, s );
 }
 
-// ---- the public face ----
+// ---- calls ----
 
 wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* def )
 {
@@ -371,7 +377,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     const bool is_new = wisp_world_has( world, strands, s->settings ) == false;
     const bool direct = def->stretch == WISP_STRAND_STRETCH_DIRECT;
     const bool had_frames = wisp_world_has( world, strands, s->curve );
-    status = dress( world, strands, s, def );
+    status = update_components( world, strands, s, def );
     if ( status != WISP_OK )
     {
         return status;
@@ -379,7 +385,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     cook( world, strands, s, def );
     if ( is_new )
     {
-        start( world, strands, s );
+        set_rest_shape( world, strands, s );
     }
     if ( had_frames == false && wisp_world_has( world, strands, s->curve ) )
     {
@@ -388,7 +394,7 @@ wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, co
     float* tension = wisp_world_column( world, strands, s->tension, 0 );
     if ( direct == false && tension != NULL )
     {
-        // nobody finds tensions now, and a rod must not pull with old ones
+        // tensions are not solved any more, and a rod must not apply old ones
         const size_t rows = (size_t)wisp_world_strands( world, strands )->row_count;
         memset( tension, 0, rows * WISP_LANES * sizeof( float ) );
     }

@@ -1,6 +1,32 @@
-// Rest shapes: the curvature and the twist of a rod in which the given shape is in balance, is free of force, or straight.
-// One strand after another, in double: the README's recursion from the tip.
-#include "strands_internal.h"
+// Rest shapes of curled rods. In: rest shape, gravity, stiffness. Out: rest vectors k_i, rest twist, rest tension,
+// and the fraction of its weight that a strand feels. Computed strand by strand in double precision.
+//
+// `rest: balanced` finds k_i and the rest twist for which the given shape is in equilibrium under gravity (sag-free
+// initialisation, as Hsu et al. 2023). With M_i = EI / L_i C_i the balance of forces behind segment s is a recursion
+// from the tip,
+//
+//   M_s = M_{s+1} + l_s (W_s - alpha_s t_s) - (T_s kb_s + T_{s+1} kb_{s+1}) / 2
+//
+// where W_s is g times the masses behind segment s, the tension alpha_s is chosen so that M_s has no part along the
+// middle tangent, and T_s follows from the balance of twist (rod_frames.c). Then k_s = t_s - t_{s-1} - L_s / EI M_s.
+// This is exact for these equations, so the shape stays. Whether the equilibrium is stable depends on the stiffness:
+// a strand too soft for its shape falls over.
+//
+// Where the stiffness was lowered (rod_factors.c), more curvature holds the shape, up to 30 % of the sharpest turn
+// next to the vertex. More makes another rod, which a small push throws about (60 %: 12 m/s at 8 substeps after a nod
+// of 0.2 rad). The tension is at most m l / dt^2.
+//
+// A curl feels only the fraction of gravity that this curvature holds: one for the whole strand, the least over its
+// vertices. Moments, twist and tension are in proportion to it, so the balance is a fixed point for substeps of any
+// length. With all of gravity 96 vertices in a helix of 5 mm and 20 mm per turn reached 17 m/s at 8 substeps, and 31
+// m/s with the tension solved in each substep. Now they drift by 0.02 mm in 2 s at 2, 4, 8 and 16 substeps
+// (tests/modules/test_strands_curls.c). The price: such a strand falls and swings as under that fraction of gravity
+// (this helix 0.5 at 16 substeps, 0.13 at 8, 0.03 at 4), and in another pose of the head it is as soft as its
+// stiffness over that fraction. WISP_COUNT_LIGHTENED counts it. `rest: shape` feels all of its weight, and sags.
+#include "rest_curvature.h"
+
+#include "rod_factors.h"
+#include "rod_frames.h"
 
 typedef struct vec
 {
@@ -43,7 +69,7 @@ static vec unit( vec v, vec otherwise )
     return length > 0.0 ? scale( v, 1.0 / length ) : otherwise;
 }
 
-// A strand as it was added, and what the recursion hands from vertex to vertex.
+// A strand at rest.
 typedef struct strand_shape
 {
     const strands_rows* rows;
@@ -51,7 +77,7 @@ typedef struct strand_shape
     vec growth; // direction of the clamp
 } strand_shape;
 
-// Direction of segment s at rest; -1 is the clamp. Without a length it goes on as the one before.
+// Return the direction of segment s at rest; -1 is the clamp. A segment without length has that of the one before.
 static vec direction( const strand_shape* shape, int s )
 {
     for ( ; s >= 0; --s )
@@ -82,7 +108,7 @@ static strand_shape shape_of( const strands_rows* rows, int row, int count, int 
     return shape;
 }
 
-// What holds at vertex s, between segments s - 1 and s.
+// Balance at vertex s, between segments s - 1 and s.
 typedef struct balance
 {
     vec moment;     // M_s
@@ -93,17 +119,18 @@ typedef struct balance
     double mass;    // kg, behind segment s - 1
 } balance;
 
-// M_s with T_s still unknown is A - T_s kb_s / 2, and b_s = d . (z x M_s) with d = t_s - t_{s-1}, so the balance of the twist is
-// linear in T_s: the fixed point that both have together, at once. kb_s is across z, so it has no part in alpha_s.
+// Step the recursion towards the root. With T_s unknown M_s is A - T_s kb_s / 2, and b_s = d . (z x M_s) with d = t_s
+// - t_{s-1}. So the balance of twist is linear in T_s, and both are solved at once. kb_s is across z, so it does not
+// contribute to alpha_s.
 static balance step( const strand_shape* shape, int s, wisp_vec3 gravity, balance behind )
 {
     const vec t = direction( shape, s ), before = direction( shape, s - 1 ), bend = sub( t, before );
     const vec z = unit( add( t, before ), t );
-    const double fold = fmax( 1.0 + dot( before, t ), 0.1 ); // as the kernel cuts it
+    const double fold = fmax( 1.0 + dot( before, t ), 0.1 ); // clamped as in the kernel
     const vec binormal = scale( cross( before, t ), 2.0 / fold );
     const double w = (double)shape->rows->weight[strands_scalar( shape->row + s + 1, shape->lane )];
     const double l = (double)shape->rows->length[strands_scalar( shape->row + s, shape->lane )];
-    // a pinned vertex bears what hangs from it
+    // a pinned vertex bears all that hangs from it
     const double mass = w > 0.0 ? behind.mass + 1.0 / w : 0.0;
     vec free = add( behind.moment, scale( make( gravity ), l * mass ) );
     free = sub( free, scale( behind.pull, 0.5 ) );
@@ -131,7 +158,7 @@ typedef struct curve_job
     double dt;
 } curve_job;
 
-// Into the middle frame of two neighbours, as the kernel takes it out again.
+// Rotate a vector into the middle frame of two neighbours, the inverse of what the kernel does.
 static wisp_vec3 into_middle( wisp_quat a, wisp_quat b, wisp_vec3 k )
 {
     const float same = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0.0f ? -1.0f : 1.0f;
@@ -150,7 +177,7 @@ static void put_vertex( const curve_job* job, int row, int lane, wisp_vec3 k, do
     job->twist_stiffness[strands_scalar( row, lane )] = (float)twist_stiffness;
 }
 
-// GJ / L_i, lowered with EI / L_i so that their ratio stays.
+// Return GJ / L_i, lowered in the same ratio as EI / L_i.
 static double twist_stiffness_of( const curve_job* job, const strand_shape* shape, int s )
 {
     const double bend = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
@@ -158,24 +185,23 @@ static double twist_stiffness_of( const curve_job* job, const strand_shape* shap
     return rigidity > 0.0 ? bend * (double)job->settings->twist_rigidity / rigidity : 0.0;
 }
 
-// How much a moment bends or twists a vertex: with its stiffness, which was lowered to what a substep bears, and what the
-// rest shape may do against it.
-typedef struct hold
+// How far a moment bends or twists a vertex with its lowered stiffness, and the most that the rest shape may
+// compensate.
+typedef struct compensation
 {
     double needed, most; // rad
-} hold;
+} compensation;
 
-// Where the stiffness had to be lowered, more curvature holds the shape; but not so much that the rod becomes another one,
-// which it would flail against: 30 % of its turn.
-static hold hold_of( const strand_shape* shape, int s, double moment, double stiffness, double rigidity )
+static compensation compensation_of( const strand_shape* shape, int s, double moment, double stiffness,
+                                     double rigidity )
 {
-    const double reach = strands_reach( shape->rows, shape->row, s, shape->lane );
+    const double reach = strands_bend_length( shape->rows, shape->row, s, shape->lane );
     const double turn = strands_sharpest_turn( shape->rows, shape->row, s, shape->count, shape->lane );
-    return ( hold ){ .needed = stiffness > 0.0 ? moment / stiffness : 0.0,
-                     .most = fmax( moment * reach / fmax( rigidity, 1e-300 ), 0.3 * turn ) };
+    return ( compensation ){ .needed = stiffness > 0.0 ? moment / stiffness : 0.0,
+                             .most = fmax( moment * reach / fmax( rigidity, 1e-300 ), 0.3 * turn ) };
 }
 
-// A tension that moves a vertex by more than the length of its segment in a substep pulls it to and fro.
+// Bound a tension: one that moves a vertex by more than the length of its segment in a substep oscillates.
 static double tension_of( const curve_job* job, const strand_shape* shape, int s, double tension )
 {
     const size_t at = strands_scalar( shape->row + s, shape->lane );
@@ -184,29 +210,27 @@ static double tension_of( const curve_job* job, const strand_shape* shape, int s
     return fmax( -most, fmin( most, tension ) );
 }
 
-// M_s and T_s bend and twist a vertex by so much.
-static hold bend_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
+static compensation bend_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
 {
     const double stiffness = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
-    return hold_of( shape, s, sqrt( dot( now->moment, now->moment ) ), stiffness,
-                    (double)job->settings->bend_rigidity );
+    return compensation_of( shape, s, sqrt( dot( now->moment, now->moment ) ), stiffness,
+                            (double)job->settings->bend_rigidity );
 }
 
-static hold twist_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
+static compensation twist_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
 {
-    return hold_of( shape, s, fabs( now->twist ), twist_stiffness_of( job, shape, s ),
-                    (double)job->settings->twist_rigidity );
+    return compensation_of( shape, s, fabs( now->twist ), twist_stiffness_of( job, shape, s ),
+                            (double)job->settings->twist_rigidity );
 }
 
-// Rounding of the stiffness is no lack of it.
-static double share_of( hold h )
+// Return the fraction of a moment that the rest shape holds. The factor allows for rounding of the stiffness.
+static double share_of( compensation h )
 {
     return h.needed > 1.001 * h.most ? h.most / h.needed : 1.0;
 }
 
-// Of its weight, what the strand can hold in this shape: all that the recursion hands on is in proportion to gravity. What it
-// cannot hold it must not feel, because it would fall into a shape in which neither its curvature nor its tension is in balance,
-// and they would throw it about (README). Only curls ask for so much.
+// Return the fraction of its weight that the strand can hold in this shape. All terms of the recursion are in
+// proportion to gravity. Only curls need less than 1.
 static double share_of_weight( const curve_job* job, const strand_shape* shape )
 {
     balance now = { .mass = 0.0 };
@@ -224,8 +248,8 @@ static double share_of_weight( const curve_job* job, const strand_shape* shape )
     return share;
 }
 
-// k_i and the twist of every vertex, k_i still in the world. The twist that is there at rest is 0, because frames are laid
-// from the clamp without any: so the rest twist is what gives T.
+// Compute k_i (in the world) and the rest twist of each vertex. Frames are laid without twist, so the rest twist
+// alone gives T.
 static void curve_vertices( const curve_job* job, const strand_shape* shape, double share )
 {
     const bool balanced = job->settings->rest == WISP_STRAND_REST_BALANCED;
@@ -242,7 +266,7 @@ static void curve_vertices( const curve_job* job, const strand_shape* shape, dou
         if ( balanced && job->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
             const double moment = sqrt( dot( now.moment, now.moment ) );
-            const hold bend = bend_of( job, shape, s, &now ), twist = twist_of( job, shape, s, &now );
+            const compensation bend = bend_of( job, shape, s, &now ), twist = twist_of( job, shape, s, &now );
             k = sub( k, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
             half_twist = -copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
         }
@@ -253,7 +277,7 @@ static void curve_vertices( const curve_job* job, const strand_shape* shape, dou
     }
 }
 
-// @return the share of its weight that the strand feels
+// @return the fraction of its weight that the strand feels
 static double curve_strand( const curve_job* job, int group, int row, int count, int lane )
 {
     const strand_shape shape = shape_of( job->rows, row, count, lane );
@@ -279,7 +303,6 @@ bool strands_balance_is_due( wisp_frame* frame, wisp_entity entity, void* user )
     return wisp_frame_strands( frame, entity )->group_count > 0 && balanced[0] != wisp_frame_seconds( frame );
 }
 
-// The stiffness that single precision bears depends on the substep, and with it the curvature that holds a shape.
 void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;

@@ -1,0 +1,6 @@
+// All substeps in one pass.
+#pragma once
+
+#include "wisp/module/module.h"
+
+wisp_joined_fn strands_substeps;

@@ -1,0 +1,279 @@
+// The linear system of rods: bending energy and its factors. In: lengths, masses, rigidity, length of a substep. Out:
+// stiffness per vertex, clamps, and the factors of M + dt^2 K for the kernel strand_rod.
+//
+// Segment s runs from vertex s to s + 1, e_s = p_{s+1} - p_s, t_s = e_s / l_s with the rest length l_s. Vertex i
+// bends with
+//
+//   E_i = EI / (2 L_i) |C_i|^2,   C_i = t_i - t_{i-1} - k_i,   L_i = (l_{i-1} + l_i) / 2
+//
+// |t_i - t_{i-1}| = 2 sin(angle / 2): the energy of a rod up to the fourth power of the angle. Segment -1 is the
+// clamp, with the direction of growth and no position. Vertex 0 has L_0 = l_0 / 2: half of the first segment bends
+// from the clamp itself. A hinged root has stiffness 0 there. While k_i stays, E is quadratic and x, y, z do not mix:
+// K = B^T D B is the same for all three, and M + dt^2 K = L D L^T has two bands below the diagonal. Rows and columns
+// of pinned vertices are zero. `bend_damping` beta adds beta K dp/dt, implicit as well: (M + (dt^2 + beta dt) K) x =
+// -dt^2 dE/dp - beta dt K (p* - p), with the clamp at rest.
+//
+// EI / L_i is lowered, never raised, so that
+//
+//   dt^2 EI / (m l^3) <= 6e4                             single precision solves no stiffer system
+//   dt^2 EI / (m l^3) |t_i - t_{i-1}|^4 <= 0.08          curled rods only
+//
+// The second is dt^2 EI curvature^4 / line density: the square of the substep times the frequency of a ring of that
+// curvature. Frames turn one substep late, and above about 0.1 that is unstable. A hair of 80 um with curls of 1 cm
+// needs 16 substeps of 1/60 s for its full stiffness, tighter curls more; with fewer substeps it is softer.
+#include "rod_factors.h"
+
+#include "rod_frames.h"
+
+#include <float.h>
+
+// Bound of dt^2 EI / (m l^3), and of the same times the fourth power of the turn at a vertex of a curled rod.
+static const double MOST_STIFFNESS = 6e4, MOST_CURLED = 0.08;
+
+// Return the clamp: the direction of growth is that of the first segment with a length.
+static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
+{
+    for ( int i = 0; i + 1 < count; ++i )
+    {
+        const wisp_vec3 e = strands_sub( strands_get( rest, row + i + 1, lane ), strands_get( rest, row + i, lane ) );
+        if ( strands_norm( e ) > 0.0f )
+        {
+            return strands_rotation_to( e );
+        }
+    }
+    return ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f };
+}
+
+// Bound the tension that a substep starts with. A strand that hangs still bears at most its weight, between two pins
+// at most four times that. A body may push more tension into it, which carried into the next substep would throw the
+// strand off the body.
+static void cook_most_tension( const strands_rows* rows, double gravity, int row, int count, int lane, float* most )
+{
+    double whole = 0.0, behind = 0.0;
+    bool is_held = false;
+    for ( int i = 1; i < count; ++i )
+    {
+        const double w = (double)rows->weight[strands_scalar( row + i, lane )];
+        whole += w > 0.0 ? 1.0 / w : 0.0;
+        is_held = is_held || w == 0.0;
+    }
+    for ( int i = count - 1; i > 0; --i )
+    {
+        const double w = (double)rows->weight[strands_scalar( row + i, lane )];
+        behind += w > 0.0 ? 1.0 / w : 0.0;
+        most[strands_scalar( row + i - 1, lane )] = (float)( gravity * ( is_held ? 4.0 * whole : behind ) );
+    }
+}
+
+void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_state* state )
+{
+    const strands_rows rows = strands_rows_of( world, strands );
+    const strands_settings* settings = wisp_world_column( world, strands, state->settings, 0 );
+    float* most = wisp_world_column( world, strands, state->rod, 3 );
+    const wisp_strand_topology* t = rows.topology;
+    float* inverse = wisp_world_column( world, strands, state->rod, 0 );
+    float* clamp = wisp_world_column( world, strands, state->clamp, 0 );
+    float* factored = wisp_world_column( world, strands, state->clamp, 1 );
+    if ( inverse == NULL )
+    {
+        return;
+    }
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES; ++i )
+    {
+        inverse[i] = rows.length[i] > 0.0f ? 1.0f / rows.length[i] : 0.0f;
+    }
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const int group = i / WISP_LANES, lane = i % WISP_LANES;
+        strands_put_quat( clamp, group, lane, clamp_of( rows.rest, t->group_row[group], t->lane_count[i], lane ) );
+        cook_most_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
+                           lane, most );
+        factored[group] = 0.0f;
+    }
+    // a curled rod starts with the tension of its balance, which is constant
+    for ( size_t i = 0; i < (size_t)t->row_count * WISP_LANES && wisp_world_has( world, strands, state->curve ); ++i )
+    {
+        most[i] = FLT_MAX;
+    }
+}
+
+// ---- factors ----
+
+// A row of L D L^T.
+typedef struct band
+{
+    double pivot, first, second; // D(i), L(i, i-1), L(i, i-2)
+} band;
+
+typedef struct factor_job
+{
+    const strands_rows* rows;
+    const strands_settings* settings;
+    float *stiffness, *factor;
+    double dt;
+    bool curled; // with frames
+} factor_job;
+
+static double mass_at( const strands_rows* rows, int row, int lane )
+{
+    const double w = (double)rows->weight[strands_scalar( row, lane )];
+    return w > 0.0 ? 1.0 / w : 0.0;
+}
+
+static double length_at_row( const strands_rows* rows, int row, int lane )
+{
+    return (double)rows->length[strands_scalar( row, lane )];
+}
+
+double strands_bend_length( const strands_rows* rows, int row, int i, int lane )
+{
+    const double behind = length_at_row( rows, row + i, lane );
+    return 0.5 * ( ( i > 0 ? length_at_row( rows, row + i - 1, lane ) : 0.0 ) + behind );
+}
+
+// Return |t_i - t_{i-1}| of the rest shape; 0 at the ends.
+static double turn_at_rest( const strands_rows* rows, int row, int i, int count, int lane )
+{
+    if ( i < 1 || i + 1 >= count )
+    {
+        return 0.0;
+    }
+    const wisp_vec3 a =
+        strands_sub( strands_get( rows->rest, row + i, lane ), strands_get( rows->rest, row + i - 1, lane ) );
+    const wisp_vec3 b =
+        strands_sub( strands_get( rows->rest, row + i + 1, lane ), strands_get( rows->rest, row + i, lane ) );
+    const float s = 1.0f / (float)length_at_row( rows, row + i - 1, lane ),
+                t = 1.0f / (float)length_at_row( rows, row + i, lane );
+    return (double)strands_norm( ( wisp_vec3 ){ t * b.x - s * a.x, t * b.y - s * a.y, t * b.z - s * a.z } );
+}
+
+double strands_sharpest_turn( const strands_rows* rows, int row, int i, int count, int lane )
+{
+    double turn = 0.0;
+    for ( int k = i - 1; k <= i + 1; ++k )
+    {
+        turn = fmax( turn, turn_at_rest( rows, row, k, count, lane ) );
+    }
+    return turn;
+}
+
+bool strands_is_curl( double turn )
+{
+    return turn * turn * turn * turn * MOST_STIFFNESS > MOST_CURLED;
+}
+
+static double most_stiffness( const factor_job* job, int row, int i, int count, int lane )
+{
+    const double turn = job->curled ? strands_sharpest_turn( job->rows, row, i, count, lane ) : 0.0;
+    return fmin( MOST_STIFFNESS, MOST_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
+}
+
+// Return EI / L_i of a vertex, lowered to what can be solved.
+static double stiffness_of( const factor_job* job, int row, int i, int count, int lane )
+{
+    if ( i + 1 >= count || ( i == 0 && job->settings->clamped == 0 ) )
+    {
+        return 0.0;
+    }
+    const double behind = length_at_row( job->rows, row + i, lane );
+    const double before = i > 0 ? length_at_row( job->rows, row + i - 1, lane ) : behind;
+    double mass = 0.0;
+    int masses = 0;
+    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1; ++k )
+    {
+        const double m = mass_at( job->rows, row + k, lane );
+        mass += m;
+        masses += m > 0.0 ? 1 : 0;
+    }
+    const double step = job->dt * ( job->dt + (double)job->settings->bend_damping );
+    const double l = fmin( before, behind ), mean = masses > 0 ? mass / masses : 0.0;
+    const double most = most_stiffness( job, row, i, count, lane ) * mean * l * l * l / step;
+    const double reach = strands_bend_length( job->rows, row, i, lane );
+    return reach > 0.0 ? fmin( (double)job->settings->bend_rigidity, most ) / reach : 0.0;
+}
+
+// Return the entries (i, i), (i, i-1), (i, i-2) of M + (dt^2 + damping dt) K. Vertex k bends with coefficients c over
+// k-1, k, k+1.
+static band row_of_system( const factor_job* job, int row, int i, int count, int lane )
+{
+    const double step = job->dt * ( job->dt + (double)job->settings->bend_damping );
+    band out = { mass_at( job->rows, row + i, lane ), 0.0, 0.0 };
+    for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k + 1 < count; ++k )
+    {
+        const double stiffness = step * (double)job->stiffness[strands_scalar( row + k, lane )];
+        const double behind = 1.0 / length_at_row( job->rows, row + k, lane );
+        const double before = k > 0 ? 1.0 / length_at_row( job->rows, row + k - 1, lane ) : 0.0;
+        const double c[3] = { before, -( before + behind ), behind }; // of k-1, k, k+1
+        const int own = i - k + 1;
+        out.pivot += stiffness * c[own] * c[own];
+        out.first += own > 0 ? stiffness * c[own] * c[own - 1] : 0.0;
+        out.second += own > 1 ? stiffness * c[own] * c[own - 2] : 0.0;
+    }
+    const bool pinned_before = i < 1 || mass_at( job->rows, row + i - 1, lane ) == 0.0;
+    const bool pinned_first = i < 2 || mass_at( job->rows, row + i - 2, lane ) == 0.0;
+    out.first = pinned_before ? 0.0 : out.first;
+    out.second = pinned_first ? 0.0 : out.second;
+    return out;
+}
+
+static void put_factor( const factor_job* job, int row, int lane, double inverse, double first, double second )
+{
+    strands_put( job->factor, row, lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
+}
+
+static void factor_strand( const factor_job* job, int row, int count, int lane )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        job->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( job, row, i, count, lane );
+    }
+    band before = { 1.0, 0.0, 0.0 }, first = before;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( mass_at( job->rows, row + i, lane ) == 0.0 )
+        {
+            put_factor( job, row + i, lane, 0.0, 0.0, 0.0 );
+            first = before;
+            before = ( band ){ 1.0, 0.0, 0.0 };
+            continue;
+        }
+        const band a = row_of_system( job, row, i, count, lane );
+        band l = { 0.0, 0.0, a.second / first.pivot };
+        l.first = ( a.first - l.second * first.pivot * before.first ) / before.pivot;
+        l.pivot = a.pivot - l.first * l.first * before.pivot - l.second * l.second * first.pivot;
+        put_factor( job, row + i, lane, 1.0 / l.pivot, l.first, l.second );
+        first = before;
+        before = l;
+    }
+}
+
+bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
+{
+    const strands_state* state = user;
+    const float* factored = wisp_frame_column( frame, entity, state->clamp, 1 );
+    return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_seconds( frame );
+}
+
+void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const strands_state* state = user;
+    const strands_rows rows = strands_rows_in( frame, span->entity );
+    const factor_job job = {
+        .rows = &rows,
+        .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
+        .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
+        .factor = wisp_frame_column( frame, span->entity, state->rod, 2 ),
+        .dt = (double)wisp_frame_seconds( frame ),
+        .curled = wisp_frame_has( frame, span->entity, state->curve ),
+    };
+    float* factored = wisp_frame_column( frame, span->entity, state->clamp, 1 );
+    for ( int g = span->begin; g < span->end; ++g )
+    {
+        for ( int lane = 0; lane < WISP_LANES; ++lane )
+        {
+            factor_strand( &job, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
+                           lane );
+        }
+        factored[g] = wisp_frame_seconds( frame );
+    }
+}

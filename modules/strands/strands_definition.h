@@ -1,0 +1,9 @@
+// Definition of strands.
+#pragma once
+
+#include "strands_state.h"
+
+/// Find the state of the module for an entity. @return WISP_CONFLICT the module is not registered, or the entity has
+/// no strands
+///         with dynamics; WISP_STALE_ID it does not exist
+wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state** state );
