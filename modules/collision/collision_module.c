@@ -171,8 +171,8 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .user = state,
         },
         {
-            // It reads the place and says so, which puts it behind what begins an appearance without reading it; what
-            // goes on from there is an equal, for which the order of the modules decides.
+            // It reads positions, so it runs after passes that start an appearance without reading them. Among passes
+            // that read them too, the order of modules decides.
             .name = "collision.carried",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,

@@ -11,19 +11,15 @@
 
 static bool reserve_samples( const contact_work* work, int count )
 {
-    contact_soup* s = work->soup;
-    return contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_PARENTS,
-                            (size_t)count * sizeof( *s->samples->parents ), (void**)&s->samples->parents ) &&
-           contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_WEIGHTS,
-                            (size_t)count * sizeof( *s->samples->weights ), (void**)&s->samples->weights ) &&
-           contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_REST,
-                            (size_t)count * sizeof( *s->samples->rest ), (void**)&s->samples->rest ) &&
-           contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_POSITION,
-                            (size_t)count * sizeof( *s->samples->position ), (void**)&s->samples->position ) &&
-           contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_DEVIATION, (size_t)count * sizeof( float ),
-                            (void**)&s->samples->deviation ) &&
-           contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_BOXES, (size_t)count * sizeof( wisp_box ),
-                            (void**)&s->samples->boxes );
+    contact_samples* s = work->soup->samples;
+    const size_t n = (size_t)count;
+    wisp_buffer* b = s->buffers;
+    return contact_reserve( work, b++, n * sizeof( *s->parents ), (void**)&s->parents ) &&
+           contact_reserve( work, b++, n * sizeof( *s->weights ), (void**)&s->weights ) &&
+           contact_reserve( work, b++, n * sizeof( *s->rest ), (void**)&s->rest ) &&
+           contact_reserve( work, b++, n * sizeof( *s->position ), (void**)&s->position ) &&
+           contact_reserve( work, b++, n * sizeof( *s->deviation ), (void**)&s->deviation ) &&
+           contact_reserve( work, b++, n * sizeof( *s->boxes ), (void**)&s->boxes );
 }
 
 static void add_vertices( contact_soup* s, const contact_guest* guest )

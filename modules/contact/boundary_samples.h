@@ -8,18 +8,6 @@
 
 struct contact_candidate;
 
-enum
-{
-    CONTACT_SAMPLE_PARENTS,
-    CONTACT_SAMPLE_WEIGHTS,
-    CONTACT_SAMPLE_REST,
-    CONTACT_SAMPLE_POSITION,
-    CONTACT_SAMPLE_DEVIATION,
-    CONTACT_SAMPLE_BOXES,
-    CONTACT_SAMPLE_CANDIDATES,
-    CONTACT_SAMPLE_ARRAY_COUNT,
-};
-
 typedef struct contact_samples
 {
     int count;
@@ -33,7 +21,7 @@ typedef struct contact_samples
     wisp_box_pairs overlaps;
     struct contact_candidate* candidates; // sample_pairs.h
     int candidate_count;
-    wisp_buffer buffers[CONTACT_SAMPLE_ARRAY_COUNT];
+    wisp_buffer buffers[6], candidate_buffer;
 } contact_samples;
 
 /// Sample all participants at rest.

@@ -88,7 +88,7 @@ bool contact_reserve_colouring( const contact_work* work )
 {
     contact_colouring* c = work->soup->colouring;
     const size_t bytes = (size_t)work->soup->point_count * sizeof( uint64_t );
-    const bool enough = contact_reserve( work, c->buffers + CONTACT_COLOURING_OF_POINT, bytes, (void**)&c->of_point );
+    const bool enough = contact_reserve( work, &c->point_buffer, bytes, (void**)&c->of_point );
     if ( enough )
     {
         memset( c->of_point, 0, bytes );
@@ -102,10 +102,10 @@ wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )
     contact_colouring* c = s->colouring;
     c->count = 0;
     const size_t most = (size_t)( s->constraints->row_count / ROWS_PER_BLOCK + 2 ), index = sizeof( int32_t );
-    wisp_buffer* const b = c->buffers;
-    if ( contact_reserve( work, b + CONTACT_COLOURING_BEGIN, ( most + 1 ) * index, (void**)&c->begin ) == false ||
-         contact_reserve( work, b + CONTACT_COLOURING_COLOUR_OF, most * index, (void**)&c->colour_of ) == false ||
-         contact_reserve( work, b + CONTACT_COLOURING_ORDER, most * index, (void**)&c->order ) == false )
+    wisp_buffer* b = c->buffers;
+    if ( contact_reserve( work, b++, ( most + 1 ) * index, (void**)&c->begin ) == false ||
+         contact_reserve( work, b++, most * index, (void**)&c->colour_of ) == false ||
+         contact_reserve( work, b++, most * index, (void**)&c->order ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %d pairs", s->constraints->row_count );
     }

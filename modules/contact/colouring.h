@@ -8,15 +8,6 @@ enum
     CONTACT_COLOURS = 64,
 };
 
-enum
-{
-    CONTACT_COLOURING_BEGIN,
-    CONTACT_COLOURING_COLOUR_OF,
-    CONTACT_COLOURING_ORDER,
-    CONTACT_COLOURING_OF_POINT,
-    CONTACT_COLOURING_ARRAY_COUNT,
-};
-
 /// Fixed blocks of constraints, each of one kind. Blocks of one colour share no point.
 typedef struct contact_colouring
 {
@@ -26,7 +17,7 @@ typedef struct contact_colouring
     int32_t* order;                      // [count] blocks by colour
     int32_t colour[CONTACT_COLOURS + 1]; // first of a colour in `order`
     uint64_t* of_point;                  // [point] a bit for each colour that has it
-    wisp_buffer buffers[CONTACT_COLOURING_ARRAY_COUNT];
+    wisp_buffer buffers[3], point_buffer;
 } contact_colouring;
 
 /// Make room for the points of the contact mesh.

@@ -197,8 +197,8 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     const int most = s->primitives->near[0].count > s->primitives->near[1].count ? s->primitives->near[0].count
                                                                                  : s->primitives->near[1].count;
     contact_pair* spare;
-    if ( contact_reserve( work, s->constraints->buffers + CONTACT_CONSTRAINT_SPARE, (size_t)most * sizeof( *spare ),
-                          (void**)&spare ) == false )
+    if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)most * sizeof( *spare ), (void**)&spare ) ==
+         false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", most );
     }
@@ -255,9 +255,7 @@ wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
     contact_soup* s = work->soup;
     s->constraints->row_count = s->constraints->missed_row_count = s->constraints->split = 0;
     wisp_status status = find_sorted( work, false, error );
-    status = status == WISP_OK
-                 ? fill_all( work, s->constraints->buffers + CONTACT_CONSTRAINT_ROWS, &s->constraints->rows, error )
-                 : status;
+    status = status == WISP_OK ? fill_all( work, &s->constraints->row_buffer, &s->constraints->rows, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -293,8 +291,7 @@ wisp_status contact_find_missed_rows( const contact_work* work, wisp_error* erro
         keep_new( s->primitives->near + CONTACT_POINTS, s->constraints->rows, s->constraints->split );
         keep_new( s->primitives->near + CONTACT_EDGES, s->constraints->rows + s->constraints->split,
                   s->constraints->row_count - s->constraints->split );
-        status = fill_all( work, s->constraints->buffers + CONTACT_CONSTRAINT_MISSED_ROWS,
-                           &s->constraints->missed_rows, error );
+        status = fill_all( work, &s->constraints->missed_buffer, &s->constraints->missed_rows, error );
     }
     s->constraints->missed_row_count =
         status == WISP_OK ? s->primitives->near[CONTACT_POINTS].count + s->primitives->near[CONTACT_EDGES].count : 0;

@@ -21,14 +21,6 @@ typedef struct contact_row
     float cut;                      // fraction of its displacements that the displacement limit leaves, in a round
 } contact_row;
 
-enum
-{
-    CONTACT_CONSTRAINT_SPARE,
-    CONTACT_CONSTRAINT_ROWS,
-    CONTACT_CONSTRAINT_MISSED_ROWS,
-    CONTACT_CONSTRAINT_ARRAY_COUNT,
-};
-
 typedef struct contact_constraints
 {
     contact_row* rows; // points and triangles, or particles; then edges. In the order of their primitives
@@ -36,7 +28,7 @@ typedef struct contact_constraints
     int row_count;
     contact_row* missed_rows; // limit displacements, but are not projected
     int missed_row_count;
-    wisp_buffer buffers[CONTACT_CONSTRAINT_ARRAY_COUNT];
+    wisp_buffer row_buffer, missed_buffer, spare_buffer;
 } contact_constraints;
 
 /// Build the constraints of all active pairs, in an order that does not depend on the search.

@@ -53,13 +53,13 @@ static bool reserve_mesh( const contact_work* work )
     contact_soup* s = work->soup;
     const size_t quads = (size_t)s->point_count * 4 * sizeof( float ), index = sizeof( int32_t );
     const size_t edges = (size_t)s->edge_count * 2 * index, triangles = (size_t)s->triangle_count * 3 * index;
-    wisp_buffer* const b = s->buffers;
-    return contact_reserve( work, b + CONTACT_MESH_NOW, quads, (void**)&s->now ) &&
-           contact_reserve( work, b + CONTACT_MESH_INTERSECTION_FREE, quads, (void**)&s->intersection_free ) &&
-           contact_reserve( work, b + CONTACT_MESH_REST, quads, (void**)&s->rest ) &&
-           contact_reserve( work, b + CONTACT_MESH_SHIFT, quads, (void**)&s->shift ) &&
-           contact_reserve( work, b + CONTACT_MESH_EDGES, edges, (void**)&s->edges ) &&
-           contact_reserve( work, b + CONTACT_MESH_TRIANGLES, triangles, (void**)&s->triangles );
+    wisp_buffer* b = s->buffers;
+    return contact_reserve( work, b++, quads, (void**)&s->now ) &&
+           contact_reserve( work, b++, quads, (void**)&s->intersection_free ) &&
+           contact_reserve( work, b++, quads, (void**)&s->rest ) &&
+           contact_reserve( work, b++, quads, (void**)&s->shift ) &&
+           contact_reserve( work, b++, edges, (void**)&s->edges ) &&
+           contact_reserve( work, b++, triangles, (void**)&s->triangles );
 }
 
 static void fill_surface( const contact_work* work, const contact_guest* guest, int number )

@@ -45,18 +45,6 @@ typedef struct contact_guest
     double impulse[3]; // N s, of this step
 } contact_guest;
 
-/// Arrays of the contact mesh.
-enum
-{
-    CONTACT_MESH_NOW,
-    CONTACT_MESH_INTERSECTION_FREE,
-    CONTACT_MESH_REST,
-    CONTACT_MESH_SHIFT,
-    CONTACT_MESH_EDGES,
-    CONTACT_MESH_TRIANGLES,
-    CONTACT_MESH_ARRAY_COUNT,
-};
-
 /// The contact mesh. It is a function of the columns of the participants, built again after those changed from
 /// outside. Which pairs are in the lists of the stages depends on the past; which pairs become constraints does not.
 typedef struct contact_soup
@@ -71,7 +59,7 @@ typedef struct contact_soup
     float least_thickness;    // m, of the participants
     bool is_listed;           // the pair lists of the broad phase hold for these positions
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
-    wisp_buffer buffers[CONTACT_MESH_ARRAY_COUNT];
+    wisp_buffer buffers[6];
 
     struct contact_clusters* clusters;           // clusters.h
     struct contact_motion* motion;               // predicted_motion.h

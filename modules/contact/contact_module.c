@@ -35,21 +35,25 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     release_buffers( s->clusters.buffers, WISP_COUNT( s->clusters.buffers ), allocator );
     release_buffers( s->motion.buffers, WISP_COUNT( s->motion.buffers ), allocator );
     release_buffers( s->bounds.buffers, WISP_COUNT( s->bounds.buffers ), allocator );
-    release_buffers( &s->broad_phase.box_buffer, 1, allocator );
+    wisp_buffer_release( &s->broad_phase.box_buffer, allocator );
     wisp_box_pairs_release( &s->broad_phase.overlaps, allocator );
-    release_buffers( &s->intersections.buffer, 1, allocator );
+    wisp_buffer_release( &s->intersections.buffer, allocator );
     wisp_crossings_release( &s->intersections.crossings, allocator );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
-        release_buffers( &s->primitives.near[kind].buffer, 1, allocator );
+        wisp_buffer_release( &s->primitives.near[kind].buffer, allocator );
     }
     release_buffers( s->samples.buffers, WISP_COUNT( s->samples.buffers ), allocator );
+    wisp_buffer_release( &s->samples.candidate_buffer, allocator );
     wisp_samples_release( &s->samples.sampler, allocator );
     wisp_box_pairs_release( &s->samples.overlaps, allocator );
-    release_buffers( s->constraints.buffers, WISP_COUNT( s->constraints.buffers ), allocator );
+    wisp_buffer_release( &s->constraints.row_buffer, allocator );
+    wisp_buffer_release( &s->constraints.missed_buffer, allocator );
+    wisp_buffer_release( &s->constraints.spare_buffer, allocator );
     release_buffers( s->colouring.buffers, WISP_COUNT( s->colouring.buffers ), allocator );
-    release_buffers( &s->limit.buffer, 1, allocator );
-    release_buffers( &s->untangling.buffer, 1, allocator );
+    wisp_buffer_release( &s->colouring.point_buffer, allocator );
+    wisp_buffer_release( &s->limit.buffer, allocator );
+    wisp_buffer_release( &s->untangling.buffer, allocator );
 }
 
 static void release_state( void* memory, const wisp_allocator* allocator )

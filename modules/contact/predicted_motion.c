@@ -45,15 +45,13 @@ bool contact_reserve_motion( const contact_work* work )
 {
     contact_motion* m = work->soup->motion;
     const size_t points = (size_t)work->soup->point_count, count = (size_t)work->soup->clusters->count;
-    wisp_buffer* const b = m->buffers;
-    const bool enough =
-        contact_reserve( work, b + CONTACT_MOTION_AHEAD, points * 4 * sizeof( float ), (void**)&m->ahead ) &&
-        contact_reserve( work, b + CONTACT_MOTION_IS_MISSED, points, (void**)&m->is_missed ) &&
-        contact_reserve( work, b + CONTACT_MOTION_WAYS, count * sizeof( *m->ways ), (void**)&m->ways ) &&
-        contact_reserve( work, b + CONTACT_MOTION_GONE, count * sizeof( *m->gone ), (void**)&m->gone ) &&
-        contact_reserve( work, b + CONTACT_MOTION_PREDICTED, count * sizeof( *m->predicted ),
-                         (void**)&m->predicted ) &&
-        contact_reserve( work, b + CONTACT_MOTION_CLUSTER_IS_MISSED, count, (void**)&m->cluster_is_missed );
+    wisp_buffer* b = m->buffers;
+    const bool enough = contact_reserve( work, b++, points * 4 * sizeof( float ), (void**)&m->ahead ) &&
+                        contact_reserve( work, b++, points, (void**)&m->is_missed ) &&
+                        contact_reserve( work, b++, count * sizeof( *m->ways ), (void**)&m->ways ) &&
+                        contact_reserve( work, b++, count * sizeof( *m->gone ), (void**)&m->gone ) &&
+                        contact_reserve( work, b++, count * sizeof( *m->predicted ), (void**)&m->predicted ) &&
+                        contact_reserve( work, b++, count, (void**)&m->cluster_is_missed );
     if ( enough )
     {
         memset( m->predicted, 0, count * sizeof( *m->predicted ) );

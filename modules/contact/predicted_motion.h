@@ -17,17 +17,6 @@ typedef struct contact_predicted_motion
     float deviation;       // m, sum since the search
 } contact_predicted_motion;
 
-enum
-{
-    CONTACT_MOTION_AHEAD,
-    CONTACT_MOTION_IS_MISSED,
-    CONTACT_MOTION_WAYS,
-    CONTACT_MOTION_GONE,
-    CONTACT_MOTION_PREDICTED,
-    CONTACT_MOTION_CLUSTER_IS_MISSED,
-    CONTACT_MOTION_ARRAY_COUNT,
-};
-
 typedef struct contact_motion
 {
     float* ahead;                        // [point][4] m: displacement in this substep, and the tolerance around it
@@ -38,7 +27,7 @@ typedef struct contact_motion
     contact_predicted_motion* predicted; // [cluster]
     uint8_t* cluster_is_missed;          // [cluster] one of its points is missed
     int substeps;                        // since the last search
-    wisp_buffer buffers[CONTACT_MOTION_ARRAY_COUNT];
+    wisp_buffer buffers[6];
 } contact_motion;
 
 /// What the displacements of a substep mean for the lists.

@@ -87,7 +87,7 @@ wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* err
     {
         return status;
     }
-    if ( contact_reserve( work, s->samples->buffers + CONTACT_SAMPLE_CANDIDATES,
+    if ( contact_reserve( work, &s->samples->candidate_buffer,
                           s->samples->overlaps.pair_count * sizeof( *s->samples->candidates ),
                           (void**)&s->samples->candidates ) == false )
     {

@@ -131,13 +131,13 @@ static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const 
 }
 
 // Check bounds while the columns are in cache; the state check skips what is within bounds.
-static void check_bounds( wisp_frame* frame, const wisp_span* pair, const pair_jobs* jobs, int32_t* seen )
+static void check_bounds( wisp_frame* frame, const wisp_span* pair, const pair_jobs* jobs, int32_t* in_bounds )
 {
     const wisp_strand_bound_job job = { jobs->motion.position, jobs->motion.velocity, STRANDS_BOUND };
     for ( int g = pair->begin; g < pair->end; ++g )
     {
         const int first = jobs->group_row[g - pair->begin], last = jobs->group_row[g - pair->begin + 1];
-        seen[g] = wisp_frame_kernels( frame )->strand_first_beyond( &job, first, last ) == last ? 1 : 0;
+        in_bounds[g] = wisp_frame_kernels( frame )->strand_first_beyond( &job, first, last ) == last ? 1 : 0;
     }
 }
 
@@ -158,7 +158,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     }
     const int32_t* group_row = all.motion.group_row;
     float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
-    int32_t* seen = wisp_frame_column( frame, span->entity, state->seen, 0 );
+    int32_t* in_bounds = wisp_frame_column( frame, span->entity, state->in_bounds, 0 );
     pair_jobs jobs = all;
     jobs.motion.group_row = jobs.link.group_row = jobs.stretch.group_row = jobs.group_row;
     jobs.motion.previous = jobs.stretch.previous =
@@ -171,7 +171,7 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
                   state );
         if ( substep_end == wisp_frame_substeps( frame ) )
         {
-            check_bounds( frame, &pair, &jobs, seen );
+            check_bounds( frame, &pair, &jobs, in_bounds );
         }
     }
 }

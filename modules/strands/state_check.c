@@ -20,7 +20,7 @@ typedef struct check_loop
 {
     const wisp_kernels* kernels;
     const int32_t* group_row;
-    int32_t* seen;
+    int32_t* in_bounds;
     float *position, *velocity;
     float *good_position, *good_velocity;
     _Atomic int first_bad; // lowest row out of bounds, or the number of rows
@@ -36,9 +36,9 @@ static void check_groups( void* context, int begin, int end, int worker )
     {
         const int last = loop->group_row[g + 1];
         const int row =
-            loop->seen[g] != 0 ? last : loop->kernels->strand_first_beyond( &job, loop->group_row[g], last );
+            loop->in_bounds[g] != 0 ? last : loop->kernels->strand_first_beyond( &job, loop->group_row[g], last );
         bad = row < last && row < bad ? row : bad;
-        loop->seen[g] = 0; // until the next step is checked
+        loop->in_bounds[g] = 0; // until the next step is checked
     }
     int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
     while ( bad < lowest && atomic_compare_exchange_weak( &loop->first_bad, &lowest, bad ) == false )
@@ -97,7 +97,7 @@ void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
     check_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
         .group_row = t->group_row,
-        .seen = wisp_frame_column( frame, span->entity, state->seen, 0 ),
+        .in_bounds = wisp_frame_column( frame, span->entity, state->in_bounds, 0 ),
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
         .good_position = wisp_frame_column( frame, span->entity, state->good, 0 ),

@@ -193,7 +193,7 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->settings, true },
         { s->good, true },
         { s->fault, true },
-        { s->seen, true },
+        { s->in_bounds, true },
         { s->head, anchored == false },
         { s->damping, d->damping > 0.0f },
         { s->air, d->drag > 0.0f },

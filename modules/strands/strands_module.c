@@ -282,9 +282,9 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .name = "strands.guard",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->good, s->fault, s->seen },
-            .reads = { s->good, s->seen, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { s->good, s->fault, s->seen, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .needs = { s->good, s->fault, s->in_bounds },
+            .reads = { s->good, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->good, s->fault, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_guard,
         },
         {

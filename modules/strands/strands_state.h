@@ -95,8 +95,8 @@ typedef struct strands_grid
 #define STRANDS_GOOD( X )                                                                                            \
     X( float, position, 48 ) /* at the end of the last valid step */                                                 \
     X( float, velocity, 48 )
-#define STRANDS_SEEN( X )                                                                                            \
-    X( int32_t, seen, 1 ) /* the group was found within bounds at the end of this step; 0 between steps */
+#define STRANDS_IN_BOUNDS( X )                                                                                       \
+    X( int32_t, in_bounds, 1 ) /* the group was found within bounds at the end of this step; 0 between steps */
 #define STRANDS_SURFACE( X ) X( wisp_entity, surface, 1 ) /* null: it was removed, roots stay */
 #define STRANDS_ANCHOR( X )                                                                                          \
     X( int32_t, slot, 48 )  /* [3][16] corners of the triangle, as slots of the surface */                           \
@@ -127,7 +127,7 @@ typedef struct strands_grid
     X( straight, "strands.straight", WISP_TABLE_ENTITY, STRANDS_STRAIGHT )                                           \
     X( balance, "strands.balance", WISP_TABLE_STRAND_GROUP, STRANDS_BALANCE )                                        \
     X( good, "strands.good", WISP_TABLE_STRAND_ROW, STRANDS_GOOD )                                                   \
-    X( seen, "strands.seen", WISP_TABLE_STRAND_GROUP, STRANDS_SEEN )                                                 \
+    X( in_bounds, "strands.in_bounds", WISP_TABLE_STRAND_GROUP, STRANDS_IN_BOUNDS )                                  \
     X( surface, "strands.surface", WISP_TABLE_ENTITY, STRANDS_SURFACE )                                              \
     X( anchor, "strands.anchor", WISP_TABLE_STRAND_GROUP, STRANDS_ANCHOR )                                           \
     X( grid, "strands.grid", WISP_TABLE_ENTITY, STRANDS_GRID )
