@@ -74,15 +74,14 @@ static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
     const wisp_vec3 p = pose.translation;
     if ( is_in_range( p ) == false )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "collider: (%g, %g, %g) is not a place within 1e6 m of the origin", (double)p.x,
-                                (double)p.y, (double)p.z );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: (%g, %g, %g) is not within 1e6 m of the origin",
+                                (double)p.x, (double)p.y, (double)p.z );
     }
     const wisp_quat q = pose.rotation;
     float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
     if ( !( squared >= 1e-12f && squared <= 1e12f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: the quaternion (%g, %g, %g, %g) is no rotation",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "collider: the quaternion (%g, %g, %g, %g) is not a rotation",
                                 (double)q.x, (double)q.y, (double)q.z, (double)q.w );
     }
     return WISP_OK;

@@ -319,9 +319,9 @@ wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity guest, w
     wisp_status status = find_settings( world, guest, &state, &settings );
     if ( status == WISP_OK && settings->figures == 0 )
     {
-        status = wisp_world_fail( world, WISP_CONFLICT,
-                                  "entity %u takes no figures of collision: ask with wisp_want_collision_figures",
-                                  guest.index );
+        status = wisp_world_fail(
+            world, WISP_CONFLICT,
+            "collision: figures of entity %u were not requested with wisp_want_collision_figures", guest.index );
     }
     const wisp_collision_figures* column =
         status == WISP_OK ? wisp_world_column( world, guest, state->figures, 0 ) : NULL;

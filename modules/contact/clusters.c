@@ -196,21 +196,22 @@ static bool reserve_clusters( const cutting* c )
 static int count_rows( const cutting* c, const int counts[3] )
 {
     contact_soup* s = c->soup;
-    memset( s->clusters->items, 0, (size_t)s->clusters->count * sizeof( *s->clusters->items ) );
+    contact_clusters* k = s->clusters;
+    memset( k->items, 0, (size_t)k->count * sizeof( *k->items ) );
     for ( int kind = 0; kind < 3; ++kind )
     {
         for ( int i = 0; i < counts[kind]; ++i )
         {
-            contact_cluster* cluster = s->clusters->items + c->cluster_of[kind][i];
+            contact_cluster* cluster = k->items + c->cluster_of[kind][i];
             cluster->rows[kind] += 1;
             cluster->point_count += kind + 1; // upper bound
             cluster->guest = (int32_t)s->rest[(size_t)points_of( s, kind, &i )[0] * 4 + 3];
         }
     }
     int rows = 0, points = 0;
-    for ( int p = 0; p < s->clusters->count; ++p )
+    for ( int p = 0; p < k->count; ++p )
     {
-        contact_cluster* cluster = s->clusters->items + p;
+        contact_cluster* cluster = k->items + p;
         cluster->first_point = points;
         points += ( cluster->point_count + WISP_SLICE - 1 ) / WISP_SLICE * WISP_SLICE;
         cluster->point_count = 0;
@@ -268,23 +269,23 @@ static void add_piece( contact_soup* s, contact_cluster* cluster, int kind, int3
 static bool list_owners( const cutting* c, size_t most )
 {
     contact_soup* s = c->soup;
+    contact_clusters* k = s->clusters;
     const size_t points = (size_t)s->point_count, number = sizeof( int32_t );
-    if ( contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
-                          (void**)&s->clusters->owners_begin ) == false ||
-         contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_OWNERS, most * number,
-                          (void**)&s->clusters->owners ) == false )
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
+                          (void**)&k->owners_begin ) == false ||
+         contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS, most * number, (void**)&k->owners ) == false )
     {
         return false;
     }
     // a counting sort: counts go two places ahead, so that filling leaves each start in place
-    int32_t* begin = s->clusters->owners_begin;
+    int32_t* begin = k->owners_begin;
     memset( begin, 0, ( points + 2 ) * number );
     for ( int pass = 0; pass < 2; ++pass )
     {
-        for ( int p = 0; p < s->clusters->count; ++p )
+        for ( int p = 0; p < k->count; ++p )
         {
-            const int32_t* point4 = s->clusters->points + s->clusters->items[p].first_point;
-            for ( int i = 0; i < s->clusters->items[p].point_count && ( i == 0 || point4[i] != point4[i - 1] ); ++i )
+            const int32_t* point4 = k->points + k->items[p].first_point;
+            for ( int i = 0; i < k->items[p].point_count && ( i == 0 || point4[i] != point4[i - 1] ); ++i )
             {
                 if ( pass == 0 )
                 {
@@ -292,7 +293,7 @@ static bool list_owners( const cutting* c, size_t most )
                 }
                 else
                 {
-                    s->clusters->owners[begin[point4[i] / 4 + 1]++] = p;
+                    k->owners[begin[point4[i] / 4 + 1]++] = p;
                 }
             }
         }
@@ -307,36 +308,37 @@ static bool list_owners( const cutting* c, size_t most )
 static bool fill_clusters( const cutting* c, const int counts[3] )
 {
     contact_soup* s = c->soup;
-    s->clusters->count = c->cluster_count;
+    contact_clusters* k = s->clusters;
+    k->count = c->cluster_count;
     if ( reserve_clusters( c ) == false )
     {
         return false;
     }
     const size_t rows = (size_t)count_rows( c, counts );
-    const size_t points = (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] +
-                          (size_t)WISP_SLICE * (size_t)s->clusters->count;
-    if ( contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_PIECES,
-                          rows * sizeof( *s->clusters->pieces ), (void**)&s->clusters->pieces ) == false ||
-         contact_reserve( c->work, s->clusters->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
-                          (void**)&s->clusters->points ) == false )
+    const size_t points =
+        (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] + (size_t)WISP_SLICE * (size_t)k->count;
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PIECES, rows * sizeof( *k->pieces ),
+                          (void**)&k->pieces ) == false ||
+         contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
+                          (void**)&k->points ) == false )
     {
         return false;
     }
-    memset( s->clusters->pieces, 0, rows * sizeof( *s->clusters->pieces ) );
+    memset( k->pieces, 0, rows * sizeof( *k->pieces ) );
     for ( size_t row = 0; row < rows; ++row )
     {
-        memset( s->clusters->pieces[row].item, -1, sizeof( s->clusters->pieces[row].item ) );
+        memset( k->pieces[row].item, -1, sizeof( k->pieces[row].item ) );
     }
     for ( int kind = 0; kind < 3; ++kind )
     {
         for ( int i = 0; i < counts[kind]; ++i )
         {
-            add_piece( s, s->clusters->items + c->cluster_of[kind][i], kind, i );
+            add_piece( s, k->items + c->cluster_of[kind][i], kind, i );
         }
     }
-    for ( int p = 0; p < s->clusters->count; ++p )
+    for ( int p = 0; p < k->count; ++p )
     {
-        pad_points( s, s->clusters->items + p );
+        pad_points( s, k->items + p );
     }
     return list_owners( c, points );
 }
@@ -344,23 +346,23 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
 bool contact_make_clusters( const contact_work* work )
 {
     contact_soup* s = work->soup;
+    contact_clusters* k = s->clusters;
     const int counts[3] = { s->point_count, s->edge_count, s->triangle_count };
     const size_t triangles = (size_t)counts[2], numbers = (size_t)counts[1] + 2 * triangles + 1;
     cutting c = { .work = work, .soup = s };
     int32_t* scratch = wisp_parallel_scratch( work->parallel, work->worker,
                                               numbers * sizeof( int32_t ) + triangles * sizeof( *c.middle ) );
-    if ( scratch == NULL ||
-         contact_reserve( work, s->clusters->buffers + CONTACT_CLUSTER_OF_POINT,
-                          (size_t)counts[0] * sizeof( int32_t ), (void**)&s->clusters->of_point ) == false )
+    if ( scratch == NULL || contact_reserve( work, k->buffers + CONTACT_CLUSTER_OF_POINT,
+                                             (size_t)counts[0] * sizeof( int32_t ), (void**)&k->of_point ) == false )
     {
         return false;
     }
-    c.cluster_of[0] = s->clusters->of_point;
+    c.cluster_of[0] = k->of_point;
     c.cluster_of[1] = scratch;
     c.cluster_of[2] = scratch + counts[1];
     c.order = c.cluster_of[2] + triangles;
     c.middle = ( float( * )[3] )(void*)( c.order + triangles );
-    memset( s->clusters->of_point, -1, (size_t)counts[0] * sizeof( int32_t ) );
+    memset( k->of_point, -1, (size_t)counts[0] * sizeof( int32_t ) );
     memset( scratch, -1, numbers * sizeof( int32_t ) );
     for ( int g = 0; g < work->guest_count; ++g )
     {

@@ -63,7 +63,7 @@ bool contact_reserve_motion( const contact_work* work )
 int contact_drift_substeps( const contact_work* work )
 {
     // a boundary particle lies between points of several clusters
-    return work->settings->features == WISP_CONTACT_SAMPLES ? 0 : SUBSTEPS_AHEAD;
+    return contact_has_samples( work ) ? 0 : SUBSTEPS_AHEAD;
 }
 
 static void sum_ways( void* context, int begin, int end, int worker )

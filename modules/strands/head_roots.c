@@ -197,7 +197,7 @@ static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
     const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
     if ( !( squared >= 1e-12f && squared <= 1e12f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: the quaternion (%g, %g, %g, %g) is no rotation",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strands: the quaternion (%g, %g, %g, %g) is not a rotation",
                                 (double)q.x, (double)q.y, (double)q.z, (double)q.w );
     }
     return WISP_OK;

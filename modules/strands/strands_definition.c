@@ -94,7 +94,7 @@ static wisp_status check_lists( wisp_world* world, const wisp_strand_topology* t
         if ( !( d->vertex_masses[v] >= 1e-15f && d->vertex_masses[v] <= 1e12f ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT,
-                                    "strands: vertex %d weighs %g kg, a mass must be 1e-15 to 1e12", v,
+                                    "strands: the mass of vertex %d is %g kg, it must be 1e-15 to 1e12", v,
                                     (double)d->vertex_masses[v] );
         }
     }

@@ -226,7 +226,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     surface_view view = { .fabric = wisp_world_fabric( world, surface ) };
     if ( view.fabric == NULL || view.fabric->triangle_count == 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u is no surface with triangles to root in",
+        return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u is not a surface with triangles to root in",
                                 surface.index );
     }
     const wisp_allocator* allocator = wisp_world_allocator( world );

@@ -496,10 +496,10 @@ static void impossible_bodies_are_refused( void** state )
     assert_refused( h->world, &def, "half_extent.z" );
     def = body_of( WISP_COLLIDER_PLANE );
     def.pose.translation.y = NAN;
-    assert_refused( h->world, &def, "not a place" );
+    assert_refused( h->world, &def, "not within 1e6 m" );
     def = body_of( WISP_COLLIDER_PLANE );
     def.pose.rotation = ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 0.0f };
-    assert_refused( h->world, &def, "no rotation" );
+    assert_refused( h->world, &def, "not a rotation" );
     def = body_of( WISP_COLLIDER_PLANE );
     def.kinetic_friction = 0.6f;
     assert_refused( h->world, &def, "kinetic_friction" );

@@ -538,8 +538,8 @@ static void wrong_definitions_are_refused_and_change_nothing( void** state )
     bad[3].pin_count = 1;
     bad[4].vertex_masses = masses;
     bad[5].gravity.y = INFINITY;
-    static const char* const NAMED[6] = { "stretch_passes",     "bend_rigidity",   "line_density",
-                                          "pin 0 is vertex 10", "vertex 1 weighs", "gravity" };
+    static const char* const NAMED[6] = { "stretch_passes",     "bend_rigidity",    "line_density",
+                                          "pin 0 is vertex 10", "mass of vertex 1", "gravity" };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
     {
         assert_int_equal( wisp_set_strand_dynamics( s.world, e, bad + i ), WISP_BAD_INPUT );
