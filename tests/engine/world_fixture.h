@@ -77,6 +77,15 @@ static inline wisp_view view_of( wisp_world* world, wisp_entity e, wisp_componen
     return view;
 }
 
+static inline void assert_status( wisp_world* world, wisp_status status, wisp_status expected )
+{
+    if ( status != expected )
+    {
+        fail_msg( "%s instead of %s: %s", wisp_status_name( status ), wisp_status_name( expected ),
+                  wisp_world_message( world ) );
+    }
+}
+
 static inline uint64_t hash_of( wisp_world* world, wisp_entity e, wisp_component component )
 {
     uint64_t hash = 0;

@@ -13,15 +13,6 @@ static inline void assert_near( double actual, double expected, double tolerance
     }
 }
 
-static inline void assert_status( wisp_world* world, wisp_status status, wisp_status expected )
-{
-    if ( status != expected )
-    {
-        fail_msg( "%s instead of %s: %s", wisp_status_name( status ), wisp_status_name( expected ),
-                  wisp_world_message( world ) );
-    }
-}
-
 /// A world of its own, for a test that needs several or chooses substeps. Close with close_world().
 static inline void open_world( hosted* h, int substeps, int iterations )
 {

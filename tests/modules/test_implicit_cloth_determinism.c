@@ -1,15 +1,7 @@
 // The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
 // data/golden/implicit_cloth.hash. WISP_GOLDEN=write in the environment writes that file anew.
 #include "implicit_cloth_fixture.h"
-#include "golden_file.h"
-
-#include <inttypes.h>
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
-static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/implicit_cloth.hash";
+#include "determinism_fixture.h"
 
 enum
 {
@@ -47,33 +39,13 @@ static const golden_case cases[] = {
     { "blocks-pushed", LARGE, .integrator = WISP_IMPLICIT_BDF2, .repeats = 2, .dropped = true, .pushed = true },
 };
 
-typedef struct place_to_run
-{
-    int workers;
-    const char* isa;
-    wisp_parallel_for_fn* parallel_for;
-} place_to_run;
-
-// A world with a case in it.
 typedef struct running
 {
+    determinism_run base;
     const golden_case* c;
     hosted h;
     wisp_entity cloth, ball;
-    int steps;
 } running;
-
-static void open_place( running* r, const golden_case* c, const place_to_run* place, int* calls )
-{
-    *r = ( running ){ .c = c };
-    r->h.def = implicit_def( &r->h );
-    r->h.def.workers = place->workers;
-    r->h.def.isa = place->isa;
-    r->h.def.parallel_for = place->parallel_for;
-    r->h.def.parallel_for_user = calls;
-    r->h.def.substeps = 2;
-    assert_int_equal( wisp_world_create( &r->h.def, &r->h.world, NULL ), WISP_OK );
-}
 
 // A ball under the middle of the sheet, and a plane under both.
 static void add_bodies( running* r )
@@ -114,12 +86,13 @@ static void add_case( running* r )
     }
 }
 
-static void run_case_steps( running* r, int steps )
+static void run_case_steps( determinism_run* base, int steps )
 {
+    running* r = (running*)base;
     for ( int i = 0; i < steps; ++i )
     {
-        r->steps += 1;
-        const float t = DT * (float)r->steps;
+        r->base.steps += 1;
+        const float t = DT * (float)r->base.steps;
         const int32_t pin = 0;
         const wisp_vec3 target = { -0.25f * t, 0.5f * t, 0.0f };
         const float half = 0.5f * 0.03125f * (float)( r->c->side - 1 );
@@ -136,170 +109,64 @@ static void run_case_steps( running* r, int steps )
     }
 }
 
-// Points, for the golden file; and everything that a step leaves behind, whose hash also changes when a column is
-// added to the engine.
-typedef struct traces
+static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
-    uint64_t motion, state;
-} traces;
+    running* r = calloc( 1, sizeof( *r ) );
+    assert_non_null( r );
+    r->c = cases + number;
+    r->h.def = implicit_def( &r->h );
+    determinism_place( &r->h.def, place, calls );
+    r->h.def.substeps = 2;
+    assert_int_equal( wisp_world_create( &r->h.def, &r->h.world, NULL ), WISP_OK );
+    r->base = ( determinism_run ){ number, 0, r->h.world, &r->h.host };
+    add_case( r );
+    return &r->base;
+}
 
-static traces traces_of( running* r )
+static void close_case( determinism_run* base )
 {
+    close_world( &( (running*)base )->h );
+    free( base );
+}
+
+static traces traces_of( determinism_run* base )
+{
+    running* r = (running*)base;
     return ( traces ){ hash_of( r->h.world, r->cloth, WISP_SURFACE_POINTS ), wisp_world_hash( r->h.world ) };
 }
 
-static traces run_case( const golden_case* c, const place_to_run* place, int* calls )
+static void check_case( determinism_run* base )
 {
-    running r;
-    open_place( &r, c, place, calls );
-    add_case( &r );
-    run_case_steps( &r, STEPS );
-    const traces t = traces_of( &r );
-    assert_int_equal( wisp_world_counter( r.h.world, WISP_COUNT_HALTED ), 0 );
-    const wisp_implicit_cloth_figures f = figures_of( r.h.world, r.cloth );
+    running* r = (running*)base;
+    const wisp_implicit_cloth_figures f = figures_of( r->h.world, r->cloth );
     assert_true( f.iterations > 0 );
-    assert_int_equal( f.sticking + f.sliding + f.landing > 0, c->dropped );
-    close_world( &r.h );
-    return t;
+    assert_int_equal( f.sticking + f.sliding + f.landing > 0, r->c->dropped );
 }
 
-static void last_block_first( void* user, int block_count, wisp_block_fn* run, void* context )
+static void nudge( determinism_run* base )
 {
-    int* calls = user;
-    *calls += 1;
-    for ( int block = block_count - 1; block >= 0; --block )
-    {
-        run( context, block, 0 );
-    }
+    running* r = (running*)base;
+    velocity_of( r->h.world, r->cloth, r->c->side + 1 )[2] += 1e-3f;
 }
 
-static const place_to_run PLAIN = { 1, "baseline", NULL };
-
-static void assert_traces( const golden_case* c, const place_to_run* place, traces expected )
+static determinism_case describe( int number )
 {
-    int calls = 0;
-    traces t = run_case( c, place, &calls );
-    if ( t.motion != expected.motion || t.state != expected.state )
-    {
-        fail_msg( "%s: %016" PRIx64 " with %d workers and %s%s, %016" PRIx64 " with one and baseline", c->name,
-                  t.state, place->workers, place->isa, place->parallel_for != NULL ? " on a host's loop" : "",
-                  expected.state );
-    }
-    // a small sheet is one block, which nobody else is asked to help with
-    assert_true( place->parallel_for == NULL || calls > 0 || c->side < LARGE );
-}
-
-// An instruction set that this processor lacks falls back to the next, which compares equal trivially.
-static void workers_instruction_sets_and_hosts_do_not_change_a_bit( void** state )
-{
-    (void)state;
-    const int workers[] = { 1, 2, 3, 5, 8 };
-    const char* const isas[] = { "baseline", "avx2", "avx512" };
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        const traces expected = run_case( cases + n, &PLAIN, NULL );
-        for ( int i = 0; i < WISP_COUNT( isas ); ++i )
-        {
-            for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-            {
-                assert_traces( cases + n, &( place_to_run ){ workers[w], isas[i], NULL }, expected );
-            }
-            assert_traces( cases + n, &( place_to_run ){ 1, isas[i], last_block_first }, expected );
-        }
-    }
-}
-
-static golden_hash run_numbered( int number, const void* context )
-{
-    (void)context;
-    return ( golden_hash ){ cases[number].name, run_case( cases + number, &PLAIN, NULL ).motion };
-}
-
-static void motion_is_that_of_the_golden_file( void** state )
-{
-    (void)state;
-    golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
-}
-
-// A hash that forgot something would let everything pass.
-static void cases_and_a_nudge_have_other_hashes( void** state )
-{
-    (void)state;
-    uint64_t hashes[WISP_COUNT( cases )];
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        hashes[n] = run_case( cases + n, &PLAIN, NULL ).motion;
-        for ( int k = 0; k < n; ++k )
-        {
-            assert_true( hashes[n] != hashes[k] );
-        }
-        running r;
-        open_place( &r, cases + n, &PLAIN, NULL );
-        add_case( &r );
-        velocity_of( r.h.world, r.cloth, cases[n].side + 1 )[2] += 1e-3f;
-        run_case_steps( &r, STEPS );
-        assert_true( traces_of( &r ).motion != hashes[n] );
-        close_world( &r.h );
-    }
-}
-
-static void a_step_that_is_warm_asks_for_no_memory( void** state )
-{
-    (void)state;
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        running r;
-        open_place( &r, cases + n, &PLAIN, NULL );
-        add_case( &r );
-        run_case_steps( &r, 3 );
-        const int64_t asked = atomic_load( &r.h.host.asked );
-        run_case_steps( &r, STEPS );
-        if ( atomic_load( &r.h.host.asked ) != asked )
-        {
-            fail_msg( "%s asks for memory %d times in warm steps", cases[n].name,
-                      (int)( atomic_load( &r.h.host.asked ) - asked ) );
-        }
-        close_world( &r.h );
-    }
-}
-
-static void a_snapshot_goes_on_to_the_same_bits( void** state )
-{
-    (void)state;
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        const traces straight = run_case( cases + n, &PLAIN, NULL );
-        running r;
-        open_place( &r, cases + n, &PLAIN, NULL );
-        add_case( &r );
-        run_case_steps( &r, STEPS / 2 );
-        const size_t size = wisp_world_snapshot_size( r.h.world );
-        void* bytes = malloc( size );
-        assert_non_null( bytes );
-        assert_status( r.h.world, wisp_world_snapshot( r.h.world, bytes, size ), WISP_OK );
-        run_case_steps( &r, STEPS );
-        assert_true( traces_of( &r ).state != straight.state );
-        assert_status( r.h.world, wisp_world_restore( r.h.world, bytes, size ), WISP_OK );
-        r.steps = STEPS / 2;
-        run_case_steps( &r, STEPS - STEPS / 2 );
-        const traces t = traces_of( &r );
-        if ( t.motion != straight.motion || t.state != straight.state )
-        {
-            fail_msg( "%s goes on differently behind a snapshot", cases[n].name );
-        }
-        free( bytes );
-        close_world( &r.h );
-    }
+    const golden_case* c = cases + number;
+    return ( determinism_case ){ c->name, .warm_workers = 2, .is_one_block = c->side < LARGE };
 }
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( motion_is_that_of_the_golden_file ),
-        cmocka_unit_test( cases_and_a_nudge_have_other_hashes ),
-        cmocka_unit_test( workers_instruction_sets_and_hosts_do_not_change_a_bit ),
-        cmocka_unit_test( a_step_that_is_warm_asks_for_no_memory ),
-        cmocka_unit_test( a_snapshot_goes_on_to_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    const determinism d = { WISP_SOURCE_ROOT "/data/golden/implicit_cloth.hash",
+                            WISP_COUNT( cases ),
+                            STEPS,
+                            true,
+                            describe,
+                            open_case,
+                            run_case_steps,
+                            traces_of,
+                            check_case,
+                            nudge,
+                            close_case };
+    return determinism_main( &d );
 }

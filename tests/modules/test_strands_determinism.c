@@ -1,17 +1,9 @@
 // The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
 // data/golden/strands.hash. WISP_GOLDEN=write in the environment writes that file anew.
 #include "strands_fixture.h"
-#include "golden_file.h"
+#include "determinism_fixture.h"
 
 #include "guide_hair.h"
-
-#include <inttypes.h>
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
-static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/strands.hash";
 
 enum
 {
@@ -89,46 +81,14 @@ static const golden_case cases[] = {
       .curve = fringe },
 };
 
-typedef struct place_to_run
-{
-    int workers;
-    const char* isa;
-    wisp_parallel_for_fn* parallel_for;
-} place_to_run;
-
-static const place_to_run PLAIN = { 1, "baseline", NULL };
-
-// A world with a case in it. Where no ghosts follow, ghosts and curves are the strands themselves.
+// Where no ghosts follow, ghosts and curves are the strands themselves.
 typedef struct running
 {
+    determinism_run base;
     const golden_case* c;
     strand_world s;
     wisp_entity strands, ghosts, curves;
-    int steps;
 } running;
-
-static void open_place( running* r, const golden_case* c, const place_to_run* place, int* calls )
-{
-    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module,
-                                                  &wisp_guide_hair_module };
-    *r = ( running ){ .c = c };
-    prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
-    r->s.def.workers = place->workers;
-    r->s.def.isa = place->isa;
-    r->s.def.parallel_for = place->parallel_for;
-    r->s.def.parallel_for_user = calls;
-    r->s.def.substeps = 4;
-    r->s.def.iterations = c->iterations;
-    open_prepared( &r->s );
-}
-
-static void assert_ok( wisp_world* world, wisp_status status )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s: %s", wisp_status_name( status ), wisp_world_message( world ) );
-    }
-}
 
 static wisp_strand_dynamics_def def_of( const golden_case* c )
 {
@@ -153,9 +113,9 @@ static void add_ball( running* r )
     ball.radius = 0.04f;
     const wisp_collision_def collision = wisp_default_collision_def();
     wisp_entity e;
-    assert_ok( r->s.world, wisp_add_collider( r->s.world, &ball, &e ) );
-    assert_ok( r->s.world, wisp_set_collision( r->s.world, r->strands, &collision ) );
-    assert_ok( r->s.world, wisp_want_collision_figures( r->s.world, r->strands, true ) );
+    assert_status( r->s.world, wisp_add_collider( r->s.world, &ball, &e ), WISP_OK );
+    assert_status( r->s.world, wisp_set_collision( r->s.world, r->strands, &collision ), WISP_OK );
+    assert_status( r->s.world, wisp_want_collision_figures( r->s.world, r->strands, true ), WISP_OK );
 }
 
 static void add_ghosts( running* r )
@@ -169,13 +129,13 @@ static void add_ghosts( running* r )
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = r->strands;
     def.target_count = 3;
-    assert_ok( r->s.world, wisp_set_ghosts( r->s.world, r->ghosts, &def ) );
+    assert_status( r->s.world, wisp_set_ghosts( r->s.world, r->ghosts, &def ), WISP_OK );
     wisp_curves_def curves = wisp_default_curves_def();
     curves.source = r->ghosts;
     curves.samples = 3;
-    assert_ok( r->s.world, wisp_add_curves( r->s.world, &curves, &r->curves ) );
-    assert_ok( r->s.world, wisp_want( r->s.world, r->ghosts, WISP_STRAND_POINTS ) );
-    assert_ok( r->s.world, wisp_want( r->s.world, r->curves, WISP_STRAND_POINTS ) );
+    assert_status( r->s.world, wisp_add_curves( r->s.world, &curves, &r->curves ), WISP_OK );
+    assert_status( r->s.world, wisp_want( r->s.world, r->ghosts, WISP_STRAND_POINTS ), WISP_OK );
+    assert_status( r->s.world, wisp_want( r->s.world, r->curves, WISP_STRAND_POINTS ), WISP_OK );
 }
 
 static void add_case( running* r )
@@ -186,7 +146,7 @@ static void add_case( running* r )
     {
         wisp_strand_grid_def grid = wisp_default_strand_grid_def();
         grid.repulsion = 1.0f;
-        assert_ok( r->s.world, wisp_set_strand_grid( r->s.world, r->strands, &grid ) );
+        assert_status( r->s.world, wisp_set_strand_grid( r->s.world, r->strands, &grid ), WISP_OK );
     }
     if ( r->c->ball )
     {
@@ -198,209 +158,91 @@ static void add_case( running* r )
     }
 }
 
-static void run_steps( running* r, int steps )
+static void run_case_steps( determinism_run* base, int steps )
 {
+    running* r = (running*)base;
     for ( int i = 0; i < steps; ++i )
     {
-        r->steps += 1;
-        const float t = r->c->carried ? SECONDS * (float)r->steps : 0.0f;
+        r->base.steps += 1;
+        const float t = r->c->carried ? SECONDS * (float)r->base.steps : 0.0f;
         const wisp_rigid pose =
             wisp_rigid_make( ( wisp_quat ){ 0.0f, t, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.1f * t, -0.3f * t, 0.0f } );
-        assert_ok( r->s.world, wisp_move_strand_head( r->s.world, r->strands, pose ) );
+        assert_status( r->s.world, wisp_move_strand_head( r->s.world, r->strands, pose ), WISP_OK );
         strand_steps( r->s.world, 1, SECONDS );
     }
 }
-
-// Points, for the golden file; and everything that a step leaves behind, whose hash also changes when a column is added to the
-// engine.
-typedef struct traces
-{
-    uint64_t motion, state;
-} traces;
 
 static uint64_t turned( uint64_t hash, int bits )
 {
     return hash << bits | hash >> ( 64 - bits );
 }
 
-static traces traces_of( running* r )
+static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
+    static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module,
+                                                  &wisp_guide_hair_module };
+    running* r = calloc( 1, sizeof( *r ) );
+    assert_non_null( r );
+    r->c = cases + number;
+    prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
+    determinism_place( &r->s.def, place, calls );
+    r->s.def.substeps = 4;
+    r->s.def.iterations = r->c->iterations;
+    open_prepared( &r->s );
+    r->base = ( determinism_run ){ number, 0, r->s.world, &r->s.host };
+    add_case( r );
+    return &r->base;
+}
+
+static void close_case( determinism_run* base )
+{
+    close_strands( &( (running*)base )->s );
+    free( base );
+}
+
+static traces traces_of( determinism_run* base )
+{
+    running* r = (running*)base;
     const uint64_t points = hash_of( r->s.world, r->strands, WISP_STRAND_POINTS );
     const uint64_t ghosts = hash_of( r->s.world, r->ghosts, WISP_STRAND_POINTS );
     const uint64_t curves = hash_of( r->s.world, r->curves, WISP_STRAND_POINTS );
     return ( traces ){ points ^ turned( ghosts, 1 ) ^ turned( curves, 2 ), wisp_world_hash( r->s.world ) };
 }
 
-static traces run_case( const golden_case* c, const place_to_run* place, int* calls )
+static void check_case( determinism_run* base )
 {
-    running r;
-    open_place( &r, c, place, calls );
-    add_case( &r );
-    run_steps( &r, STEPS );
-    const traces t = traces_of( &r );
-    assert_int_equal( wisp_world_counter( r.s.world, WISP_COUNT_HALTED ), 0 );
+    running* r = (running*)base;
     wisp_collision_figures touch = { .contacts = 1 };
-    assert_true( c->ball == false || wisp_read_collision_figures( r.s.world, r.strands, &touch ) == WISP_OK );
+    assert_true( r->c->ball == false || wisp_read_collision_figures( r->s.world, r->strands, &touch ) == WISP_OK );
     assert_true( touch.contacts > 0 );
-    close_strands( &r.s );
-    return t;
 }
 
-static void last_block_first( void* user, int block_count, wisp_block_fn* run, void* context )
+static void nudge( determinism_run* base )
 {
-    int* calls = user;
-    *calls += 1;
-    for ( int block = block_count - 1; block >= 0; --block )
-    {
-        run( context, block, 0 );
-    }
+    float* velocity = wisp_world_column( base->world, ( (running*)base )->strands, WISP_STRAND_VELOCITY, 0 );
+    velocity[( VERTICES - 1 ) * 3 * WISP_LANES] = 1e-3f; // the tip of the first strand, along x
 }
 
-static void assert_traces( const golden_case* c, const place_to_run* place, traces expected )
+// Each worker has a grid of its own, and which one of several takes a pass is not determined. A grid covers all that strands
+// reach, and is warm where they have reached it before.
+static determinism_case describe( int number )
 {
-    int calls = 0;
-    const traces t = run_case( c, place, &calls );
-    if ( t.motion != expected.motion || t.state != expected.state )
-    {
-        fail_msg( "%s: %016" PRIx64 " with %d workers and %s%s, %016" PRIx64 " with one and baseline", c->name,
-                  t.state, place->workers, place->isa, place->parallel_for != NULL ? " on a host's loop" : "",
-                  expected.state );
-    }
-    assert_true( place->parallel_for == NULL || calls > 0 );
-}
-
-// An instruction set that this processor lacks falls back to the next, which compares equal trivially.
-static void workers_instruction_sets_and_hosts_do_not_change_a_bit( void** state )
-{
-    (void)state;
-    const int workers[] = { 1, 2, 3, 5, 8 };
-    const char* const isas[] = { "baseline", "avx2", "avx512" };
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        const traces expected = run_case( cases + n, &PLAIN, NULL );
-        for ( int i = 0; i < WISP_COUNT( isas ); ++i )
-        {
-            for ( int w = 0; w < WISP_COUNT( workers ); ++w )
-            {
-                assert_traces( cases + n, &( place_to_run ){ workers[w], isas[i], NULL }, expected );
-            }
-            assert_traces( cases + n, &( place_to_run ){ 1, isas[i], last_block_first }, expected );
-        }
-    }
-}
-
-static golden_hash run_numbered( int number, const void* context )
-{
-    (void)context;
-    return ( golden_hash ){ cases[number].name, run_case( cases + number, &PLAIN, NULL ).motion };
-}
-
-static void motion_is_that_of_the_golden_file( void** state )
-{
-    (void)state;
-    golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
-}
-
-// A hash that forgot something would let everything pass.
-static void cases_and_a_nudge_have_other_hashes( void** state )
-{
-    (void)state;
-    uint64_t hashes[WISP_COUNT( cases )];
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        hashes[n] = run_case( cases + n, &PLAIN, NULL ).motion;
-        for ( int k = 0; k < n; ++k )
-        {
-            assert_true( hashes[n] != hashes[k] );
-        }
-        running r;
-        open_place( &r, cases + n, &PLAIN, NULL );
-        add_case( &r );
-        float* velocity = wisp_world_column( r.s.world, r.strands, WISP_STRAND_VELOCITY, 0 );
-        velocity[( VERTICES - 1 ) * 3 * WISP_LANES] = 1e-3f; // the tip of the first strand, along x
-        run_steps( &r, STEPS );
-        assert_true( traces_of( &r ).motion != hashes[n] );
-        close_strands( &r.s );
-    }
-}
-
-// Run so many steps and come back.
-static void run_there_and_back( running* r, int steps )
-{
-    const int before = r->steps;
-    const size_t size = wisp_world_snapshot_size( r->s.world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
-    assert_ok( r->s.world, wisp_world_snapshot( r->s.world, bytes, size ) );
-    run_steps( r, steps );
-    assert_ok( r->s.world, wisp_world_restore( r->s.world, bytes, size ) );
-    r->steps = before;
-    free( bytes );
-}
-
-static void a_step_that_is_warm_asks_for_no_memory( void** state )
-{
-    (void)state;
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        // each worker has a grid of its own, and which one of several takes a pass is nobody's promise
-        for ( int workers = 1; workers <= ( cases[n].mixed ? 1 : 2 ); ++workers )
-        {
-            running r;
-            open_place( &r, cases + n, &( place_to_run ){ workers, NULL, NULL }, NULL );
-            add_case( &r );
-            run_steps( &r, 3 );
-            // a grid covers all that strands reach, and is warm where they have reached it before
-            run_there_and_back( &r, cases[n].mixed ? 10 : 0 );
-            const int64_t asked = atomic_load( &r.s.host.asked );
-            run_steps( &r, 10 );
-            if ( atomic_load( &r.s.host.asked ) != asked )
-            {
-                fail_msg( "%s asks for memory %d times in ten warm steps with %d workers", cases[n].name,
-                          (int)( atomic_load( &r.s.host.asked ) - asked ), workers );
-            }
-            close_strands( &r.s );
-        }
-    }
-}
-
-static void a_snapshot_goes_on_to_the_same_bits( void** state )
-{
-    (void)state;
-    for ( int n = 0; n < WISP_COUNT( cases ); ++n )
-    {
-        const traces straight = run_case( cases + n, &PLAIN, NULL );
-        running r;
-        open_place( &r, cases + n, &PLAIN, NULL );
-        add_case( &r );
-        run_steps( &r, STEPS / 2 );
-        const size_t size = wisp_world_snapshot_size( r.s.world );
-        void* bytes = malloc( size );
-        assert_non_null( bytes );
-        assert_ok( r.s.world, wisp_world_snapshot( r.s.world, bytes, size ) );
-        run_steps( &r, STEPS );
-        assert_true( traces_of( &r ).state != straight.state );
-        assert_ok( r.s.world, wisp_world_restore( r.s.world, bytes, size ) );
-        r.steps = STEPS / 2;
-        run_steps( &r, STEPS - STEPS / 2 );
-        const traces t = traces_of( &r );
-        if ( t.motion != straight.motion || t.state != straight.state )
-        {
-            fail_msg( "%s goes on differently behind a snapshot", cases[n].name );
-        }
-        free( bytes );
-        close_strands( &r.s );
-    }
+    const bool mixed = cases[number].mixed;
+    return ( determinism_case ){ cases[number].name, .warm_workers = mixed ? 1 : 2, .rehearsal = mixed ? STEPS : 0 };
 }
 
 int main( void )
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test( motion_is_that_of_the_golden_file ),
-        cmocka_unit_test( cases_and_a_nudge_have_other_hashes ),
-        cmocka_unit_test( workers_instruction_sets_and_hosts_do_not_change_a_bit ),
-        cmocka_unit_test( a_step_that_is_warm_asks_for_no_memory ),
-        cmocka_unit_test( a_snapshot_goes_on_to_the_same_bits ),
-    };
-    return cmocka_run_group_tests( tests, NULL, NULL );
+    const determinism d = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
+                            WISP_COUNT( cases ),
+                            STEPS,
+                            true,
+                            describe,
+                            open_case,
+                            run_case_steps,
+                            traces_of,
+                            check_case,
+                            nudge,
+                            close_case };
+    return determinism_main( &d );
 }

@@ -1,0 +1,252 @@
+/// Tests of determinism for any table of cases: the same bits for any number of workers, any instruction set and any host's loop,
+/// behind a snapshot and in another world, without memory once warm, and the same as in the golden file.
+///
+/// A test file describes its cases by a `determinism` and passes that to determinism_main().
+#pragma once
+
+#include "golden_file.h"
+#include "world_fixture.h"
+
+#ifndef WISP_SOURCE_ROOT
+#define WISP_SOURCE_ROOT "."
+#endif
+
+typedef struct place_to_run
+{
+    int workers;
+    const char* isa;
+    wisp_parallel_for_fn* parallel_for;
+} place_to_run;
+
+static const place_to_run PLAIN = { 1, "baseline", NULL };
+
+/// Points, for the golden file; and everything that a step leaves behind, whose hash also changes when a column is added to the
+/// engine.
+typedef struct traces
+{
+    uint64_t motion, state;
+} traces;
+
+/// A world with a case in it: the first member of what `open` returns.
+typedef struct determinism_run
+{
+    int number; // of the case
+    int steps;  // so far
+    wisp_world* world;
+    test_host* host;
+} determinism_run;
+
+typedef struct determinism_case
+{
+    const char* name;
+    int warm_workers;  // warm steps are counted with 1 to so many workers
+    int rehearsal;     // steps of the same motion that are run once before warm steps are counted
+    bool is_one_block; // so small that no worker helps with it
+} determinism_case;
+
+typedef struct determinism
+{
+    const char* golden_file;
+    int case_count, steps;
+    bool every_pair; // each instruction set with each number of workers; else each of both
+    determinism_case ( *describe )( int number );
+    determinism_run* ( *open )( int number, const place_to_run* place, int* calls );
+    void ( *run )( determinism_run* r, int steps );
+    traces ( *traces_of )( determinism_run* r );
+    void ( *check )( determinism_run* r ); // what a case is there for has happened in its steps
+    void ( *nudge )( determinism_run* r ); // the least change of how a case starts
+    void ( *close )( determinism_run* r );
+} determinism;
+
+static void determinism_place( wisp_world_def* def, const place_to_run* place, int* calls )
+{
+    def->workers = place->workers;
+    def->isa = place->isa;
+    def->parallel_for = place->parallel_for;
+    def->parallel_for_user = calls;
+}
+
+static traces run_case( const determinism* d, int number, const place_to_run* place, int* calls )
+{
+    determinism_run* r = d->open( number, place, calls );
+    d->run( r, d->steps );
+    const traces t = d->traces_of( r );
+    assert_int_equal( wisp_world_counter( r->world, WISP_COUNT_HALTED ), 0 );
+    d->check( r );
+    d->close( r );
+    return t;
+}
+
+static void last_block_first( void* user, int block_count, wisp_block_fn* run, void* context )
+{
+    int* calls = user;
+    *calls += 1;
+    for ( int block = block_count - 1; block >= 0; --block )
+    {
+        run( context, block, 0 );
+    }
+}
+
+static void assert_traces( const determinism* d, int number, const place_to_run* place, traces expected )
+{
+    int calls = 0;
+    const determinism_case c = d->describe( number );
+    const traces t = run_case( d, number, place, &calls );
+    if ( t.motion != expected.motion || t.state != expected.state )
+    {
+        fail_msg( "%s: %016" PRIx64 " with %d workers and %s%s, %016" PRIx64 " with one and baseline", c.name,
+                  t.state, place->workers, place->isa, place->parallel_for != NULL ? " on a host's loop" : "",
+                  expected.state );
+    }
+    assert_true( place->parallel_for == NULL || calls > 0 || c.is_one_block );
+}
+
+// An instruction set that this processor lacks falls back to the next, which compares equal trivially.
+static void workers_instruction_sets_and_hosts_do_not_change_a_bit( void** state )
+{
+    const determinism* d = *state;
+    const int workers[] = { 1, 2, 3, 5, 8 };
+    const char* const isas[] = { "baseline", "avx2", "avx512" };
+    for ( int n = 0; n < d->case_count; ++n )
+    {
+        const traces expected = run_case( d, n, &PLAIN, NULL );
+        for ( int i = 0; i < WISP_COUNT( isas ); ++i )
+        {
+            for ( int w = 0; w < WISP_COUNT( workers ); ++w )
+            {
+                if ( d->every_pair || w == 0 || w % WISP_COUNT( isas ) == i )
+                {
+                    assert_traces( d, n, &( place_to_run ){ workers[w], isas[i], NULL }, expected );
+                }
+            }
+            if ( d->every_pair || i == 0 )
+            {
+                assert_traces( d, n, &( place_to_run ){ 1, isas[i], last_block_first }, expected );
+            }
+        }
+    }
+}
+
+static golden_hash run_numbered( int number, const void* context )
+{
+    const determinism* d = context;
+    return ( golden_hash ){ d->describe( number ).name, run_case( d, number, &PLAIN, NULL ).motion };
+}
+
+static void motion_is_that_of_the_golden_file( void** state )
+{
+    const determinism* d = *state;
+    golden_check( d->golden_file, d->case_count, run_numbered, d );
+}
+
+// A hash that forgot something would let everything pass.
+static void cases_and_a_nudge_have_other_hashes( void** state )
+{
+    const determinism* d = *state;
+    uint64_t hashes[16];
+    assert_true( d->case_count <= WISP_COUNT( hashes ) );
+    for ( int n = 0; n < d->case_count; ++n )
+    {
+        hashes[n] = run_case( d, n, &PLAIN, NULL ).motion;
+        for ( int k = 0; k < n; ++k )
+        {
+            assert_true( hashes[n] != hashes[k] );
+        }
+        determinism_run* r = d->open( n, &PLAIN, NULL );
+        d->nudge( r );
+        d->run( r, d->steps );
+        assert_true( d->traces_of( r ).motion != hashes[n] );
+        d->close( r );
+    }
+}
+
+/// The caller frees the bytes.
+static void* determinism_save( determinism_run* r, size_t* size )
+{
+    *size = wisp_world_snapshot_size( r->world );
+    void* bytes = malloc( *size );
+    assert_non_null( bytes );
+    assert_status( r->world, wisp_world_snapshot( r->world, bytes, *size ), WISP_OK );
+    return bytes;
+}
+
+// Run so many steps and come back.
+static void run_there_and_back( const determinism* d, determinism_run* r, int steps )
+{
+    const int before = r->steps;
+    size_t size;
+    void* bytes = determinism_save( r, &size );
+    d->run( r, steps );
+    assert_status( r->world, wisp_world_restore( r->world, bytes, size ), WISP_OK );
+    r->steps = before;
+    free( bytes );
+}
+
+static void a_step_that_is_warm_asks_for_no_memory( void** state )
+{
+    const determinism* d = *state;
+    for ( int n = 0; n < d->case_count; ++n )
+    {
+        const determinism_case c = d->describe( n );
+        for ( int workers = 1; workers <= c.warm_workers; ++workers )
+        {
+            determinism_run* r = d->open( n, &( place_to_run ){ workers, NULL, NULL }, NULL );
+            d->run( r, 3 );
+            run_there_and_back( d, r, c.rehearsal );
+            const int64_t asked = atomic_load( &r->host->asked );
+            d->run( r, d->steps );
+            if ( atomic_load( &r->host->asked ) != asked )
+            {
+                fail_msg( "%s asks for memory %d times in warm steps with %d workers", c.name,
+                          (int)( atomic_load( &r->host->asked ) - asked ), workers );
+            }
+            d->close( r );
+        }
+    }
+}
+
+// Into the world that it came from, and into one that was just made.
+static void a_snapshot_goes_on_to_the_same_bits( void** state )
+{
+    const determinism* d = *state;
+    const int half = d->steps / 2 + 1;
+    for ( int n = 0; n < d->case_count; ++n )
+    {
+        const traces straight = run_case( d, n, &PLAIN, NULL );
+        determinism_run* both[2] = { d->open( n, &PLAIN, NULL ), d->open( n, &PLAIN, NULL ) };
+        size_t size;
+        d->run( both[0], half );
+        void* bytes = determinism_save( both[0], &size );
+        d->run( both[0], d->steps );
+        assert_true( d->traces_of( both[0] ).state != straight.state );
+        d->run( both[1], 1 ); // what is requested has its columns with the plan
+        for ( int k = 0; k < 2; ++k )
+        {
+            assert_status( both[k]->world, wisp_world_restore( both[k]->world, bytes, size ), WISP_OK );
+            both[k]->steps = half;
+            d->run( both[k], d->steps - half );
+            const traces t = d->traces_of( both[k] );
+            if ( t.motion != straight.motion || t.state != straight.state )
+            {
+                fail_msg( "%s goes on differently behind a snapshot in %s world (motion %s)", d->describe( n ).name,
+                          k == 0 ? "the same" : "a fresh", t.motion == straight.motion ? "same" : "other" );
+            }
+            d->close( both[k] );
+        }
+        free( bytes );
+    }
+}
+
+/// @return what main() returns
+static int determinism_main( const determinism* d )
+{
+    void* subject = (void*)(uintptr_t)d;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_prestate( motion_is_that_of_the_golden_file, subject ),
+        cmocka_unit_test_prestate( cases_and_a_nudge_have_other_hashes, subject ),
+        cmocka_unit_test_prestate( workers_instruction_sets_and_hosts_do_not_change_a_bit, subject ),
+        cmocka_unit_test_prestate( a_step_that_is_warm_asks_for_no_memory, subject ),
+        cmocka_unit_test_prestate( a_snapshot_goes_on_to_the_same_bits, subject ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
