@@ -56,7 +56,7 @@ wisp_status balloon_read_all( surface_entrant* entrant, const balloon_setting* s
         }
         if ( status != WISP_OK )
         {
-            return surface_entrant_fail( entrant, status, error );
+            return bench_world_fail( entrant->world, status, error );
         }
         status = surface_entrant_step( entrant, error );
         status = status == WISP_OK ? balloon_entrant_read( entrant, &seen, error ) : status;

@@ -165,7 +165,7 @@ wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* 
     }
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;
@@ -174,5 +174,5 @@ wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* 
 wisp_status balloon_entrant_read( surface_entrant* entrant, wisp_balloon_figures* out, wisp_error* error )
 {
     wisp_status status = wisp_read_balloon_figures( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }

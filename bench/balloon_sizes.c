@@ -186,7 +186,7 @@ static int begin_table( const balloon_plan* plan, results* out )
     cells_put( &row, "vertices" );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        cells_put( &row, "%d worker%s ms", plan->workers[e], plan->workers[e] == 1 ? "" : "s" );
+        cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
         cells_put( &row, "ns/vertex/substep" );
         cells_put( &row, "volume ns/triangle" );
@@ -244,12 +244,6 @@ static void add_chart( int first_row, results* out )
 
 // ---- claims ----
 
-static void add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
-{
-    results_add_note( out, "Claim: %s. Measured %.3f%s: %s.", claim, measured, unit,
-                      is_met ? "met" : "claim not met on this machine" );
-}
-
 static void claim_flatness( const balloon_plan* plan, const size_line* lines, int e, results* out )
 {
     double least = INFINITY, most = 0.0, vertices[BALLOON_SIZES_MAX], ms[BALLOON_SIZES_MAX];
@@ -263,13 +257,13 @@ static void claim_flatness( const balloon_plan* plan, const size_line* lines, in
     char claim[160];
     snprintf( claim, sizeof( claim ), "balloon, ns a vertex and substep with %d worker%s are flat within %.0f %%",
               plan->workers[e], plan->workers[e] == 1 ? "" : "s", 100.0 * ( CLAIM_FLAT - 1.0 ) );
-    add_claim( most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart", out );
+    results_add_claim( out, most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart" );
     if ( plan->level_count > 2 )
     {
         double r_squared = stats_fit_line( vertices, ms, plan->level_count ).r_squared;
         snprintf( claim, sizeof( claim ), "balloon, time against vertices with %d worker%s is a line, R^2 above %.2f",
                   plan->workers[e], plan->workers[e] == 1 ? "" : "s", CLAIM_R_SQUARED );
-        add_claim( r_squared > CLAIM_R_SQUARED, claim, r_squared, "", out );
+        results_add_claim( out, r_squared > CLAIM_R_SQUARED, claim, r_squared, "" );
     }
 }
 
@@ -286,7 +280,7 @@ static void claim_volume( const balloon_plan* plan, const size_line* lines, resu
         snprintf( claim, sizeof( claim ),
                   "volume, gradient and push, with 1 worker above %d triangles is under %.0f ns",
                   CLAIM_VOLUME_TRIANGLES, CLAIM_VOLUME_NS );
-        add_claim( most < CLAIM_VOLUME_NS, claim, most, " ns a triangle", out );
+        results_add_claim( out, most < CLAIM_VOLUME_NS, claim, most, " ns a triangle" );
     }
 }
 

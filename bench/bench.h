@@ -22,6 +22,8 @@ typedef struct bench_options
 bench_options bench_default_options( void );
 /// The case's time in seconds after its defaults.
 double bench_seconds( const bench_options* options );
+/// "worker" or "workers".
+const char* bench_workers_word( int workers );
 void bench_progress( const bench_options* options, double share, const char* what );
 
 typedef wisp_status bench_case_fn( const bench_options* options, results* out, wisp_error* error );

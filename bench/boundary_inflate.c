@@ -95,7 +95,7 @@ static wisp_status one_step( inflation* run, int step, wisp_error* error )
     wisp_status status = wisp_set_balloon_fill( b->world, b->entity, multiplier_at( step ) );
     if ( status != WISP_OK )
     {
-        return surface_entrant_fail( b, status, error );
+        return bench_world_fail( b->world, status, error );
     }
     if ( step == GUST )
     {

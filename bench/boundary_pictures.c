@@ -278,7 +278,7 @@ static wisp_status swell( surface_entrant* balloon, float from, float to, int st
         const float fill = from + ( to - from ) * (float)step / (float)steps;
         status = wisp_set_balloon_fill( balloon->world, balloon->entity, fill );
         status = status == WISP_OK ? surface_entrant_step( balloon, error )
-                                   : surface_entrant_fail( balloon, status, error );
+                                   : bench_world_fail( balloon->world, status, error );
     }
     return status;
 }

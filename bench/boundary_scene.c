@@ -52,7 +52,7 @@ wisp_boundary_def layer_def( const layer_law* law, float spacing )
 wisp_status layer_set( surface_entrant* entrant, const wisp_boundary_def* def, wisp_error* error )
 {
     wisp_status status = wisp_set_boundary( entrant->world, entrant->entity, def );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_entrant* out,
@@ -139,13 +139,13 @@ stats_summary layer_pass_ms( surface_entrant* entrant, const char* pass )
 wisp_status layer_read( surface_entrant* entrant, wisp_boundary_view* out, wisp_error* error )
 {
     wisp_status status = wisp_read_boundary( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 wisp_status layer_read_figures( surface_entrant* entrant, wisp_boundary_figures* out, wisp_error* error )
 {
     wisp_status status = wisp_read_boundary_figures( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 static uint64_t hash_bytes( uint64_t hash, const void* bytes, size_t size )
@@ -330,7 +330,7 @@ wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, con
     status = wisp_set_balloon( out->world, out->entity, &def );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

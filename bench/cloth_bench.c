@@ -33,17 +33,6 @@ cloth_plan cloth_default_plan( const bench_options* options )
     return plan;
 }
 
-const char* cloth_workers_word( int workers )
-{
-    return workers == 1 ? "worker" : "workers";
-}
-
-void cloth_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
-{
-    results_add_note( out, "Claim: %s. Measured %.2f%s: %s.", claim, measured, unit,
-                      is_met ? "met" : "claim not met on this machine" );
-}
-
 void cloth_check_error( double error, double tolerance, const char* what, results* out )
 {
     if ( !( error <= tolerance ) )

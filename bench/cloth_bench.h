@@ -49,7 +49,6 @@ wisp_status cloth_sweeps( const cloth_plan* plan, results* out, wisp_error* erro
 
 // ---- what they share ----
 
-const char* cloth_workers_word( int workers );
 /// What another engine needed for the same cloth, with ten passes.
 typedef struct cloth_peer
 {
@@ -59,7 +58,5 @@ typedef struct cloth_peer
 
 /// NvCloth as it is, on a cloth of n x n. @return false if it was not measured
 bool cloth_find_peer( int n, cloth_peer* out );
-/// Sentence of a claim: met, or not met on this machine. Speed is not correctness, so it never fails the run.
-void cloth_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out );
 /// A failure unless error <= tolerance; a NaN fails.
 void cloth_check_error( double error, double tolerance, const char* what, results* out );

@@ -35,7 +35,7 @@ static int begin_table( const cloth_plan* plan, results* out )
     cells_put( &row, "n" );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        cells_put( &row, "%d %s ms", plan->workers[e], cloth_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
     }
     cells_put( &row, "stretch max / mean %%" );

@@ -120,9 +120,9 @@ static void claim_equal_error( const cloth_plan* plan, const level_table* table,
               "no more stretch, by the cheapest of the settings above: %s, %d %s, %.4f ms, %.1f / %.2f %%; it loses "
               "%.1f %% of the energy and is %.2f m off the path, ten plain substeps %.1f %% and %.2f m",
               n, peer.ms, peer.stretch_max, peer.stretch_mean, best->name, plan->workers[e],
-              cloth_workers_word( plan->workers[e] ), f->ms[e].median, 100.0 * f->stretch_max,
+              bench_workers_word( plan->workers[e] ), f->ms[e].median, 100.0 * f->stretch_max,
               100.0 * f->stretch_mean, 100.0 * f->energy_lost, f->path, 100.0 * plain->energy_lost, plain->path );
-    cloth_add_claim( peer.ms >= 12.0 * f->ms[e].median, claim, peer.ms / f->ms[e].median, " times", out );
+    results_add_claim( out, peer.ms >= 12.0 * f->ms[e].median, claim, peer.ms / f->ms[e].median, " times" );
 }
 
 static wisp_status levels_of( const cloth_plan* plan, int n, bool is_irregular, results* out, wisp_error* error )

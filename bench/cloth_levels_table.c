@@ -10,7 +10,7 @@ static int begin( const cloth_plan* plan, const level_table* table, const char* 
     cells_put( &row, "substeps" );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        cells_put( &row, "%d %s ms", plan->workers[e], cloth_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
     }
     cells_put( &row, "stretch max / mean %%" );

@@ -243,7 +243,7 @@ static void check_after( const cloth_plan* plan, const race* r, const race_line*
         if ( r->entrants[e].halted_at > 0 )
         {
             results_add_failure( out, "cloth %d: the engine with %d %s halted the cloth at step %d.", line->n,
-                                 plan->workers[e], cloth_workers_word( plan->workers[e] ), r->entrants[e].halted_at );
+                                 plan->workers[e], bench_workers_word( plan->workers[e] ), r->entrants[e].halted_at );
         }
     }
 }
@@ -338,7 +338,7 @@ static int begin_table( const cloth_plan* plan, results* out )
     cells_put( &row, "plain step" );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        cells_put( &row, "%d %s links", plan->workers[e], cloth_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s links", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90 step" );
         cells_put( &row, "step" );
         cells_put( &row, "faster, links" );
@@ -385,8 +385,8 @@ static void claim_flatness( const cloth_plan* plan, const race_line* lines, int 
     }
     char claim[160];
     snprintf( claim, sizeof( claim ), "ns a constraint and pass with %d %s are flat within %.0f %% over all sizes",
-              plan->workers[e], cloth_workers_word( plan->workers[e] ), 100.0 * ( CLAIM_FLAT - 1.0 ) );
-    cloth_add_claim( most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart", out );
+              plan->workers[e], bench_workers_word( plan->workers[e] ), 100.0 * ( CLAIM_FLAT - 1.0 ) );
+    results_add_claim( out, most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart" );
 }
 
 static void claim_ratio( const cloth_plan* plan, const race_line* line, int e, results* out )
@@ -396,8 +396,8 @@ static void claim_ratio( const cloth_plan* plan, const race_line* line, int e, r
     char claim[160];
     snprintf( claim, sizeof( claim ),
               "n = %d with %d %s: a pass over the links is at least %.0f times faster than plain C", line->n,
-              plan->workers[e], cloth_workers_word( plan->workers[e] ), least );
-    cloth_add_claim( ratio >= least, claim, ratio, " times", out );
+              plan->workers[e], bench_workers_word( plan->workers[e] ), least );
+    results_add_claim( out, ratio >= least, claim, ratio, " times" );
 }
 
 static double ns_of( const results_row* row )

@@ -56,7 +56,7 @@ wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric,
     status = wisp_set_cloth( out->world, out->entity, &def );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

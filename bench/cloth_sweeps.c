@@ -40,7 +40,7 @@ static wisp_status repeat_step( surface_entrant* entrant, wisp_error* error )
 {
     if ( wisp_world_plan_passes( entrant->world ) < 0 )
     {
-        return surface_entrant_fail( entrant, WISP_CONFLICT, error );
+        return bench_world_fail( entrant->world, WISP_CONFLICT, error );
     }
     size_t size = wisp_world_snapshot_size( entrant->world );
     void* start = malloc( size );
@@ -51,7 +51,7 @@ static wisp_status repeat_step( surface_entrant* entrant, wisp_error* error )
         status = wisp_world_restore( entrant->world, start, size );
         if ( status != WISP_OK )
         {
-            surface_entrant_fail( entrant, status, error );
+            bench_world_fail( entrant->world, status, error );
             break;
         }
         status = surface_entrant_step( entrant, error );

@@ -1,6 +1,8 @@
 // Case `collision`: what a mesh body costs when it is searched by a tree of Embree's and by voxels, and that both find
 // what brute force finds. A single voxel around the whole mesh is brute force: it looks at every triangle.
 #include "bench.h"
+
+#include "bench_world.h"
 #include "cells.h"
 #include "mesh.h"
 #include "stats.h"
@@ -426,7 +428,7 @@ static wisp_status run_cloth( const wisp_mesh* body, wisp_fabric* fabric, const 
     status = status ? status : step_cloth( run );
     if ( status != WISP_OK )
     {
-        wisp_fail( error, status, "%s", wisp_world_message( run->world ) );
+        bench_world_fail( run->world, status, error );
     }
     wisp_world_destroy( run->world );
     return status;

@@ -36,13 +36,6 @@ static wisp_cloth_def cloth_of( const compare_scene* scene, const compare_varian
     return def;
 }
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
 static wisp_status add_position_based( const compare_scene* scene, const compare_variant* variant,
                                        const wisp_vec3* start, surface_entrant* out )
 {
@@ -71,7 +64,7 @@ static wisp_status enter_position_based( const compare_scene* scene, wisp_fabric
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = workers;
     def.substeps = variant->substeps;
     wisp_status status = wisp_world_create( &def, &out->world, error );
@@ -82,7 +75,7 @@ static wisp_status enter_position_based( const compare_scene* scene, wisp_fabric
     status = add_position_based( scene, variant, start, out );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;
@@ -124,7 +117,7 @@ wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, cons
     status = wisp_set_damping( out->world, out->entity, scene->physics.damping );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

@@ -22,7 +22,7 @@ static int begin_table( const compare_plan* plan, const compare_scene* scene, re
     cells_put( &row, "solver" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ms", plan->workers[w], plan->workers[w] == 1 ? "worker" : "workers" );
+        cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "p10 .. p90" );
     }
     cells_put( &row, "RMS mm" );

@@ -35,7 +35,7 @@ static wisp_status look( contact_run* run, int number, void* context, wisp_error
     if ( status == WISP_OK )
     {
         status = wisp_read_contact_impulse( run->seen.world, run->seen.surfaces[0], impulse );
-        status = status == WISP_OK ? WISP_OK : contact_fail( &run->seen, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( run->seen.world, status, error );
     }
     l->force = -impulse[0] / (double)CONTACT_STEP;
     return status;

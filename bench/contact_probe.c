@@ -1,5 +1,6 @@
 #include "contact_probe.h"
 
+#include "bench_world.h"
 // What the pass calls in the next step.
 typedef struct probe_state
 {
@@ -66,7 +67,7 @@ wisp_status contact_probe_open( int workers, contact_probe* out, wisp_error* err
     status = status ? status : wisp_want( out->world, out->entity, state->called );
     if ( status != WISP_OK )
     {
-        wisp_fail( error, status, "%s", wisp_world_message( out->world ) );
+        bench_world_fail( out->world, status, error );
         contact_probe_close( out );
     }
     return status;
@@ -89,5 +90,5 @@ wisp_status contact_probe_run( contact_probe* probe, contact_probe_fn* run, void
     state->run = run;
     state->context = context;
     const wisp_status status = wisp_world_step( probe->world, 1.0f );
-    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s", wisp_world_message( probe->world ) );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( probe->world, status, error );
 }

@@ -19,7 +19,7 @@ static wisp_status read_speed( contact_world* world, double* speed, wisp_error* 
         const wisp_status status = wisp_world_quality( world->world, world->surfaces[i], &quality );
         if ( status != WISP_OK )
         {
-            return contact_fail( world, status, error );
+            return bench_world_fail( world->world, status, error );
         }
         *speed = fmax( *speed, quality.speed_max );
     }
@@ -33,7 +33,7 @@ static wisp_status count_figures( contact_run* run, wisp_error* error )
     const wisp_status status = wisp_read_contact_figures( run->seen.world, &f );
     if ( status != WISP_OK )
     {
-        return contact_fail( &run->seen, status, error );
+        return bench_world_fail( run->seen.world, status, error );
     }
     t->pairs += (double)f.candidates;
     t->contacts += f.contacts;

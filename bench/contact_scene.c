@@ -64,19 +64,6 @@ void contact_scene_free( contact_scene* scene )
 
 // ---- worlds ----
 
-// What is halted is said in the tables.
-static void stay_silent( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
-wisp_status contact_fail( const contact_world* world, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( world->world ) );
-}
-
 static wisp_status open_world( const contact_scene* scene, const contact_setting* setting, const wisp_module* effect,
                                contact_world* out, wisp_error* error )
 {
@@ -87,7 +74,7 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = has_contact ? 3 : 2;
-    def.log = stay_silent;
+    def.log = bench_world_drop_log;
     def.workers = setting->workers;
     def.substeps = CONTACT_SUBSTEPS;
     wisp_status status = wisp_world_create( &def, &out->world, error );
@@ -102,7 +89,7 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
     settings.margin = setting->way.margin;
     settings.guard = setting->way.no_guard == false;
     status = wisp_set_contact_settings( out->world, &settings );
-    return status == WISP_OK ? WISP_OK : contact_fail( out, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
 }
 
 // A guest that meets nobody is a way to count crossings where nothing is kept apart.
@@ -152,7 +139,7 @@ static wisp_status finish( contact_world* out, const contact_setting* setting, w
     }
     if ( status != WISP_OK )
     {
-        contact_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         contact_leave( out );
     }
     return status;
@@ -393,7 +380,7 @@ wisp_status contact_step( void* context, wisp_error* error )
     status = status ? status : wisp_world_step( w->world, CONTACT_STEP );
     if ( status != WISP_OK )
     {
-        return contact_fail( w, status, error );
+        return bench_world_fail( w->world, status, error );
     }
     ++w->steps;
     for ( int i = 0; i < w->surface_count && w->halted_at == 0; ++i )
@@ -410,10 +397,10 @@ wisp_status contact_hash( contact_world* world, uint64_t* hash, wisp_error* erro
     {
         uint64_t one;
         const wisp_status status =
-            wisp_world_hash_column( world->world, world->surfaces[i], WISP_SURFACE_POINTS, &one );
+            bench_world_hash( world->world, world->surfaces[i], WISP_SURFACE_POINTS, &one, error );
         if ( status != WISP_OK )
         {
-            return contact_fail( world, status, error );
+            return status;
         }
         *hash = *hash * 0x100000001b3u + one; // their order counts, too
     }
@@ -422,12 +409,6 @@ wisp_status contact_hash( contact_world* world, uint64_t* hash, wisp_error* erro
 
 wisp_status contact_points( contact_world* world, int surface, const wisp_vec3** points, wisp_error* error )
 {
-    wisp_view view = { 0 };
-    const wisp_status status = wisp_world_view( world->world, world->surfaces[surface], WISP_SURFACE_POINTS, &view );
-    if ( status != WISP_OK )
-    {
-        return contact_fail( world, status, error );
-    }
-    *points = view.data;
-    return WISP_OK;
+    return bench_world_points( world->world, world->surfaces[surface], WISP_SURFACE_POINTS,
+                               world->scene->fabric->vertex_count, points, error );
 }

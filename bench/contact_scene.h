@@ -2,6 +2,7 @@
 /// balloons in a box. All their numbers are here.
 #pragma once
 
+#include "bench_world.h"
 #include "mesh.h"
 #include "surface_entrant.h"
 
@@ -102,8 +103,6 @@ void contact_leave( contact_world* world );
 wisp_status contact_step( void* context, wisp_error* error );
 contact_place_fn contact_ball_at;  ///< the ball's centre
 contact_place_fn contact_plate_at; ///< a plate's surface; 0: the left one
-/// What the world says about its last failure.
-wisp_status contact_fail( const contact_world* world, wisp_status status, wisp_error* error );
 /// Hash of the vertices of all surfaces.
 wisp_status contact_hash( contact_world* world, uint64_t* hash, wisp_error* error );
 /// The vertices of a surface in the user's order, valid until the next step.

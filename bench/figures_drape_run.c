@@ -34,7 +34,7 @@ static wisp_status drop( const figures_case* page, const drape_plan* plan, surfa
         if ( status == WISP_OK &&
              wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen ) != WISP_OK )
         {
-            status = surface_entrant_fail( entrant, WISP_CONFLICT, error );
+            status = bench_world_fail( entrant->world, WISP_CONFLICT, error );
         }
         if ( status != WISP_OK )
         {

@@ -52,7 +52,7 @@ static wisp_status advance( surface_entrant* entrant, int steps, wisp_balloon_fi
 static wisp_status open_outlet( surface_entrant* entrant, wisp_error* error )
 {
     wisp_status status = wisp_open_balloon( entrant->world, entrant->entity, true );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 // ---- F4 ----
@@ -115,7 +115,7 @@ wisp_status figures_four_forces( figures_case* page, wisp_error* error )
     {
         status = wisp_set_velocity( entrant.world, entrant.entity, thrown, ( wisp_vec3 ){ 0, 0, 0 } );
         status = status == WISP_OK ? advance( &entrant, 1, &seen, error )
-                                   : surface_entrant_fail( &entrant, status, error );
+                                   : bench_world_fail( entrant.world, status, error );
     }
     const wisp_vec3* points = NULL;
     status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
@@ -179,7 +179,8 @@ static wisp_status inflate( surface_entrant* entrant, release* r, wisp_error* er
     if ( status == WISP_OK )
     {
         status = wisp_set_balloon_inflation( entrant->world, entrant->entity, 0.0f );
-        status = status == WISP_OK ? open_outlet( entrant, error ) : surface_entrant_fail( entrant, status, error );
+        status =
+            status == WISP_OK ? open_outlet( entrant, error ) : bench_world_fail( entrant->world, status, error );
     }
     return status;
 }

@@ -132,7 +132,7 @@ static wisp_status advance( surface_entrant* entrant, const double* share, fligh
         status = wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen );
         if ( status != WISP_OK )
         {
-            return surface_entrant_fail( entrant, status, error );
+            return bench_world_fail( entrant->world, status, error );
         }
         f->last = kinetic_energy( entrant, share ) + seen.stretch_energy + seen.bend_energy;
         f->most = fmax( f->most, f->last );
@@ -174,7 +174,7 @@ static wisp_status fly( const free_cloth* cloth, flight* f, wisp_error* error )
     }
     else
     {
-        surface_entrant_fail( &entrant, status, error );
+        bench_world_fail( entrant.world, status, error );
     }
     surface_entrant_destroy( &entrant );
     return status;

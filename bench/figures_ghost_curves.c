@@ -58,7 +58,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     status = status == WISP_OK ? wisp_world_view( world, curve, WISP_STRAND_POINTS, view ) : status;
     if ( status != WISP_OK )
     {
-        return wisp_fail( error, status, "%s", wisp_world_message( world ) );
+        return bench_world_fail( world, status, error );
     }
     const wisp_vec3* points = view->data;
     *out = measure_turns( points, view->count, limit );
@@ -98,7 +98,7 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
     wisp_entity strand;
     wisp_view view = { 0 };
     status = wisp_add_strands( world, &strands, &strand );
-    status = status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s", wisp_world_message( world ) );
+    status = status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
     figures_hair_begin( page, album, "%d vertices", node_count );
     status = status == WISP_OK
                  ? figures_hair_add( page, album, nodes, 1, node_count, tuft_target_colour, 0.0005f, error )

@@ -57,7 +57,7 @@ static wisp_status advance( surface_entrant* entrant, int steps, hang_result* ou
         if ( status == WISP_OK &&
              wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen ) != WISP_OK )
         {
-            status = surface_entrant_fail( entrant, WISP_CONFLICT, error );
+            status = bench_world_fail( entrant->world, WISP_CONFLICT, error );
         }
         out->iterations += seen.iterations;
     }

@@ -53,7 +53,7 @@ static wisp_status project_pair( float w0, float w1, double* error_out, wisp_err
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.solver = WISP_SOLVER_PBD;
         status = wisp_set_cloth( entrant.world, entrant.entity, &cloth );
-        status = status == WISP_OK ? WISP_OK : surface_entrant_fail( &entrant, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( entrant.world, status, error );
     }
     const wisp_vec3* points = NULL;
     if ( status == WISP_OK )
@@ -154,7 +154,7 @@ static wisp_status follow_volume( figures_case* page, wisp_fabric* fabric, float
         float share = fminf( (float)s / RAMP_STEPS, 1.0f );
         status = wisp_set_balloon_fill( entrant.world, entrant.entity, 1.0f + share * ( fill - 1.0f ) );
         status = status == WISP_OK ? surface_entrant_step( &entrant, error )
-                                   : surface_entrant_fail( &entrant, status, error );
+                                   : bench_world_fail( entrant.world, status, error );
         const wisp_vec3* points = NULL;
         status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
         if ( status == WISP_OK )

@@ -54,11 +54,6 @@ void paper_scene_free( paper_scene* scene )
 
 // ---- the engine ----
 
-static wisp_status world_failure( const paper_world* entrant, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( entrant->world ) );
-}
-
 wisp_status paper_world_create( const paper_scene* scene, int workers, paper_world* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_frozen_hair_module };
@@ -88,7 +83,7 @@ wisp_status paper_world_create( const paper_scene* scene, int workers, paper_wor
     }
     if ( status != WISP_OK )
     {
-        world_failure( out, status, error );
+        bench_world_fail( out->world, status, error );
         paper_world_destroy( out );
     }
     return status;
@@ -102,7 +97,7 @@ wisp_status paper_world_step( void* context, wisp_error* error )
     {
         status = wisp_world_step( entrant->world, 1.0f / 60.0f );
     }
-    return status == WISP_OK ? WISP_OK : world_failure( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 wisp_status paper_world_after( void* context )
@@ -114,27 +109,19 @@ wisp_status paper_world_after( void* context )
 wisp_status paper_world_replay( paper_world* entrant, uint64_t event, const wisp_vec3** points, uint64_t* hash,
                                 wisp_error* error )
 {
-    wisp_view view = { 0 };
     wisp_status status = wisp_replay_frozen_hair( entrant->world, entrant->hair, entrant->scene->def.cursor, event );
     if ( status == WISP_OK )
     {
         status = wisp_world_step( entrant->world, 1.0f / 60.0f );
     }
-    if ( status == WISP_OK )
-    {
-        status = wisp_world_hash_column( entrant->world, entrant->hair, WISP_STRAND_POINTS, hash );
-    }
-    if ( status == WISP_OK )
-    {
-        status = wisp_world_view( entrant->world, entrant->hair, WISP_STRAND_POINTS, &view );
-    }
     if ( status != WISP_OK )
     {
-        return world_failure( entrant, status, error );
+        return bench_world_fail( entrant->world, status, error );
     }
-    WISP_ASSERT( view.stride == sizeof( wisp_vec3 ) && view.count == entrant->scene->groom.vertex_count );
-    *points = view.data;
-    return WISP_OK;
+    status = bench_world_hash( entrant->world, entrant->hair, WISP_STRAND_POINTS, hash, error );
+    return status == WISP_OK ? bench_world_points( entrant->world, entrant->hair, WISP_STRAND_POINTS,
+                                                   entrant->scene->groom.vertex_count, points, error )
+                             : status;
 }
 
 void paper_world_destroy( paper_world* entrant )

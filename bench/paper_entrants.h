@@ -1,6 +1,7 @@
 /// The scene of Table 1, and who races on it: plain C and the engine, with the double oracle as the judge.
 #pragma once
 
+#include "bench_world.h"
 #include "plain/frozen_hair_plain.h"
 #include "profile_samples.h"
 

@@ -249,7 +249,7 @@ static wisp_status describe( const paper_table* table, paper_race* race, paper_l
     wisp_status status = wisp_report_frozen_hair( widest->world, widest->hair, &report );
     if ( status != WISP_OK )
     {
-        return wisp_fail( error, status, "%s", wisp_world_message( widest->world ) );
+        return bench_world_fail( widest->world, status, error );
     }
     line->neighbours = (double)report.neighbours / line->vertices;
     return report.capped == 0

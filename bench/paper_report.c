@@ -62,11 +62,6 @@ static void small_cell( cell_row* row, double value )
     }
 }
 
-static const char* workers_word( int workers )
-{
-    return workers == 1 ? "worker" : "workers";
-}
-
 // ---- the table ----
 
 static int add_header( const paper_table* table, results* out )
@@ -79,7 +74,7 @@ static int add_header( const paper_table* table, results* out )
     cell( &row, "plain C ms" );
     for ( int v = 1; v < table->variant_count; ++v )
     {
-        cell( &row, "%d %s ms", table->workers[v], workers_word( table->workers[v] ) );
+        cell( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
     }
     cell( &row, "plain/ours" );
     cell( &row, "freeze %%" );
@@ -155,7 +150,7 @@ static void add_fit( const paper_table* table, int variant, int size_count, int 
     }
     else
     {
-        cell( &row, "ours, %d %s", table->workers[variant], workers_word( table->workers[variant] ) );
+        cell( &row, "ours, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
     }
     cell( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
     cell( &row, "%.3f", line.intercept );
@@ -196,14 +191,14 @@ static void add_contract( const paper_table* table, results* out )
         out,
         "Contract at %d x 20 with %d %s: %.1f neighbours a vertex (at least %.0f: %s), %.1f times faster "
         "than plain C (at least %.0f: %s), %.3f ms (below %.0f ms: %s).",
-        line->strands, table->workers[last], workers_word( table->workers[last] ), line->neighbours,
+        line->strands, table->workers[last], bench_workers_word( table->workers[last] ), line->neighbours,
         CONTRACT_NEIGHBOURS, met( line->neighbours >= CONTRACT_NEIGHBOURS ), ratio, CONTRACT_RATIO,
         met( ratio >= CONTRACT_RATIO ), ms, CONTRACT_MS, met( ms < CONTRACT_MS ) );
     for ( int v = 1; v < table->variant_count; ++v )
     {
         double r_squared = fit( table, v, table->size_count ).r_squared;
         results_add_note( out, "Contract with %d %s: time against vertices is a line, R^2 = %.5f (above %.2f: %s).",
-                          table->workers[v], workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED,
+                          table->workers[v], bench_workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED,
                           met( r_squared > CONTRACT_R_SQUARED ) );
     }
     double fewest = INFINITY;
@@ -242,7 +237,7 @@ static void add_reading( const paper_table* table, results* out )
                               "%.3f to %.3f ms.",
                               line->strands, line->ms[0].count, line->ms[table->variant_count - 1].count,
                               table->workers[table->variant_count - 1],
-                              workers_word( table->workers[table->variant_count - 1] ),
+                              bench_workers_word( table->workers[table->variant_count - 1] ),
                               line->ms[table->variant_count - 1].p10, line->ms[table->variant_count - 1].p90 );
         }
     }

@@ -124,7 +124,7 @@ static wisp_status watched_step( drop_run* run, int step, wisp_error* error )
     if ( status == WISP_OK )
     {
         status = wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &run->figures );
-        status = status == WISP_OK ? status : surface_entrant_fail( entrant, status, error );
+        status = status == WISP_OK ? status : bench_world_fail( entrant->world, status, error );
         run->iterations[step] = run->figures.iterations;
     }
     return status;
@@ -244,7 +244,7 @@ static void check( const triangle_plan* plan, const drop_run* run, const triangl
     {
         results_add_failure( out, "Cloth of %d vertices, k_s %.0f: %d %s%s give hash %016llx, %d gives %016llx.",
                              line->vertices, (double)line->drop->stretch_stiffness, workers,
-                             workers == 1 ? "worker" : "workers", is_watched ? " with figures" : "",
+                             bench_workers_word( workers ), is_watched ? " with figures" : "",
                              (unsigned long long)hash, plan->workers[0], (unsigned long long)line->hash );
     }
     if ( run->entrants[e].halted_at > 0 )

@@ -122,7 +122,7 @@ static wisp_status step_watched( hang_race* race, wisp_error* error )
     if ( status == WISP_OK )
     {
         status = wisp_read_implicit_cloth_figures( race->watched.world, race->watched.entity, &figures );
-        status = status == WISP_OK ? status : surface_entrant_fail( &race->watched, status, error );
+        status = status == WISP_OK ? status : bench_world_fail( race->watched.world, status, error );
     }
     race->iterations += figures.iterations;
     race->links = figures.stretch_links + figures.bend_links;

@@ -37,14 +37,14 @@ static int begin_table( const triangle_plan* plan, results* out )
     cells_put( &row, "source s/frame" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ms mean", plan->workers[w], cloth_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s ms mean", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "median" );
     }
     cells_put( &row, "source/ours" );
     cells_put( &row, "iterations mean / most" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ns a vertex, iteration", plan->workers[w], cloth_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s ns a vertex, iteration", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
     cells_put( &row, "us a vertex" );
     cells_put( &row, "ns a link" );
@@ -211,7 +211,7 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
     snprintf( claim, sizeof( claim ),
               "iterations of conjugate gradients grow no faster than vertices^%.1f (exponent fitted with R^2 = %.4f)",
               CLAIM_GROWTH, fit.r_squared );
-    cloth_add_claim( fit.slope <= CLAIM_GROWTH, claim, fit.slope, "", out );
+    results_add_claim( out, fit.slope <= CLAIM_GROWTH, claim, fit.slope, "" );
     results_row* row = results_add_row( out, "paper.triangle_growth", "exponent" );
     if ( row )
     {
@@ -271,8 +271,8 @@ static void claim_iterations( const triangle_plan* plan, const triangle_line* li
         {
             char claim[160];
             snprintf( claim, sizeof( claim ), "%d vertices, %d %s: an iteration costs at most %.0f ns a vertex",
-                      line->vertices, plan->workers[w], cloth_workers_word( plan->workers[w] ), most );
-            cloth_add_claim( line->iteration_ns[w] <= most, claim, line->iteration_ns[w], " ns", out );
+                      line->vertices, plan->workers[w], bench_workers_word( plan->workers[w] ), most );
+            results_add_claim( out, line->iteration_ns[w] <= most, claim, line->iteration_ns[w], " ns" );
         }
     }
 }

@@ -29,17 +29,6 @@ strands_plan strands_default_plan( const bench_options* options )
     };
 }
 
-const char* strands_workers_word( int workers )
-{
-    return workers == 1 ? "worker" : "workers";
-}
-
-void strands_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out )
-{
-    results_add_note( out, "Claim: %s. Measured %.2f%s: %s.", claim, measured, unit,
-                      is_met ? "met" : "claim not met on this machine" );
-}
-
 wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();

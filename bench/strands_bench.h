@@ -68,9 +68,3 @@ wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* settin
 /// m/N of bends by distances: at ten substeps about a fifth of the error is taken away, as the stiffness 0.2 of the other
 /// engines does; being a compliance it stays the same material at other substeps.
 #define STRANDS_BEND_COMPLIANCE 68.0f
-
-// ---- what they share ----
-
-const char* strands_workers_word( int workers );
-/// Sentence of a claim: met, or not met on this machine. Speed is not correctness, so it never fails the run.
-void strands_add_claim( bool is_met, const char* claim, double measured, const char* unit, results* out );

@@ -299,7 +299,7 @@ static wisp_status add_tensions( closed_run* run, double* sums, wisp_error* erro
     if ( status == WISP_OK )
     {
         status = wisp_read_strand_tension( run->entrant.world, run->entrant.entity, tensions );
-        status = status == WISP_OK ? WISP_OK : strands_entrant_fail( &run->entrant, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( run->entrant.world, status, error );
     }
     for ( int s = 0; s < TENSION_VERTICES && status == WISP_OK; ++s )
     {

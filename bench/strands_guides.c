@@ -173,7 +173,7 @@ static int begin_table( const strands_plan* plan, results* out )
     cells_put( &row, "guides" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ms", plan->workers[w], strands_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "of it ghosts" );
         cells_put( &row, "share of all" );
     }
@@ -238,11 +238,11 @@ static void add_claim( const strands_plan* plan, const guides_run* run, results*
         snprintf( claim, sizeof( claim ),
                   "%d ghost vertices a frame, 1 : %d with %d workers, guides included: under %.0f ms", vertices,
                   row->ratio, plan->workers[1], CLAIM_FRAME_MS );
-        strands_add_claim( row->ms[1].median < CLAIM_FRAME_MS, claim, row->ms[1].median, " ms", out );
+        results_add_claim( out, row->ms[1].median < CLAIM_FRAME_MS, claim, row->ms[1].median, " ms" );
         snprintf( claim, sizeof( claim ),
                   "%d ghost vertices a frame with %d workers, the ghosts alone: under %.0f ms", vertices,
                   plan->workers[1], CLAIM_FRAME_MS );
-        strands_add_claim( row->follow_ms[1] < CLAIM_FRAME_MS, claim, row->follow_ms[1], " ms", out );
+        results_add_claim( out, row->follow_ms[1] < CLAIM_FRAME_MS, claim, row->follow_ms[1], " ms" );
     }
 }
 

@@ -90,18 +90,6 @@ hair_head_recipe hair_head_default_recipe( const strands_shape* moving )
     };
 }
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
-wisp_status hair_head_fail( const hair_head* head, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( head->world ) );
-}
-
 static wisp_status add( wisp_world* world, const strands_shape* shape, wisp_entity* out )
 {
     wisp_strands_def def = wisp_default_strands_def();
@@ -139,7 +127,7 @@ wisp_status hair_head_create( const hair_head_recipe* recipe, hair_head* out, wi
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;
     wisp_status status = wisp_world_create( &def, &out->world, error );
@@ -150,7 +138,7 @@ wisp_status hair_head_create( const hair_head_recipe* recipe, hair_head* out, wi
     status = add_all( out );
     if ( status != WISP_OK )
     {
-        hair_head_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         hair_head_destroy( out );
     }
     return status;
@@ -178,7 +166,7 @@ wisp_status hair_head_step_to( hair_head* head, wisp_rigid pose, wisp_error* err
     wisp_status status = wisp_move_strand_head( head->world, head->moving, pose );
     status = status == WISP_OK ? wisp_world_step( head->world, STRANDS_STEP ) : status;
     ++head->steps;
-    return status == WISP_OK ? WISP_OK : hair_head_fail( head, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( head->world, status, error );
 }
 
 wisp_status hair_head_step( void* context, wisp_error* error )
@@ -195,22 +183,20 @@ wisp_status hair_head_keep_profile( void* context )
 
 // ---- what it shows ----
 
-static wisp_status view( hair_head* head, wisp_entity entity, const wisp_vec3** points, wisp_error* error )
-{
-    wisp_view seen = { 0 };
-    wisp_status status = wisp_world_view( head->world, entity, WISP_STRAND_POINTS, &seen );
-    *points = seen.data;
-    return status == WISP_OK ? WISP_OK : hair_head_fail( head, status, error );
-}
-
 wisp_status hair_head_points( hair_head* head, const wisp_vec3** points, wisp_error* error )
 {
-    return view( head, head->recipe.ghosts ? head->ghosts : head->moving, points, error );
+    if ( head->recipe.ghosts == NULL )
+    {
+        return hair_head_moving_points( head, points, error );
+    }
+    return bench_world_points( head->world, head->ghosts, WISP_STRAND_POINTS,
+                               strands_shape_size( head->recipe.ghosts ), points, error );
 }
 
 wisp_status hair_head_moving_points( hair_head* head, const wisp_vec3** points, wisp_error* error )
 {
-    return view( head, head->moving, points, error );
+    return bench_world_points( head->world, head->moving, WISP_STRAND_POINTS,
+                               strands_shape_size( head->recipe.moving ), points, error );
 }
 
 void hair_head_moving_velocities( hair_head* head, wisp_vec3* out )
@@ -234,6 +220,5 @@ void hair_head_moving_velocities( hair_head* head, wisp_vec3* out )
 wisp_status hair_head_hash( hair_head* head, uint64_t* hash, wisp_error* error )
 {
     wisp_entity seen = head->recipe.ghosts ? head->ghosts : head->moving;
-    wisp_status status = wisp_world_hash_column( head->world, seen, WISP_STRAND_POINTS, hash );
-    return status == WISP_OK ? WISP_OK : hair_head_fail( head, status, error );
+    return bench_world_hash( head->world, seen, WISP_STRAND_POINTS, hash, error );
 }

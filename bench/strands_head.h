@@ -36,7 +36,6 @@ typedef struct hair_head
 
 wisp_status hair_head_create( const hair_head_recipe* recipe, hair_head* out, wisp_error* error );
 void hair_head_destroy( hair_head* head );
-wisp_status hair_head_fail( const hair_head* head, wisp_status status, wisp_error* error );
 
 /// Where the shaken head is at a time: from side to side and turning, beginning gently.
 wisp_rigid hair_head_pose( double seconds );

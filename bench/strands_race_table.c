@@ -58,7 +58,7 @@ static int begin_table( const strands_plan* plan, results* out )
     cells_put( &row, "substeps" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ms", plan->workers[w], strands_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "p10 .. p90" );
         cells_put( &row, "ns a vertex, substep" );
     }
@@ -209,7 +209,7 @@ static void add_kernels( const strands_plan* plan, const strands_race_size* size
     cells_put( &header, "pass" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &header, "%d %s ns", plan->workers[w], strands_workers_word( plan->workers[w] ) );
+        cells_put( &header, "%d %s ns", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
     char title[160];
     snprintf( title, sizeof( title ), "Kernels alone: ns a vertex and substep, %d strands x 20, from the profile",
@@ -264,20 +264,20 @@ static void claim_kernels( const strands_plan* plan, const strands_race_size* si
             snprintf( claim, sizeof( claim ),
                       "%d strands, 1 worker: a Newton pass of the tridiagonal stretch costs at most %.1f ns a vertex",
                       size->strands, CLAIM_STRETCH_NS );
-            strands_add_claim( stretch <= CLAIM_STRETCH_NS, claim, stretch, " ns", out );
+            results_add_claim( out, stretch <= CLAIM_STRETCH_NS, claim, stretch, " ns" );
         }
         double whole = ns( size->strands, setting->substeps, size->ours[s].ms[0].median );
         snprintf( claim, sizeof( claim ),
                   "%d strands, 1 worker, %s, %d substeps: a whole substep costs at most %.1f ns a vertex",
                   size->strands, setting->name, setting->substeps, CLAIM_SUBSTEP_NS );
-        strands_add_claim( whole <= CLAIM_SUBSTEP_NS, claim, whole, " ns", out );
+        results_add_claim( out, whole <= CLAIM_SUBSTEP_NS, claim, whole, " ns" );
     }
     if ( plan->worker_count > 1 )
     {
         double scaling = size->ours[0].ms[0].median / size->ours[0].ms[1].median;
         snprintf( claim, sizeof( claim ), "%d strands: %d workers are %.1f times faster than one", size->strands,
                   plan->workers[1], CLAIM_SCALING );
-        strands_add_claim( scaling >= CLAIM_SCALING, claim, scaling, " times", out );
+        results_add_claim( out, scaling >= CLAIM_SCALING, claim, scaling, " times" );
     }
 }
 
@@ -302,7 +302,7 @@ static void claim_peers( const strands_plan* plan, const strands_race_size* size
         snprintf( claim, sizeof( claim ),
                   "%d strands, %s, %d workers: at least %.0f times faster than NvCloth with 2 threads", size->strands,
                   strands_race_settings[0].name, plan->workers[1], CLAIM_RATIO );
-        strands_add_claim( ratio >= CLAIM_RATIO, claim, ratio, " times", out );
+        results_add_claim( out, ratio >= CLAIM_RATIO, claim, ratio, " times" );
     }
 }
 
@@ -337,7 +337,7 @@ static void add_charts( const strands_plan* plan, int first_row, results* out )
     {
         char title[160];
         snprintf( title, sizeof( title ), "Strands x 20 vertices with %d %s: time against size", plan->workers[w],
-                  strands_workers_word( plan->workers[w] ) );
+                  bench_workers_word( plan->workers[w] ) );
         rows_chart_add(
             &( rows_chart ){ .first_row = first_row,
                              .name = "strands.race",

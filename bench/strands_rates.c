@@ -164,7 +164,7 @@ static wisp_status look( strands_entrant* entrant, energy_figures* f, double* st
     if ( status == WISP_OK )
     {
         status = wisp_world_quality( entrant->world, entrant->entity, &quality );
-        status = status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
     }
     if ( status == WISP_OK )
     {

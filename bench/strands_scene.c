@@ -77,19 +77,6 @@ strands_recipe strands_default_recipe( const strands_shape* shape )
     };
 }
 
-// What is halted or laid out is said in the tables, where it cannot be overlooked.
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
-wisp_status strands_entrant_fail( const strands_entrant* entrant, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( entrant->world ) );
-}
-
 static wisp_status add_strands( strands_entrant* entrant )
 {
     const strands_shape* shape = entrant->recipe.shape;
@@ -120,7 +107,7 @@ wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entran
     wisp_world_def def = wisp_default_world_def();
     def.modules = &module;
     def.module_count = 1;
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;
     def.iterations = recipe->iterations;
@@ -132,7 +119,7 @@ wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entran
     status = add_strands( out );
     if ( status != WISP_OK )
     {
-        strands_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         strands_entrant_destroy( out );
     }
     return status;
@@ -148,17 +135,8 @@ void strands_entrant_destroy( strands_entrant* entrant )
 wisp_status strands_entrant_step( void* context, wisp_error* error )
 {
     strands_entrant* entrant = context;
-    wisp_status status = wisp_world_step( entrant->world, entrant->recipe.seconds );
-    if ( status != WISP_OK )
-    {
-        return strands_entrant_fail( entrant, status, error );
-    }
-    ++entrant->steps;
-    if ( entrant->halted_at == 0 && wisp_is_halted( entrant->world, entrant->entity ) )
-    {
-        entrant->halted_at = entrant->steps;
-    }
-    return WISP_OK;
+    return bench_world_step( entrant->world, entrant->entity, entrant->recipe.seconds, &entrant->steps,
+                             &entrant->halted_at, error );
 }
 
 wisp_status strands_entrant_steps( strands_entrant* entrant, int count, wisp_error* error )
@@ -179,21 +157,13 @@ wisp_status strands_entrant_keep_profile( void* context )
 
 wisp_status strands_entrant_hash( strands_entrant* entrant, uint64_t* hash, wisp_error* error )
 {
-    wisp_status status = wisp_world_hash_column( entrant->world, entrant->entity, WISP_STRAND_POINTS, hash );
-    return status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+    return bench_world_hash( entrant->world, entrant->entity, WISP_STRAND_POINTS, hash, error );
 }
 
 wisp_status strands_entrant_points( strands_entrant* entrant, const wisp_vec3** points, wisp_error* error )
 {
-    wisp_view view = { 0 };
-    wisp_status status = wisp_world_view( entrant->world, entrant->entity, WISP_STRAND_POINTS, &view );
-    if ( status != WISP_OK )
-    {
-        return strands_entrant_fail( entrant, status, error );
-    }
-    WISP_ASSERT( view.stride == sizeof( wisp_vec3 ) && view.count == strands_shape_size( entrant->recipe.shape ) );
-    *points = view.data;
-    return WISP_OK;
+    return bench_world_points( entrant->world, entrant->entity, WISP_STRAND_POINTS,
+                               strands_shape_size( entrant->recipe.shape ), points, error );
 }
 
 // ---- measures ----

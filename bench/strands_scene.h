@@ -1,6 +1,7 @@
 /// Strands in a world of their own: shapes, settings, and what the case `strands` steps, times and looks at.
 #pragma once
 
+#include "bench_world.h"
 #include "profile_samples.h"
 #include "stats.h"
 
@@ -61,8 +62,6 @@ typedef struct strands_entrant
 /// Strands at rest, with WISP_STRAND_POINTS wanted as a renderer would.
 wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entrant* out, wisp_error* error );
 void strands_entrant_destroy( strands_entrant* entrant );
-/// What the world says about its last failure.
-wisp_status strands_entrant_fail( const strands_entrant* entrant, wisp_status status, wisp_error* error );
 
 /// One step. @param context the entrant, as a bench_variant has it
 wisp_status strands_entrant_step( void* context, wisp_error* error );

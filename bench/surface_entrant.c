@@ -30,19 +30,6 @@ wisp_status surface_cook( const wisp_mesh* mesh, wisp_fabric_def def, wisp_fabri
 
 // ---- a world ----
 
-// What is halted is said in the tables, where it cannot be overlooked.
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
-wisp_status surface_entrant_fail( const surface_entrant* entrant, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( entrant->world ) );
-}
-
 static wisp_status add_surface( const surface_recipe* recipe, surface_entrant* entrant )
 {
     wisp_surface_def def = wisp_default_surface_def();
@@ -75,7 +62,7 @@ wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entran
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = recipe->second == NULL ? 1 : recipe->third == NULL ? 2 : 3;
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = recipe->workers;
     def.substeps = recipe->substeps;
     def.iterations = recipe->iterations;
@@ -87,7 +74,7 @@ wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entran
     status = add_surface( recipe, out );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;
@@ -103,17 +90,8 @@ void surface_entrant_destroy( surface_entrant* entrant )
 wisp_status surface_entrant_step( void* context, wisp_error* error )
 {
     surface_entrant* entrant = context;
-    wisp_status status = wisp_world_step( entrant->world, entrant->recipe.seconds );
-    if ( status != WISP_OK )
-    {
-        return surface_entrant_fail( entrant, status, error );
-    }
-    ++entrant->steps;
-    if ( entrant->halted_at == 0 && wisp_is_halted( entrant->world, entrant->entity ) )
-    {
-        entrant->halted_at = entrant->steps;
-    }
-    return WISP_OK;
+    return bench_world_step( entrant->world, entrant->entity, entrant->recipe.seconds, &entrant->steps,
+                             &entrant->halted_at, error );
 }
 
 wisp_status surface_entrant_keep_profile( void* context )
@@ -126,21 +104,13 @@ wisp_status surface_entrant_keep_profile( void* context )
 
 wisp_status surface_entrant_hash( surface_entrant* entrant, uint64_t* hash, wisp_error* error )
 {
-    wisp_status status = wisp_world_hash_column( entrant->world, entrant->entity, WISP_SURFACE_POINTS, hash );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return bench_world_hash( entrant->world, entrant->entity, WISP_SURFACE_POINTS, hash, error );
 }
 
 wisp_status surface_entrant_points( surface_entrant* entrant, const wisp_vec3** points, wisp_error* error )
 {
-    wisp_view view = { 0 };
-    wisp_status status = wisp_world_view( entrant->world, entrant->entity, WISP_SURFACE_POINTS, &view );
-    if ( status != WISP_OK )
-    {
-        return surface_entrant_fail( entrant, status, error );
-    }
-    WISP_ASSERT( view.stride == sizeof( wisp_vec3 ) && view.count == entrant->fabric->vertex_count );
-    *points = view.data;
-    return WISP_OK;
+    return bench_world_points( entrant->world, entrant->entity, WISP_SURFACE_POINTS, entrant->fabric->vertex_count,
+                               points, error );
 }
 
 void surface_entrant_velocities( surface_entrant* entrant, wisp_vec3* out )

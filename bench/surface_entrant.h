@@ -1,6 +1,7 @@
 /// A surface in a world of its own: what the cases of cloth and balloons step, time and look at.
 #pragma once
 
+#include "bench_world.h"
 #include "profile_samples.h"
 #include "stats.h"
 
@@ -46,8 +47,6 @@ typedef struct surface_entrant
 /// A surface that nothing acts on yet, with WISP_SURFACE_POINTS wanted as a renderer would.
 wisp_status surface_entrant_create( const surface_recipe* recipe, surface_entrant* out, wisp_error* error );
 void surface_entrant_destroy( surface_entrant* entrant );
-/// What the world says about its last failure.
-wisp_status surface_entrant_fail( const surface_entrant* entrant, wisp_status status, wisp_error* error );
 
 /// One step. @param context the entrant, as a bench_variant has it
 wisp_status surface_entrant_step( void* context, wisp_error* error );

@@ -57,14 +57,6 @@ triangle_setting triangle_default_setting( void )
     };
 }
 
-// Warnings are of no interest here: whatever is wrong shows in the figures.
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
 static wisp_status add_cloth( const triangle_scene* scene, const triangle_setting* setting, surface_entrant* out )
 {
     wisp_surface_def surface = wisp_default_surface_def();
@@ -114,7 +106,7 @@ wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting*
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = setting->workers;
     wisp_status status = wisp_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
@@ -125,7 +117,7 @@ wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting*
     status = status == WISP_OK && setting->has_ball ? triangle_add_ball( out ) : status;
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

@@ -225,6 +225,14 @@ void results_add_failure( results* all, const char* format, ... )
     all->failed = true;
 }
 
+void results_add_claim( results* all, bool is_met, const char* claim, double measured, const char* unit )
+{
+    all->claim_count += 1;
+    all->claims_met += is_met ? 1 : 0;
+    results_add_note( all, "Claim: %s. Measured %.3g%s: %s.", claim, measured, unit,
+                      is_met ? "met" : "claim not met on this machine" );
+}
+
 void results_free( results* all )
 {
     for ( int t = 0; t < all->table_count; ++t )

@@ -98,7 +98,8 @@ typedef struct results
     char** notes; ///< sentences below the tables
     int note_count, note_capacity;
     bool is_result_first; ///< text and Markdown end with machine and build instead of beginning with them
-    bool failed;          ///< results_add_failure() was called: the run must not count as good
+    int claim_count, claims_met;
+    bool failed; ///< results_add_failure() was called: the run must not count as good
     bool incomplete;
 } results;
 
@@ -132,6 +133,9 @@ void results_add_picture( results* all, const char* path, const char* caption );
 void results_add_note( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// A note that also makes the run a failed one.
 void results_add_failure( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
+
+/// A note about a claim of speed: met, or not met on this machine. Speed is not correctness, so it never fails the run.
+void results_add_claim( results* all, bool is_met, const char* claim, double measured, const char* unit );
 
 void results_free( results* all );
 

@@ -46,7 +46,7 @@ void accuracy_error_label( const accuracy_scene* scene, char* text, int size )
 
 void accuracy_workers_label( int workers, char* text, int size )
 {
-    snprintf( text, (size_t)size, "%d %s", workers, workers == 1 ? "worker" : "workers" );
+    snprintf( text, (size_t)size, "%d %s", workers, bench_workers_word( workers ) );
 }
 
 void accuracy_put_digits( cells* row, double value, int digits )

@@ -112,7 +112,7 @@ static void check( const contest* c, int setting, int workers, const accuracy_ru
 {
     const char *scene = c->report->entry->name, *name = c->report->scene->settings[setting].name;
     const accuracy_run* seen = &c->figures[setting].seen;
-    const char* word = workers == 1 ? "worker" : "workers";
+    const char* word = bench_workers_word( workers );
     if ( run->halted_at != seen->halted_at )
     {
         results_add_failure( c->out,

@@ -29,11 +29,11 @@ wisp_status accuracy_step_surface( surface_entrant* entrant, int steps, accuracy
 wisp_status accuracy_read_quality( surface_entrant* entrant, wisp_quality* out, wisp_error* error )
 {
     wisp_status status = wisp_world_quality( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 wisp_status accuracy_want_quality( surface_entrant* entrant, bool is_looked_at, wisp_error* error )
 {
     wisp_status status = is_looked_at ? wisp_want( entrant->world, entrant->entity, WISP_QUALITY ) : WISP_OK;
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }

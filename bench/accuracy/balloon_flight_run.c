@@ -182,7 +182,7 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
     {
         status = wisp_want_balloon_figures( entrant.world, entrant.entity, path != NULL );
         status = status == WISP_OK ? accuracy_want_quality( &entrant, path != NULL, error )
-                                   : surface_entrant_fail( &entrant, status, error );
+                                   : bench_world_fail( entrant.world, status, error );
     }
     double before[3] = { 0.0 }, sum[3] = { 0.0 };
     for ( int step = 1; step <= FLIGHT_STEPS && entrant.halted_at == 0 && status == WISP_OK; ++step )

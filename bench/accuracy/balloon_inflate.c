@@ -224,7 +224,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
         // Figures cost passes of their own: none while times are taken.
         status = wisp_want_balloon_figures( entrant.world, entrant.entity, false );
         status = status == WISP_OK ? accuracy_step_surface( &entrant, SETTLE_STEPS, out, error )
-                                   : surface_entrant_fail( &entrant, status, error );
+                                   : bench_world_fail( entrant.world, status, error );
         status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
     }
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )

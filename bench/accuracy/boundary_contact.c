@@ -40,7 +40,7 @@ static wisp_status look( const presses* all, contact_world* world, accuracy_run*
     if ( status == WISP_OK )
     {
         status = wisp_read_contact_figures( world->world, &figures );
-        status = status == WISP_OK ? WISP_OK : contact_fail( world, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( world->world, status, error );
     }
     const double vertices = 2.0 * all->scene.mesh.vertex_count;
     out->measures[OVERLAP_LAST] = 1e3 * fmax( overlap.overlap, 0.0 );

@@ -36,7 +36,7 @@ wisp_status closed_enter( const closed_run* run, surface_recipe recipe, const wi
     {
         status = wisp_set_cloth( body->entrant.world, body->entrant.entity, cloth );
         status = status == WISP_OK ? accuracy_want_quality( &body->entrant, run->is_looked_at, error )
-                                   : surface_entrant_fail( &body->entrant, status, error );
+                                   : bench_world_fail( body->entrant.world, status, error );
     }
     return status;
 }

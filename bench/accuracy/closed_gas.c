@@ -63,7 +63,7 @@ static wisp_status fly_sphere( closed_run* run, balloon_setting setting, int ste
     if ( status == WISP_OK && !run->is_looked_at )
     {
         status = wisp_want_balloon_figures( entrant->world, entrant->entity, false );
-        status = status == WISP_OK ? WISP_OK : surface_entrant_fail( entrant, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
     }
     status = status == WISP_OK ? accuracy_step_surface( entrant, steps, run->out, error ) : status;
     status = status == WISP_OK ? accuracy_end_surface( entrant, run->out, error ) : status;

@@ -38,7 +38,7 @@ static wisp_cloth_def inextensible( void )
 static wisp_status throw_body( closed_body* body, wisp_vec3 linear, wisp_vec3 angular, wisp_error* error )
 {
     wisp_status status = wisp_set_velocity( body->entrant.world, body->entrant.entity, linear, angular );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &body->entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( body->entrant.world, status, error );
 }
 
 // z = v t - g t^2 / 2 at every vertex, so that no link has anything to do.
@@ -133,7 +133,7 @@ static wisp_status lay_down( closed_body* body, double mu, wisp_error* error )
     wisp_entity plane;
     wisp_status status = wisp_add_collider( body->entrant.world, &ground, &plane );
     status = status == WISP_OK ? wisp_set_collision( body->entrant.world, body->entrant.entity, &meets ) : status;
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &body->entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( body->entrant.world, status, error );
 }
 
 // The plane stays level and gravity is turned instead. The cloth begins where it touches, so that it does not fall first.

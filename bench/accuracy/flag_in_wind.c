@@ -143,7 +143,7 @@ static wisp_status enter( const flag_scene* own, const flag_way* way, int worker
     status = wisp_set_cloth( out->world, out->entity, &def );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

@@ -69,7 +69,7 @@ static wisp_status look( clumps* all, const clump_way* way, paper_world* world, 
     wisp_status status = wisp_report_frozen_hair( world->world, world->hair, &report );
     if ( status != WISP_OK )
     {
-        return wisp_fail( error, status, "%s", wisp_world_message( world->world ) );
+        return bench_world_fail( world->world, status, error );
     }
     const clump_distance d =
         distance_to( all->truth.numbers + ( way->is_flow ? 3 * (size_t)count : 0 ), points, count );

@@ -111,7 +111,7 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     status = wisp_set_cloth( out->world, out->entity, &def );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( out, status, error );
+        bench_world_fail( out->world, status, error );
         surface_entrant_destroy( out );
     }
     return status;

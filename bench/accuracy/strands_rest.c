@@ -87,7 +87,7 @@ static wisp_status keep_jitter( strands_entrant* entrant, accuracy_run* out, wis
     wisp_quality quality = { 0 };
     const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
     out->measures[JITTER] = fmax( out->measures[JITTER], 1e3 * quality.speed_max );
-    return status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 static wisp_status judge( strands_entrant* entrant, accuracy_run* out, wisp_error* error )

@@ -142,7 +142,7 @@ static wisp_status look_at_energy( const strands_entrant* entrant, accuracy_run*
     const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
     out->measures[ENERGY_DRIFT] =
         100.0 * ( quality.kinetic_energy + quality.potential_energy ) / -quality.potential_energy;
-    return status == WISP_OK ? WISP_OK : strands_entrant_fail( entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
 }
 
 static wisp_status look( const fall* f, strands_entrant* entrant, accuracy_run* out, wisp_error* error )

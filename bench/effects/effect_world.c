@@ -1,14 +1,10 @@
 #include "effects/effect_world.h"
 
+#include "bench_world.h"
 #include "wisp/explain.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static wisp_status fail( const effect_world* world, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( world->world ) );
-}
 
 static wisp_status add_scenes( const effect_world_def* def, effect_world* out, wisp_error* error )
 {
@@ -63,7 +59,7 @@ wisp_status effect_world_step( void* context, wisp_error* error )
     }
     status = status == WISP_OK ? wisp_world_step( world->world, EFFECT_STEP ) : status;
     world->steps += 1;
-    return status == WISP_OK ? WISP_OK : fail( world, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world->world, status, error );
 }
 
 size_t effect_world_bytes( const effect_world* world )
@@ -74,7 +70,7 @@ size_t effect_world_bytes( const effect_world* world )
 wisp_status effect_world_hash( effect_world* world, int scene, uint64_t* hash, wisp_error* error )
 {
     const wisp_status status = effect_scene_hash( world->scenes + scene, world->world, hash );
-    return status == WISP_OK ? WISP_OK : fail( world, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world->world, status, error );
 }
 
 wisp_status effect_world_plan( effect_world* world, char* out, int* count, wisp_error* error )
@@ -84,7 +80,7 @@ wisp_status effect_world_plan( effect_world* world, char* out, int* count, wisp_
     out[0] = '\0';
     if ( status != WISP_OK )
     {
-        return fail( world, status, error );
+        return bench_world_fail( world->world, status, error );
     }
     size_t length = 0;
     for ( int i = 0; i < report->kept_count; ++i )

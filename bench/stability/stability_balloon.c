@@ -89,7 +89,7 @@ static wisp_status fill( stability_surface* s, int way, const stability_axes* ax
         4.0 * ( cbrt( (double)FILL ) - 1.0 ); // twice at five-fold vertices, twice around the triangle that is held
     s->compliance = 1.0 / (double)def.edge_stiffness;
     const wisp_status status = wisp_set_balloon( s->entrant.world, s->entrant.entity, &def );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &s->entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
 }
 
 static wisp_status enter_surface( stability_surface* s, int way, const stability_axes* axes, int workers,

@@ -35,7 +35,7 @@ static wisp_status dress( stability_surface* s, const stability_cloth_plan* plan
     def.level_passes = way == STABILITY_XPBD_FAR ? 1 : 0;
     s->compliance = (double)( way == STABILITY_PBD ? soft : 2.0f * soft );
     const wisp_status status = wisp_set_cloth( s->entrant.world, s->entrant.entity, &def );
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &s->entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
 }
 
 // ---- by linear solves ----
@@ -95,7 +95,7 @@ static wisp_status solve( stability_surface* s, int way, const stability_axes* a
     {
         status = wisp_want_implicit_cloth_figures( s->entrant.world, s->entrant.entity, true );
     }
-    return status == WISP_OK ? WISP_OK : surface_entrant_fail( &s->entrant, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
 }
 
 // ---- both ----

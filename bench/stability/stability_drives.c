@@ -148,7 +148,7 @@ static wisp_status ball_comes( int way, int workers, stability_outcome* out, wis
     status = add_ball( s->entrant.world, s->entrant.entity, BALL_RADIUS, cloth_aim, &s->body );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( &s->entrant, status, error );
+        bench_world_fail( s->entrant.world, status, error );
         stability_surface_close( s );
         return status;
     }
@@ -169,7 +169,7 @@ static wisp_status ball_meets_strands( int way, int workers, stability_outcome* 
     status = add_ball( s->world, s->entity, 0.2f * BALL_RADIUS, strand_aim, &s->body );
     if ( status != WISP_OK )
     {
-        stability_strands_fail( s, status, error );
+        bench_world_fail( s->world, status, error );
         stability_strands_close( s );
         return status;
     }
@@ -226,7 +226,7 @@ static wisp_status fall_once( int way, int repeat, int workers, stability_outcom
     status = lay_ground( s );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( &s->entrant, status, error );
+        bench_world_fail( s->entrant.world, status, error );
         stability_surface_close( s );
         return status;
     }

@@ -58,7 +58,7 @@ static wisp_status run_setup( const setup* one, int workers, report* out, wisp_e
     status = one->dress != NULL ? one->dress( s ) : WISP_OK;
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( &s->entrant, status, error );
+        bench_world_fail( s->entrant.world, status, error );
         stability_surface_close( s );
         return status;
     }
@@ -326,7 +326,7 @@ static wisp_status balloon_lands( int way, int workers, stability_outcome* out, 
     status = status == WISP_OK ? wisp_set_collision( s->entrant.world, s->entrant.entity, &collision ) : status;
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( &s->entrant, status, error );
+        bench_world_fail( s->entrant.world, status, error );
         trial.close( s );
         return status;
     }

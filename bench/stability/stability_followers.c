@@ -50,7 +50,7 @@ static wisp_status look( void* context, int frame, stability_look* out, wisp_err
     status = wisp_world_view( f->guides->world, f->entity, WISP_STRAND_POINTS, &view );
     if ( status != WISP_OK )
     {
-        return stability_strands_fail( f->guides, status, error );
+        return bench_world_fail( f->guides->world, status, error );
     }
     const wisp_vec3* points = view.data;
     out->is_finite = out->is_finite && all_finite( points, GHOST_POINTS );
@@ -158,7 +158,7 @@ static wisp_status enter( const following* kind, int workers, follower* f, stabi
     }
     if ( status != WISP_OK )
     {
-        return stability_strands_fail( f->guides, status, error );
+        return bench_world_fail( f->guides->world, status, error );
     }
     *trial = stability_strands_trial( f->guides, &axes );
     trial->context = f;
@@ -218,7 +218,7 @@ static wisp_status sample( int start, int workers, stability_outcome* out, wisp_
     status = wisp_set_boundary( s->entrant.world, s->entrant.entity, &def );
     if ( status != WISP_OK )
     {
-        surface_entrant_fail( &s->entrant, status, error );
+        bench_world_fail( s->entrant.world, status, error );
         stability_surface_close( s );
         return status;
     }

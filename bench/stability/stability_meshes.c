@@ -137,7 +137,7 @@ static wisp_status enter( int ailment, int workers, stability_surface* s, wisp_e
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
         status = wisp_set_cloth( s->entrant.world, s->entrant.entity, &cloth );
-        status = status == WISP_OK ? WISP_OK : surface_entrant_fail( &s->entrant, status, error );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
     }
     return status;
 }

@@ -90,18 +90,6 @@ static void set_start( stability_strands* s )
     }
 }
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
-{
-    (void)user;
-    (void)level;
-    (void)sentence;
-}
-
-wisp_status stability_strands_fail( const stability_strands* s, wisp_status status, wisp_error* error )
-{
-    return wisp_fail( error, status, "%s", wisp_world_message( s->world ) );
-}
-
 static wisp_status add( stability_strands* s )
 {
     int32_t offsets[STABILITY_STRANDS + 1];
@@ -129,7 +117,7 @@ wisp_status stability_strands_enter( stability_strands* s, const wisp_module* co
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = module_count;
-    def.log = forget;
+    def.log = bench_world_drop_log;
     def.workers = workers;
     def.substeps = STABILITY_STRAND_SUBSTEPS;
     s->seconds = (double)axes->seconds;
@@ -149,7 +137,7 @@ wisp_status stability_strands_enter( stability_strands* s, const wisp_module* co
     status = add( s );
     if ( status != WISP_OK )
     {
-        return stability_strands_fail( s, status, error );
+        return bench_world_fail( s->world, status, error );
     }
     set_start( s );
     return WISP_OK;
@@ -278,7 +266,7 @@ wisp_status stability_strands_step( void* context, int frame, wisp_error* error 
     stability_strands* s = context;
     wisp_status status = s->drive != NULL ? s->drive( s, frame ) : WISP_OK;
     status = status == WISP_OK ? wisp_world_step( s->world, (float)s->seconds ) : status;
-    return status == WISP_OK ? WISP_OK : stability_strands_fail( s, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->world, status, error );
 }
 
 static double largest_of( wisp_vec3 p )

@@ -1,6 +1,7 @@
 /// Strands in a cell: their start, their energy and what they show.
 #pragma once
 
+#include "bench_world.h"
 #include "stability_starts.h"
 
 #include "strands/strands.h"
@@ -30,8 +31,6 @@ typedef struct stability_strands
 /// @param modules of the world
 wisp_status stability_strands_enter( stability_strands* s, const wisp_module* const* modules, int module_count,
                                      const stability_axes* axes, int workers, wisp_error* error );
-/// What the world says about its last failure.
-wisp_status stability_strands_fail( const stability_strands* s, wisp_status status, wisp_error* error );
 double stability_strands_energy_limit( stability_strands* s );
 wisp_status stability_strands_look( void* context, int frame, stability_look* out, wisp_error* error );
 wisp_status stability_strands_step( void* context, int frame, wisp_error* error );

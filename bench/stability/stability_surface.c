@@ -204,7 +204,7 @@ wisp_status stability_surface_step( void* context, int frame, wisp_error* error 
     stability_surface* s = context;
     const wisp_status status = s->drive != NULL ? s->drive( s, frame ) : WISP_OK;
     return status == WISP_OK ? surface_entrant_step( &s->entrant, error )
-                             : surface_entrant_fail( &s->entrant, status, error );
+                             : bench_world_fail( s->entrant.world, status, error );
 }
 
 // No link bears more than what hangs on a pin, and what its motion adds: v^2 / size keeps it on its way round. A sweep

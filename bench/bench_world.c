@@ -1,0 +1,50 @@
+#include "bench_world.h"
+
+void bench_world_drop_log( void* user, wisp_log_level level, const char* sentence )
+{
+    (void)user;
+    (void)level;
+    (void)sentence;
+}
+
+wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error )
+{
+    return wisp_fail( error, status, "%s", wisp_world_message( world ) );
+}
+
+wisp_status bench_world_step( wisp_world* world, wisp_entity entity, float seconds, int* steps, int* halted_at,
+                              wisp_error* error )
+{
+    wisp_status status = wisp_world_step( world, seconds );
+    if ( status != WISP_OK )
+    {
+        return bench_world_fail( world, status, error );
+    }
+    ++*steps;
+    if ( *halted_at == 0 && wisp_is_halted( world, entity ) )
+    {
+        *halted_at = *steps;
+    }
+    return WISP_OK;
+}
+
+wisp_status bench_world_hash( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* hash,
+                              wisp_error* error )
+{
+    wisp_status status = wisp_world_hash_column( world, entity, component, hash );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( world, status, error );
+}
+
+wisp_status bench_world_points( wisp_world* world, wisp_entity entity, wisp_component component, int count,
+                                const wisp_vec3** points, wisp_error* error )
+{
+    wisp_view view = { 0 };
+    wisp_status status = wisp_world_view( world, entity, component, &view );
+    if ( status != WISP_OK )
+    {
+        return bench_world_fail( world, status, error );
+    }
+    WISP_ASSERT( view.stride == sizeof( wisp_vec3 ) && view.count == count );
+    *points = view.data;
+    return WISP_OK;
+}
