@@ -1,7 +1,5 @@
 #include "figures_hair.h"
 
-#include "render.h"
-
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -98,7 +96,7 @@ static wisp_status find_camera( const figures_hair_album* album, render_camera* 
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 
-static wisp_status draw( const figures_hair_album* album, image* pictures, image* sheet, wisp_error* error )
+static wisp_status draw( const figures_hair_album* album, image* pictures, wisp_error* error )
 {
     render_camera camera;
     render_options options = render_default_options();
@@ -106,16 +104,14 @@ static wisp_status draw( const figures_hair_album* album, image* pictures, image
     options.height = SIDE;
     options.threads = 2;
     wisp_status status = find_camera( album, &camera, error );
-    const char* labels[FIGURES_HAIR_SHOTS_MAX];
     for ( int shot = 0; shot < album->count && status == WISP_OK; ++shot )
     {
         render_curves curves[FIGURES_HAIR_LAYERS_MAX];
         render_scene scene;
         set_scene( album, shot, curves, &scene );
         status = render_picture( &scene, &camera, &options, &pictures[shot], error );
-        labels[shot] = album->labels[shot];
     }
-    return status == WISP_OK ? image_sheet( pictures, album->count, album->count, labels, sheet, error ) : status;
+    return status;
 }
 
 wisp_status figures_hair_write( figures_case* page, const figures_hair_album* album, const char* name,
@@ -125,23 +121,14 @@ wisp_status figures_hair_write( figures_case* page, const figures_hair_album* al
     {
         return WISP_OK;
     }
-    char path[4096];
-    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    image pictures[FIGURES_HAIR_SHOTS_MAX] = { { 0 } }, sheet = { 0 };
-    wisp_status status = draw( album, pictures, &sheet, error );
-    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
+    image pictures[FIGURES_HAIR_SHOTS_MAX] = { { 0 } };
+    wisp_status status = draw( album, pictures, error );
+    status = status == WISP_OK
+                 ? figures_write_sheet( page, pictures, album->labels, album->count, name, caption, error )
+                 : status;
     for ( int i = 0; i < album->count; ++i )
     {
         image_release( &pictures[i] );
-    }
-    image_release( &sheet );
-    if ( status == WISP_OK )
-    {
-        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
-        results_add_picture( page->out, path, caption );
     }
     return status;
 }

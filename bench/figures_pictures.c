@@ -1,7 +1,5 @@
 #include "figures_bench.h"
 
-#include "render.h"
-
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,7 +97,7 @@ static wisp_status find_camera( const figures_album* album, const figures_tracks
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 
-static wisp_status draw( const figures_album* album, const figures_tracks* tracks, image* pictures, image* sheet,
+static wisp_status draw( const figures_album* album, const figures_tracks* tracks, image* pictures,
                          wisp_error* error )
 {
     render_camera camera;
@@ -108,15 +106,38 @@ static wisp_status draw( const figures_album* album, const figures_tracks* track
     options.height = SIDE;
     options.threads = 2;
     wisp_status status = find_camera( album, tracks, &camera, error );
-    const char* labels[FIGURES_SHOTS_MAX];
     for ( int i = 0; i < album->count && status == WISP_OK; ++i )
     {
         shot_scene shot;
         set_scene( album, i, tracks, &shot );
         status = render_picture( &shot.scene, &camera, &options, &pictures[i], error );
-        labels[i] = album->labels[i];
     }
-    return status == WISP_OK ? image_sheet( pictures, album->count, album->count, labels, sheet, error ) : status;
+    return status;
+}
+
+wisp_status figures_write_sheet( figures_case* page, image* pictures, const char ( *labels )[40], int count,
+                                 const char* name, const char* caption, wisp_error* error )
+{
+    char path[4096];
+    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
+    }
+    const char* below[FIGURES_SHOTS_MAX];
+    for ( int i = 0; i < count; ++i )
+    {
+        below[i] = labels[i];
+    }
+    image sheet = { 0 };
+    wisp_status status = image_sheet( pictures, count, count, below, &sheet, error );
+    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
+    image_release( &sheet );
+    if ( status == WISP_OK )
+    {
+        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
+        results_add_picture( page->out, path, caption );
+    }
+    return status;
 }
 
 wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,
@@ -126,23 +147,14 @@ wisp_status figures_write( figures_case* page, const figures_album* album, const
     {
         return WISP_OK;
     }
-    char path[4096];
-    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    image pictures[FIGURES_SHOTS_MAX] = { { 0 } }, sheet = { 0 };
-    wisp_status status = draw( album, tracks, pictures, &sheet, error );
-    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
+    image pictures[FIGURES_SHOTS_MAX] = { { 0 } };
+    wisp_status status = draw( album, tracks, pictures, error );
+    status = status == WISP_OK
+                 ? figures_write_sheet( page, pictures, album->labels, album->count, name, caption, error )
+                 : status;
     for ( int i = 0; i < album->count; ++i )
     {
         image_release( &pictures[i] );
-    }
-    image_release( &sheet );
-    if ( status == WISP_OK )
-    {
-        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
-        results_add_picture( page->out, path, caption );
     }
     return status;
 }

@@ -8,6 +8,7 @@
 
 #include "results.h"
 
+#include <math.h>
 #include <string.h>
 
 static inline const results_table* find_table( const results* all, const char* beginning )
@@ -23,18 +24,28 @@ static inline const results_table* find_table( const results* all, const char* b
     return NULL;
 }
 
-/// @param row 0: the header
-static inline const char* named_cell( const results_table* table, int row, const char* column )
+static inline const char* cell( const results_table* table, int row, int column )
+{
+    return table->cells[row * table->column_count + column];
+}
+
+static inline int column_of( const results_table* table, const char* heading )
 {
     for ( int c = 0; c < table->column_count; ++c )
     {
-        if ( strcmp( table->cells[c], column ) == 0 )
+        if ( strcmp( cell( table, 0, c ), heading ) == 0 )
         {
-            return table->cells[row * table->column_count + c];
+            return c;
         }
     }
-    fail_msg( "'%s' has no column '%s'", table->title, column );
-    return NULL;
+    fail_msg( "'%s' has no column '%s'", table->title, heading );
+    return 0;
+}
+
+/// @param row 0: the header
+static inline const char* named_cell( const results_table* table, int row, const char* heading )
+{
+    return cell( table, row, column_of( table, heading ) );
 }
 
 /// The first row whose first cell is this.
@@ -58,4 +69,66 @@ static inline void assert_column( const results_table* table, const char* column
     {
         assert_string_equal( named_cell( table, r, column ), text );
     }
+}
+
+/// How many rows for machines a name and a variant have.
+static inline int count_rows( const results* all, const char* name, const char* variant )
+{
+    int count = 0;
+    for ( int i = 0; i < all->row_count; ++i )
+    {
+        count += strcmp( all->rows[i].name, name ) == 0 && strcmp( all->rows[i].variant, variant ) == 0 ? 1 : 0;
+    }
+    return count;
+}
+
+static inline double value_of( const results_values* values, const char* name )
+{
+    for ( int i = 0; i < values->count; ++i )
+    {
+        if ( strcmp( values->items[i].name, name ) == 0 )
+        {
+            return values->items[i].value;
+        }
+    }
+    fail_msg( "there is no value '%s'", name );
+    return NAN;
+}
+
+static inline bool has_note( const results* all, const char* part )
+{
+    bool found = false;
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        found = found || strstr( all->notes[i], part ) != NULL;
+    }
+    return found;
+}
+
+static inline void expect_ok( wisp_status status, const wisp_error* error )
+{
+    if ( status != WISP_OK )
+    {
+        fail_msg( "%s", error->sentence );
+    }
+}
+
+/// Fail with the first check that failed in a run.
+static inline void expect_good( const results* all )
+{
+    for ( int i = 0; i < all->note_count; ++i )
+    {
+        if ( strncmp( all->notes[i], "FAILED", 6 ) == 0 )
+        {
+            fail_msg( "%s", all->notes[i] );
+        }
+    }
+    assert_false( all->failed );
+}
+
+/// Teardown of a group whose state are results.
+static inline int free_results( void** state )
+{
+    results_free( *state );
+    return 0;
 }

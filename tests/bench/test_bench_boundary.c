@@ -1,8 +1,5 @@
 // The case `boundary` at sizes of moments: its checks hold, its tables have what the contract asks for, and what is wrong is seen.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "boundary_bench.h"
 #include "boundary_cover.h"
@@ -33,68 +30,10 @@ static boundary_plan small_plan( void )
     };
 }
 
-static const results_table* find_table( const results* all, const char* beginning )
-{
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
-        {
-            return &all->tables[t];
-        }
-    }
-    fail_msg( "there is no table '%s'", beginning );
-    return NULL;
-}
-
-static const char* cell( const results_table* table, int row, int column )
-{
-    return table->cells[row * table->column_count + column];
-}
-
-static int column_of( const results_table* table, const char* name )
-{
-    for ( int c = 0; c < table->column_count; ++c )
-    {
-        if ( strcmp( cell( table, 0, c ), name ) == 0 )
-        {
-            return c;
-        }
-    }
-    fail_msg( "'%s' has no column '%s'", table->title, name );
-    return 0;
-}
-
-static void assert_column( const results_table* table, const char* name, const char* text )
-{
-    const int column = column_of( table, name );
-    assert_true( table->row_count > 1 );
-    for ( int r = 1; r < table->row_count; ++r )
-    {
-        assert_string_equal( cell( table, r, column ), text );
-    }
-}
-
-static int count_rows( const results* all, const char* variant )
-{
-    int count = 0;
-    for ( int i = 0; i < all->row_count; ++i )
-    {
-        count += strcmp( all->rows[i].name, "boundary" ) == 0 && strcmp( all->rows[i].variant, variant ) == 0 ? 1 : 0;
-    }
-    return count;
-}
-
 static void no_check_of_the_case_fails( void** state )
 {
     const results* all = *state;
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        if ( strncmp( all->notes[i], "FAILED", 6 ) == 0 )
-        {
-            print_message( "%s\n", all->notes[i] );
-        }
-    }
-    assert_false( all->failed );
+    expect_good( all );
     assert_column( find_table( all, "B1" ), "met", "yes" );
     assert_column( find_table( all, "BND-01" ), "met", "yes" );
     assert_column( find_table( all, "B2" ), "met", "yes" );
@@ -155,12 +94,12 @@ static void long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_n
 static void rows_for_machines_are_there_for_every_worker_count( void** state )
 {
     const results* all = *state;
-    assert_int_equal( count_rows( all, "even, in place" ), 2 * 2 );
-    assert_int_equal( count_rows( all, "exact, anew" ), 2 * 2 );
-    assert_int_equal( count_rows( all, "inflate 1-2-1" ), 1 );
-    assert_int_equal( count_rows( all, "normals" ), 2 );
-    assert_int_equal( count_rows( all, "hang" ), 15 );
-    assert_int_equal( count_rows( all, "pulse" ), 9 );
+    assert_int_equal( count_rows( all, "boundary", "even, in place" ), 2 * 2 );
+    assert_int_equal( count_rows( all, "boundary", "exact, anew" ), 2 * 2 );
+    assert_int_equal( count_rows( all, "boundary", "inflate 1-2-1" ), 1 );
+    assert_int_equal( count_rows( all, "boundary", "normals" ), 2 );
+    assert_int_equal( count_rows( all, "boundary", "hang" ), 15 );
+    assert_int_equal( count_rows( all, "boundary", "pulse" ), 9 );
     for ( int i = 0; i < all->row_count; ++i )
     {
         const results_row* row = all->rows + i;
@@ -323,12 +262,6 @@ static int make_results( void** state )
         return -1;
     }
     *state = &all;
-    return 0;
-}
-
-static int free_results( void** state )
-{
-    results_free( *state );
     return 0;
 }
 

@@ -1,9 +1,6 @@
 // The cases of cloth, balloon and figures at sizes of moments: which tables and rows they make, that both sides of a race
 // compute the same, and that what is wrong fails the run.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "balloon_bench.h"
 #include "cloth_bench.h"
@@ -35,44 +32,6 @@ static cloth_plan small_plan( void )
     plan.race_seconds = 0.0;
     plan.truth_factor = 16;
     return plan;
-}
-
-static const results_table* find_table( const results* all, const char* beginning )
-{
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
-        {
-            return &all->tables[t];
-        }
-    }
-    fail_msg( "there is no table '%s'", beginning );
-    return NULL;
-}
-
-static const char* cell( const results_table* table, int row, int column )
-{
-    return table->cells[row * table->column_count + column];
-}
-
-static bool has_note( const results* all, const char* part )
-{
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        if ( strstr( all->notes[i], part ) )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-static void expect_ok( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error->sentence );
-    }
 }
 
 // ---- the case of cloth ----

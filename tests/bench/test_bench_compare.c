@@ -1,8 +1,5 @@
 // `wisp bench cloth --compare` at sizes of moments: its truth files, which nobody vouches for, and what its tables say.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "compare_bench.h"
 
@@ -11,14 +8,6 @@
 #include <string.h>
 
 static const bench_options quick = { .quick = true, .workers = 2 };
-
-static void expect_ok( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error->sentence );
-    }
-}
 
 // ---- truth files ----
 
@@ -242,32 +231,6 @@ static compare_plan small_plan( compare_scenario scenario )
                                                          .repeats = 1 } );
     }
     return plan;
-}
-
-static const results_table* find_table( const results* all, const char* beginning )
-{
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
-        {
-            return &all->tables[t];
-        }
-    }
-    fail_msg( "there is no table '%s'", beginning );
-    return NULL;
-}
-
-static double value_of( const results_values* values, const char* name )
-{
-    for ( int i = 0; i < values->count; ++i )
-    {
-        if ( strcmp( values->items[i].name, name ) == 0 )
-        {
-            return values->items[i].value;
-        }
-    }
-    fail_msg( "there is no value '%s'", name );
-    return NAN;
 }
 
 static double error_of( const results* all, const char* variant )

@@ -1,9 +1,6 @@
 // The case of strands at sizes of moments: that plain C computes what the engine computes, that the scene is the one that
 // the tables speak of, and which rows they have.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "figures_bench.h"
 #include "plain/strands_plain.h"
@@ -31,70 +28,6 @@ static strands_plan small_plan( void )
     plan.head_count = 1;
     plan.head_steps = 15;
     return plan;
-}
-
-static const results_table* find_table( const results* all, const char* beginning )
-{
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
-        {
-            return &all->tables[t];
-        }
-    }
-    fail_msg( "there is no table '%s'", beginning );
-    return NULL;
-}
-
-static const char* cell( const results_table* table, int row, int column )
-{
-    return table->cells[row * table->column_count + column];
-}
-
-static int column( const results_table* table, const char* header )
-{
-    for ( int c = 0; c < table->column_count; ++c )
-    {
-        if ( strcmp( cell( table, 0, c ), header ) == 0 )
-        {
-            return c;
-        }
-    }
-    fail_msg( "there is no column '%s'", header );
-    return 0;
-}
-
-static double error_of( const results_row* row, const char* name )
-{
-    for ( int i = 0; i < row->error.count; ++i )
-    {
-        if ( strcmp( row->error.items[i].name, name ) == 0 )
-        {
-            return row->error.items[i].value;
-        }
-    }
-    fail_msg( "there is no error '%s'", name );
-    return NAN;
-}
-
-static void expect_ok( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error->sentence );
-    }
-}
-
-static void expect_good( const results* all )
-{
-    for ( int i = 0; i < all->note_count; ++i )
-    {
-        if ( strncmp( all->notes[i], "FAILED", 6 ) == 0 )
-        {
-            fail_msg( "%s", all->notes[i] );
-        }
-    }
-    assert_false( all->failed );
 }
 
 // ---- plain C ----
@@ -367,7 +300,7 @@ static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
 
     // two of plain C a size, all six settings at 20 strands and two at 100
     assert_int_equal( table->row_count, 1 + 2 + 6 + 2 + 2 );
-    int nvcloth = column( table, "NvCloth 1 / 2 threads ms*" ), hash = column( table, "hash" );
+    int nvcloth = column_of( table, "NvCloth 1 / 2 threads ms*" ), hash = column_of( table, "hash" );
     assert_string_equal( cell( table, 3, 1 ), "direct, bend links" );
     assert_string_equal( cell( table, 3, nvcloth ), "-" );
     assert_string_equal( cell( table, 11, 0 ), "100" );
@@ -379,11 +312,11 @@ static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
         bool is_ours = strncmp( row->variant, "plain", 5 ) != 0;
         assert_true( row->ms_median > 0.0 );
         assert_int_equal( row->has_hash, is_ours );
-        assert_true( isfinite( error_of( row, "rms_share_of_length" ) ) );
+        assert_true( isfinite( value_of( &row->error, "rms_share_of_length" ) ) );
 
         // the direct solve is exact, a sweep is not
         bool is_direct = strncmp( row->variant, "direct", 6 ) == 0 || strstr( row->variant, "tridiagonal" );
-        assert_true( !is_direct || error_of( row, "stretch_mean" ) < 1e-4 );
+        assert_true( !is_direct || value_of( &row->error, "stretch_mean" ) < 1e-4 );
     }
 
     // a chart a worker count, with the times of the rows: at 20 and at 100 strands
@@ -408,10 +341,10 @@ static void more_substeps_come_nearer_to_the_truth( void** state )
     for ( int r = 1; r < 4; ++r )
     {
         assert_string_equal( all.rows[r].variant, "direct" );
-        assert_true( error_of( &all.rows[r], "rms_share_of_length" ) <
-                     error_of( &all.rows[r - 1], "rms_share_of_length" ) );
-        assert_true( error_of( &all.rows[r], "energy_lost_share" ) <
-                     error_of( &all.rows[r - 1], "energy_lost_share" ) );
+        assert_true( value_of( &all.rows[r].error, "rms_share_of_length" ) <
+                     value_of( &all.rows[r - 1].error, "rms_share_of_length" ) );
+        assert_true( value_of( &all.rows[r].error, "energy_lost_share" ) <
+                     value_of( &all.rows[r - 1].error, "energy_lost_share" ) );
     }
     results_free( &all );
 }
@@ -443,15 +376,15 @@ static void a_hair_at_rest_does_not_depend_on_the_rate_of_steps( void** state )
         const results_values* size = &all.rows[r].size; // rate, substeps, vertices
         if ( size->items[1].value == 10.0 && size->items[2].value == 20.0 )
         {
-            least = fmin( least, error_of( &all.rows[r], "tip_elastica_percent" ) );
-            most = fmax( most, error_of( &all.rows[r], "tip_elastica_percent" ) );
+            least = fmin( least, value_of( &all.rows[r].error, "tip_elastica_percent" ) );
+            most = fmax( most, value_of( &all.rows[r].error, "tip_elastica_percent" ) );
         }
     }
     // 20 vertices are half a percent from the continuous hair, at every rate
     assert_true( least > 0.0 && most < 1.0 );
     assert_true( most - least < 0.05 );
     // the converged run is the closed form
-    assert_true( error_of( &all.rows[0], "tip_elastica_percent" ) < 0.05 );
+    assert_true( value_of( &all.rows[0].error, "tip_elastica_percent" ) < 0.05 );
     results_free( &all );
 }
 
@@ -470,7 +403,7 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
     for ( int r = 0; r < all.row_count; ++r )
     {
         const results_row* row = &all.rows[r];
-        double ratio = row->size.items[1].value, without = error_of( row, "rms_without_sway_m" );
+        double ratio = row->size.items[1].value, without = value_of( &row->error, "rms_without_sway_m" );
         assert_true( row->ms_median > 0.0 );
 
         // 1:1 is the guide up to rounding, with more ghosts a guide they differ from what they would do themselves

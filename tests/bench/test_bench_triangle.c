@@ -1,8 +1,5 @@
 // Table 1 of the triangle cloth at sizes of moments: which tables and rows it makes, and that what is wrong fails the run.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "paper_triangle.h"
 
@@ -26,43 +23,6 @@ static triangle_plan small_plan( void )
         .worker_count = 2,
         .options = &quick,
     };
-}
-
-static void run( const triangle_plan* plan, results* all )
-{
-    wisp_error error = { 0 };
-    if ( paper_triangle_run( plan, all, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.sentence );
-    }
-}
-
-static const results_table* find_table( const results* all, const char* beginning )
-{
-    for ( int t = 0; t < all->table_count; ++t )
-    {
-        if ( strncmp( all->tables[t].title, beginning, strlen( beginning ) ) == 0 )
-        {
-            return &all->tables[t];
-        }
-    }
-    fail_msg( "there is no table '%s'", beginning );
-    return NULL;
-}
-
-static const char* cell( const results_table* table, int row, int column )
-{
-    return table->cells[row * table->column_count + column];
-}
-
-static int count_rows( const results* all, const char* name, const char* variant )
-{
-    int count = 0;
-    for ( int i = 0; i < all->row_count; ++i )
-    {
-        count += strcmp( all->rows[i].name, name ) == 0 && strcmp( all->rows[i].variant, variant ) == 0 ? 1 : 0;
-    }
-    return count;
 }
 
 static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
@@ -148,14 +108,9 @@ static int make_results( void** state )
 {
     static results all;
     const triangle_plan plan = small_plan();
-    run( &plan, &all );
+    wisp_error error = { 0 };
+    expect_ok( paper_triangle_run( &plan, &all, &error ), &error );
     *state = &all;
-    return 0;
-}
-
-static int free_results( void** state )
-{
-    results_free( *state );
     return 0;
 }
 

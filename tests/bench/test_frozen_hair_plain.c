@@ -248,10 +248,23 @@ static frozen_scene create_scene( frozen_scene_shape shape, int dimension )
     return scene;
 }
 
-// All 32 settings of blend, gap, gap reference and guard.
-static void all_switches_agree( frozen_scene_shape shape, int dimension )
+typedef struct hair_kind
 {
-    frozen_scene scene = create_scene( shape, dimension );
+    frozen_scene_shape shape;
+    int dimension;
+} hair_kind;
+
+static hair_kind hair_kinds[] = {
+    { FROZEN_SCENE_STRAIGHT, 2 }, { FROZEN_SCENE_STRAIGHT, 3 }, { FROZEN_SCENE_WAVY, 2 },
+    { FROZEN_SCENE_WAVY, 3 },     { FROZEN_SCENE_CURLY, 2 },    { FROZEN_SCENE_CURLY, 3 },
+};
+
+// All 32 settings of blend, gap, gap reference and guard.
+static void plain_equals_the_oracle( void** state )
+{
+    const hair_kind* kind = *state;
+    const int dimension = kind->dimension;
+    frozen_scene scene = create_scene( kind->shape, dimension );
     agreement total = { 0.0, 0.0, INFINITY };
     for ( int s = 0; s < scene.hair.strand_count; ++s )
     {
@@ -273,42 +286,6 @@ static void all_switches_agree( frozen_scene_shape shape, int dimension )
     // a tolerance beyond 5 % of what clumping does would prove nothing
     assert_true( total.tolerance < 0.05 * total.moved );
     frozen_scene_destroy( &scene );
-}
-
-static void plain_equals_the_oracle_on_straight_hair_in_the_plane( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_STRAIGHT, 2 );
-}
-
-static void plain_equals_the_oracle_on_straight_hair_in_space( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_STRAIGHT, 3 );
-}
-
-static void plain_equals_the_oracle_on_wavy_hair_in_the_plane( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_WAVY, 2 );
-}
-
-static void plain_equals_the_oracle_on_wavy_hair_in_space( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_WAVY, 3 );
-}
-
-static void plain_equals_the_oracle_on_curly_hair_in_the_plane( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_CURLY, 2 );
-}
-
-static void plain_equals_the_oracle_on_curly_hair_in_space( void** state )
-{
-    (void)state;
-    all_switches_agree( FROZEN_SCENE_CURLY, 3 );
 }
 
 static void stages_that_are_off_hand_their_input_on( void** state )
@@ -451,12 +428,13 @@ static void empty_hair_is_a_no_op_and_wrong_input_is_refused( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( plain_equals_the_oracle_on_straight_hair_in_the_plane ),
-        cmocka_unit_test( plain_equals_the_oracle_on_straight_hair_in_space ),
-        cmocka_unit_test( plain_equals_the_oracle_on_wavy_hair_in_the_plane ),
-        cmocka_unit_test( plain_equals_the_oracle_on_wavy_hair_in_space ),
-        cmocka_unit_test( plain_equals_the_oracle_on_curly_hair_in_the_plane ),
-        cmocka_unit_test( plain_equals_the_oracle_on_curly_hair_in_space ),
+        { "plain_equals_the_oracle_on_straight_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL,
+          &hair_kinds[0] },
+        { "plain_equals_the_oracle_on_straight_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[1] },
+        { "plain_equals_the_oracle_on_wavy_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL, &hair_kinds[2] },
+        { "plain_equals_the_oracle_on_wavy_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[3] },
+        { "plain_equals_the_oracle_on_curly_hair_in_the_plane", plain_equals_the_oracle, NULL, NULL, &hair_kinds[4] },
+        { "plain_equals_the_oracle_on_curly_hair_in_space", plain_equals_the_oracle, NULL, NULL, &hair_kinds[5] },
         cmocka_unit_test( stages_that_are_off_hand_their_input_on ),
         cmocka_unit_test( the_neighbour_figure_is_that_of_brute_force ),
         cmocka_unit_test( a_repeated_run_gives_the_same_bits_and_a_new_event_does_not ),
