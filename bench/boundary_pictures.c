@@ -1,7 +1,7 @@
 // What layers look like: points on edges and inside triangles in two colours, with short normals.
 #include "boundary_bench.h"
 
-#include "render.h"
+#include "picture_sheet.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -178,11 +178,9 @@ static render_camera find_camera( const shots* all )
     return camera;
 }
 
-static wisp_status draw( const boundary_plan* plan, const shots* all, image* pictures, image* sheet,
-                         wisp_error* error )
+static wisp_status draw( const boundary_plan* plan, const shots* all, picture_sheet* sheet, wisp_error* error )
 {
     const render_camera camera = find_camera( all );
-    const char* labels[SHOTS_MAX];
     render_options options = render_default_options();
     options.width = options.height = all->count == 1 ? 2 * plan->picture_side : plan->picture_side;
     options.threads = 2;
@@ -191,34 +189,19 @@ static wisp_status draw( const boundary_plan* plan, const shots* all, image* pic
     {
         stage one;
         set_stage( all, i, &one );
-        status = render_picture( &one.scene, &camera, &options, pictures + i, error );
-        labels[i] = all->all[i].label;
+        status = render_picture( &one.scene, &camera, &options, sheet->pictures + i, error );
+        sheet->labels[i] = all->all[i].label;
+        sheet->count = i + 1;
     }
-    return status == WISP_OK ? image_sheet( pictures, all->count, all->count, labels, sheet, error ) : status;
+    return status;
 }
 
 static wisp_status write_shots( const boundary_plan* plan, const shots* all, const char* name, const char* caption,
                                 results* out, wisp_error* error )
 {
-    char path[4096];
-    if ( snprintf( path, sizeof( path ), "%s/%s.png", plan->options->pictures, name ) >= (int)sizeof( path ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    image pictures[SHOTS_MAX] = { { 0 } }, sheet = { 0 };
-    wisp_status status = draw( plan, all, pictures, &sheet, error );
-    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
-    for ( int i = 0; i < all->count; ++i )
-    {
-        image_release( pictures + i );
-    }
-    image_release( &sheet );
-    if ( status == WISP_OK )
-    {
-        results_add_note( out, "%s: ![%s](%s)", caption, caption, path );
-        results_add_picture( out, path, caption );
-    }
-    return status;
+    picture_sheet sheet = { .count = 0 };
+    const wisp_status status = draw( plan, all, &sheet, error );
+    return picture_sheet_finish( &sheet, status, plan->options->pictures, name, caption, out, error );
 }
 
 // ---- the pictures ----

@@ -2,7 +2,7 @@
 // whose two sides have two colours, so that its layers can be told apart.
 #include "contact_bench.h"
 
-#include "render.h"
+#include "picture_sheet.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -295,10 +295,8 @@ static void set_stage( const shot* s, bool has_ground, stage* out )
 }
 
 // One camera for all shots, so that they can be compared.
-static wisp_status draw( const album* all, int pixels, bool has_ground, image* pictures, image* sheet,
-                         wisp_error* error )
+static wisp_status draw( const album* all, int pixels, bool has_ground, picture_sheet* sheet, wisp_error* error )
 {
-    const char* labels[SHOTS_MAX];
     stage one;
     render_camera camera;
     render_bounds bounds = { .is_filled = false };
@@ -314,39 +312,24 @@ static wisp_status draw( const album* all, int pixels, bool has_ground, image* p
         set_stage( all->shots + i, has_ground, &one );
         status = render_scene_bounds( &one.scene, &box, error );
         bounds = render_bounds_union( bounds, box );
-        labels[i] = all->shots[i].label;
     }
     status = status == WISP_OK ? render_frame_camera( &bounds, &all->view, all->aspect, &camera, error ) : status;
     for ( int i = 0; i < all->count && status == WISP_OK; ++i )
     {
         set_stage( all->shots + i, has_ground, &one );
-        status = render_picture( &one.scene, &camera, &options, pictures + i, error );
+        status = render_picture( &one.scene, &camera, &options, sheet->pictures + i, error );
+        sheet->labels[i] = all->shots[i].label;
+        sheet->count = i + 1;
     }
-    return status == WISP_OK ? image_sheet( pictures, all->count, all->columns, labels, sheet, error ) : status;
+    return status;
 }
 
 static wisp_status write_album( const contact_plan* plan, const album* all, bool has_ground, results* out,
                                 wisp_error* error )
 {
-    char path[4096];
-    if ( snprintf( path, sizeof( path ), "%s/%s.png", plan->options->pictures, all->name ) >= (int)sizeof( path ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    image pictures[SHOTS_MAX] = { { 0 } }, sheet = { 0 };
-    wisp_status status = draw( all, plan->picture_pixels, has_ground, pictures, &sheet, error );
-    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
-    for ( int i = 0; i < SHOTS_MAX; ++i )
-    {
-        image_release( pictures + i );
-    }
-    image_release( &sheet );
-    if ( status == WISP_OK )
-    {
-        results_add_note( out, "%s: ![%s](%s)", all->caption, all->caption, path );
-        results_add_picture( out, path, all->caption );
-    }
-    return status;
+    picture_sheet sheet = { .columns = all->columns };
+    const wisp_status status = draw( all, plan->picture_pixels, has_ground, &sheet, error );
+    return picture_sheet_finish( &sheet, status, plan->options->pictures, all->name, all->caption, out, error );
 }
 
 // ---- the pictures ----

@@ -4,7 +4,7 @@
 
 #include "balloon_scene.h"
 #include "bench.h"
-#include "render.h"
+#include "picture_sheet.h"
 
 /// What the experiments share.
 typedef struct figures_case
@@ -48,7 +48,7 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 
 // ---- pictures ----
 
-#define FIGURES_SHOTS_MAX 8
+#define FIGURES_SHOTS_MAX PICTURE_SHEET_MAX
 
 /// Shapes of one mesh, in the order in which they were taken.
 typedef struct figures_album
@@ -69,9 +69,6 @@ typedef struct figures_tracks
 /// Keep the present shape of an entrant. Does nothing if there is no folder for pictures.
 wisp_status figures_take( const figures_case* page, figures_album* album, surface_entrant* entrant, wisp_error* error,
                           const char* format, ... ) __attribute__( ( format( printf, 5, 6 ) ) );
-/// Write pictures side by side as FOLDER/<name>.png, at most FIGURES_SHOTS_MAX, and link the sheet from the page.
-wisp_status figures_write_sheet( figures_case* page, image* pictures, const char ( *labels )[40], int count,
-                                 const char* name, const char* caption, wisp_error* error );
 /// Write the shapes side by side as FOLDER/<name>.png and link it from the page.
 /// @param tracks drawn into every picture, or null
 wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,

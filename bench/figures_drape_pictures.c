@@ -1,7 +1,5 @@
 #include "figures_drape.h"
 
-#include "render.h"
-
 #define SIDE 400
 #define SHEET_COLUMNS 5 // more pictures make two rows
 #define BALL_LEVEL 4    // of the icosphere that stands for the ball
@@ -60,7 +58,7 @@ static wisp_status find_camera( const figures_album* album, const wisp_mesh* bal
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 
-static wisp_status draw( const figures_album* album, const wisp_mesh* ball, image* pictures, wisp_error* error )
+static wisp_status draw( const figures_album* album, const wisp_mesh* ball, picture_sheet* sheet, wisp_error* error )
 {
     render_camera camera;
     render_options options = render_default_options();
@@ -72,39 +70,25 @@ static wisp_status draw( const figures_album* album, const wisp_mesh* ball, imag
     {
         stage shot;
         set_scene( album, i, ball, &shot );
-        status = render_picture( &shot.scene, &camera, &options, &pictures[i], error );
+        status = render_picture( &shot.scene, &camera, &options, &sheet->pictures[i], error );
+        sheet->labels[i] = album->labels[i];
+        sheet->count = i + 1;
     }
     return status;
 }
 
-// @param number of the picture; below 0: the contact sheet
-static wisp_status write_one( const figures_case* page, const char* name, int number, const image* picture,
-                              char* path, size_t size, wisp_error* error )
+// Each picture as a file of its own, numbered from 1.
+static wisp_status write_each( const figures_case* page, const picture_sheet* sheet, const char* name,
+                               wisp_error* error )
 {
-    int length = number < 0 ? snprintf( path, size, "%s/%s.png", page->pictures, name )
-                            : snprintf( path, size, "%s/%s_%d.png", page->pictures, name, number + 1 );
-    if ( length >= (int)size )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    return image_write_png( path, picture, error );
-}
-
-static wisp_status write_all( const figures_case* page, const figures_album* album, const image* pictures,
-                              const char* name, char* path, size_t size, wisp_error* error )
-{
-    const char* labels[FIGURES_SHOTS_MAX];
-    const int columns = album->count > SHEET_COLUMNS ? ( album->count + 1 ) / 2 : album->count;
-    image sheet = { 0 };
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < album->count && status == WISP_OK; ++i )
+    for ( int i = 0; i < sheet->count && status == WISP_OK; ++i )
     {
-        labels[i] = album->labels[i];
-        status = write_one( page, name, i, &pictures[i], path, size, error );
+        char path[4096], numbered[128];
+        snprintf( numbered, sizeof( numbered ), "%s_%d", name, i + 1 );
+        status = picture_path( page->pictures, numbered, path, sizeof( path ), error );
+        status = status == WISP_OK ? image_write_png( path, &sheet->pictures[i], error ) : status;
     }
-    status = status == WISP_OK ? image_sheet( pictures, album->count, columns, labels, &sheet, error ) : status;
-    status = status == WISP_OK ? write_one( page, name, -1, &sheet, path, size, error ) : status;
-    image_release( &sheet );
     return status;
 }
 
@@ -115,21 +99,11 @@ wisp_status drape_write( figures_case* page, const figures_album* album, bool ha
     {
         return WISP_OK;
     }
-    char path[4096];
-    image pictures[FIGURES_SHOTS_MAX] = { { 0 } };
+    picture_sheet sheet = { .columns = album->count > SHEET_COLUMNS ? ( album->count + 1 ) / 2 : album->count };
     wisp_mesh ball = { 0 };
     wisp_status status = has_ball ? make_ball( &ball, error ) : WISP_OK;
-    status = status == WISP_OK ? draw( album, &ball, pictures, error ) : status;
-    status = status == WISP_OK ? write_all( page, album, pictures, name, path, sizeof( path ), error ) : status;
-    for ( int i = 0; i < album->count; ++i )
-    {
-        image_release( &pictures[i] );
-    }
+    status = status == WISP_OK ? draw( album, &ball, &sheet, error ) : status;
     wisp_mesh_release( &ball );
-    if ( status == WISP_OK )
-    {
-        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
-        results_add_picture( page->out, path, caption );
-    }
-    return status;
+    status = status == WISP_OK ? write_each( page, &sheet, name, error ) : status;
+    return picture_sheet_finish( &sheet, status, page->pictures, name, caption, page->out, error );
 }

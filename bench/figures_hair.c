@@ -96,7 +96,7 @@ static wisp_status find_camera( const figures_hair_album* album, render_camera* 
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 
-static wisp_status draw( const figures_hair_album* album, image* pictures, wisp_error* error )
+static wisp_status draw( const figures_hair_album* album, picture_sheet* sheet, wisp_error* error )
 {
     render_camera camera;
     render_options options = render_default_options();
@@ -109,7 +109,9 @@ static wisp_status draw( const figures_hair_album* album, image* pictures, wisp_
         render_curves curves[FIGURES_HAIR_LAYERS_MAX];
         render_scene scene;
         set_scene( album, shot, curves, &scene );
-        status = render_picture( &scene, &camera, &options, &pictures[shot], error );
+        status = render_picture( &scene, &camera, &options, &sheet->pictures[shot], error );
+        sheet->labels[shot] = album->labels[shot];
+        sheet->count = shot + 1;
     }
     return status;
 }
@@ -121,14 +123,7 @@ wisp_status figures_hair_write( figures_case* page, const figures_hair_album* al
     {
         return WISP_OK;
     }
-    image pictures[FIGURES_HAIR_SHOTS_MAX] = { { 0 } };
-    wisp_status status = draw( album, pictures, error );
-    status = status == WISP_OK
-                 ? figures_write_sheet( page, pictures, album->labels, album->count, name, caption, error )
-                 : status;
-    for ( int i = 0; i < album->count; ++i )
-    {
-        image_release( &pictures[i] );
-    }
-    return status;
+    picture_sheet sheet = { .count = 0 };
+    const wisp_status status = draw( album, &sheet, error );
+    return picture_sheet_finish( &sheet, status, page->pictures, name, caption, page->out, error );
 }

@@ -97,7 +97,7 @@ static wisp_status find_camera( const figures_album* album, const figures_tracks
     return status == WISP_OK ? render_frame_camera( &all, &view, 1.0f, camera, error ) : status;
 }
 
-static wisp_status draw( const figures_album* album, const figures_tracks* tracks, image* pictures,
+static wisp_status draw( const figures_album* album, const figures_tracks* tracks, picture_sheet* sheet,
                          wisp_error* error )
 {
     render_camera camera;
@@ -110,32 +110,9 @@ static wisp_status draw( const figures_album* album, const figures_tracks* track
     {
         shot_scene shot;
         set_scene( album, i, tracks, &shot );
-        status = render_picture( &shot.scene, &camera, &options, &pictures[i], error );
-    }
-    return status;
-}
-
-wisp_status figures_write_sheet( figures_case* page, image* pictures, const char ( *labels )[40], int count,
-                                 const char* name, const char* caption, wisp_error* error )
-{
-    char path[4096];
-    if ( snprintf( path, sizeof( path ), "%s/%s.png", page->pictures, name ) >= (int)sizeof( path ) )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "the folder for pictures has too long a name" );
-    }
-    const char* below[FIGURES_SHOTS_MAX];
-    for ( int i = 0; i < count; ++i )
-    {
-        below[i] = labels[i];
-    }
-    image sheet = { 0 };
-    wisp_status status = image_sheet( pictures, count, count, below, &sheet, error );
-    status = status == WISP_OK ? image_write_png( path, &sheet, error ) : status;
-    image_release( &sheet );
-    if ( status == WISP_OK )
-    {
-        results_add_note( page->out, "%s: ![%s](%s)", caption, caption, path );
-        results_add_picture( page->out, path, caption );
+        status = render_picture( &shot.scene, &camera, &options, &sheet->pictures[i], error );
+        sheet->labels[i] = album->labels[i];
+        sheet->count = i + 1;
     }
     return status;
 }
@@ -147,14 +124,7 @@ wisp_status figures_write( figures_case* page, const figures_album* album, const
     {
         return WISP_OK;
     }
-    image pictures[FIGURES_SHOTS_MAX] = { { 0 } };
-    wisp_status status = draw( album, tracks, pictures, error );
-    status = status == WISP_OK
-                 ? figures_write_sheet( page, pictures, album->labels, album->count, name, caption, error )
-                 : status;
-    for ( int i = 0; i < album->count; ++i )
-    {
-        image_release( &pictures[i] );
-    }
-    return status;
+    picture_sheet sheet = { .count = 0 };
+    const wisp_status status = draw( album, tracks, &sheet, error );
+    return picture_sheet_finish( &sheet, status, page->pictures, name, caption, page->out, error );
 }

@@ -1,0 +1,24 @@
+/// Pictures side by side in one PNG, linked from the results.
+#pragma once
+
+#include "render.h"
+#include "results.h"
+
+#define PICTURE_SHEET_MAX 8
+
+/// Zero-initialised is empty.
+typedef struct picture_sheet
+{
+    image pictures[PICTURE_SHEET_MAX];
+    const char* labels[PICTURE_SHEET_MAX]; ///< the caller's
+    int count;
+    int columns; ///< 0: all in one row
+} picture_sheet;
+
+/// FOLDER/<name>.png. @return WISP_BAD_INPUT the folder's name is too long
+wisp_status picture_path( const char* folder, const char* name, char* out, size_t size, wisp_error* error );
+
+/// Write the sheet as FOLDER/<name>.png and link it with its caption; release the pictures in any case.
+/// @param drawn the status of drawing; nothing is written unless it is WISP_OK
+wisp_status picture_sheet_finish( picture_sheet* sheet, wisp_status drawn, const char* folder, const char* name,
+                                  const char* caption, results* out, wisp_error* error );
