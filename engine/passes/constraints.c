@@ -137,5 +137,5 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };
 #undef PROJECTION
-    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
 }

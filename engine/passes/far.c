@@ -169,5 +169,5 @@ wisp_status passes_declare_far( wisp_registry* registry )
             .run = project_levels,
         },
     };
-    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
 }

@@ -1,6 +1,5 @@
 // Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (Mueller et al. 2007).
 #include "passes.h"
-#include "passes_common.h"
 
 #include "wisp/module/components.h"
 
@@ -132,5 +131,5 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .run = damp,
         },
     };
-    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
 }

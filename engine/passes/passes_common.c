@@ -1,15 +1,5 @@
 #include "passes_common.h"
 
-wisp_status passes_declare_all( wisp_registry* registry, const wisp_pass* passes, int count )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
-    {
-        status = wisp_declare_pass( registry, passes + i );
-    }
-    return status;
-}
-
 typedef struct tile_loop
 {
     passes_schedule_fn* run;

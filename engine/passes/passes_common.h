@@ -3,9 +3,6 @@
 
 #include "wisp/module/module.h"
 
-/// Declare a table of passes, the first failure ends it.
-wisp_status passes_declare_all( wisp_registry* registry, const wisp_pass* passes, int count );
-
 /// A range of a fabric's schedule on one worker: groups of eight constraints [begin, end).
 typedef void passes_schedule_fn( const void* job, int begin, int end );
 

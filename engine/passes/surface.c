@@ -1,6 +1,5 @@
 // What a surface shows: vertices and normals in the user's order, strain and speed for colouring, figures of quality.
 #include "passes.h"
-#include "passes_common.h"
 
 #include "wisp/module/components.h"
 
@@ -282,5 +281,5 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .run = take_quality,
         },
     };
-    return passes_declare_all( registry, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );
 }

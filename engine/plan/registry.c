@@ -61,6 +61,18 @@ wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass )
     return WISP_OK;
 }
 
+wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        wisp_pass pass = passes[i];
+        pass.user = pass.user != NULL ? pass.user : user;
+        status = wisp_declare_pass( registry, &pass );
+    }
+    return status;
+}
+
 // @return false if one of them was not declared
 static bool find_passes( const wisp_registry* r, const char* const* names, store_mask* passes )
 {

@@ -131,6 +131,46 @@ void* wisp_world_module_state( wisp_world* world, const char* module )
     return plan_registry_state( &world->registry, module );
 }
 
+// ---- what modules share ----
+
+bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element_size )
+{
+    if ( count < *capacity )
+    {
+        return true;
+    }
+    const wisp_allocator* allocator = &world->allocator;
+    const int more = *capacity > 0 ? 2 * *capacity : 4;
+    void* grown = allocator->allocate( allocator->user, (size_t)more * element_size, 64 );
+    if ( grown == NULL )
+    {
+        return false;
+    }
+    if ( *array != NULL )
+    {
+        memcpy( grown, *array, (size_t)count * element_size );
+        allocator->release( allocator->user, *array, (size_t)*capacity * element_size );
+    }
+    *array = grown;
+    *capacity = more;
+    return true;
+}
+
+wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
+                                     int count )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        const wisp_number_range* r = ranges + i;
+        if ( !( r->value >= r->low && r->value <= r->high ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s: got %g, expected %g to %g", subject, r->name,
+                                    (double)r->value, (double)r->low, (double)r->high );
+        }
+    }
+    return WISP_OK;
+}
+
 // ---- wishes and views ----
 
 static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_component component )

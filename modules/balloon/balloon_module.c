@@ -175,14 +175,7 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .writes = { x },
           .run = balloon_keep_angular },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -202,11 +195,7 @@ const wisp_module wisp_balloon_module = { .name = "balloon", .declare = declare 
 
 static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "edge_stiffness", d->edge_stiffness, 1e-6f, 1e12f },
         { "cross_stiffness", d->cross_stiffness, 1e-6f, 1e12f },
@@ -228,15 +217,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
         { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
         { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: %s: got %g, expected %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "balloon", ranges, WISP_COUNT( ranges ) );
 }
 
 static wisp_status check_outlet( wisp_world* world, const wisp_fabric* f, const wisp_balloon_def* d )

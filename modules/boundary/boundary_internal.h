@@ -57,8 +57,6 @@ boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity en
 boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wisp_fabric* fabric,
                                        wisp_entity entity );
 void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator );
-/// Room for one layer more. @return false without memory
-bool boundary_reserve_layer( boundary_state* state, const wisp_allocator* allocator );
 /// The first layer of its entity; there is room.
 void boundary_put_layer( boundary_state* state, boundary_layer* layer );
 void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity );

@@ -22,36 +22,13 @@ static int place_of( const boundary_state* state, uint32_t index )
 
 static bool is_at( const boundary_state* state, int place, wisp_entity entity )
 {
-    return place < state->layer_count && state->layers[place]->entity.index == entity.index &&
-           state->layers[place]->entity.generation == entity.generation;
+    return place < state->layer_count && wisp_entity_equal( state->layers[place]->entity, entity );
 }
 
 boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity )
 {
     const int place = place_of( state, entity.index );
     return is_at( state, place, entity ) ? state->layers[place] : NULL;
-}
-
-bool boundary_reserve_layer( boundary_state* state, const wisp_allocator* allocator )
-{
-    if ( state->layer_count < state->layer_capacity )
-    {
-        return true;
-    }
-    const int more = state->layer_capacity > 0 ? 2 * state->layer_capacity : 4;
-    boundary_layer** grown = allocator->allocate( allocator->user, (size_t)more * sizeof( *grown ), 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( state->layers != NULL )
-    {
-        memcpy( grown, state->layers, (size_t)state->layer_count * sizeof( *grown ) );
-        allocator->release( allocator->user, state->layers, (size_t)state->layer_capacity * sizeof( *grown ) );
-    }
-    state->layers = grown;
-    state->layer_capacity = more;
-    return true;
 }
 
 void boundary_put_layer( boundary_state* state, boundary_layer* layer )

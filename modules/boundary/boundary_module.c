@@ -100,15 +100,7 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
           .writes = { s->edges, s->triangles },
           .run = boundary_place_points },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.domain = WISP_DOMAIN_ENTITY;
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -129,11 +121,7 @@ const wisp_module wisp_boundary_module = { .name = "boundary", .declare = declar
 
 static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "policy", (float)d->policy, 0.0f, (float)( WISP_SPACING_COUNT - 1 ) },
         { "rounding", (float)d->rounding, 0.0f, (float)( WISP_ROUND_COUNT - 1 ) },
         { "hysteresis", d->hysteresis, 0.0f, 0.5f },
@@ -145,13 +133,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
         { "eye.y", d->eye.y, -1e6f, 1e6f },
         { "eye.z", d->eye.z, -1e6f, 1e6f },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    const wisp_status status = wisp_world_check_ranges( world, "boundary", ranges, WISP_COUNT( ranges ) );
+    if ( status != WISP_OK )
     {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: %s: got %g, expected %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
-        }
+        return status;
     }
     if ( d->limit < 1 || d->limit > BOUNDARY_MOST_POINTS )
     {
@@ -307,7 +292,8 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
 {
     const wisp_allocator* allocator = wisp_world_allocator( world );
     *out = boundary_find_layer( state, surface );
-    if ( *out == NULL && boundary_reserve_layer( state, allocator ) )
+    if ( *out == NULL && wisp_world_reserve( world, (void**)&state->layers, &state->layer_capacity,
+                                             state->layer_count, sizeof( *state->layers ) ) )
     {
         *out = boundary_layer_create( allocator, wisp_world_fabric( world, surface ), surface );
     }

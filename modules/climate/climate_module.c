@@ -156,23 +156,16 @@ static wisp_status check_curve( wisp_world* world, const wisp_climate_def* d )
 
 static wisp_status check_def( wisp_world* world, const wisp_climate_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "temperature", d->temperature, -273.15f, 1000.0f },
         { "wetness", d->wetness, 0.0f, 1.0f },
         { "freezing", d->freezing, -273.15f, 1000.0f },
         { "span", d->span, 1e-3f, 1000.0f },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    const wisp_status status = wisp_world_check_ranges( world, "climate", ranges, WISP_COUNT( ranges ) );
+    if ( status != WISP_OK )
     {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "climate: %s: got %g, expected %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
-        }
+        return status;
     }
     return check_curve( world, d );
 }

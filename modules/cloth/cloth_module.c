@@ -72,11 +72,7 @@ const wisp_module wisp_cloth_module = { .name = "cloth", .declare = declare };
 
 static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "warp_compliance", d->warp_compliance, 0.0f, 1e12f },
         { "weft_compliance", d->weft_compliance, 0.0f, 1e12f },
         { "shear_compliance", d->shear_compliance, 0.0f, 1e12f },
@@ -94,15 +90,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "bending", (float)d->bending, 0.0f, (float)( WISP_CLOTH_BENDING_COUNT - 1 ) },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "cloth: %s: got %g, expected %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "cloth", ranges, WISP_COUNT( ranges ) );
 }
 
 static float length( wisp_vec3 v )

@@ -158,14 +158,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .on_change = s->event,
         },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare( wisp_registry* r )

@@ -32,26 +32,6 @@ wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
 
 // ---- ranges ----
 
-typedef struct frozen_range
-{
-    const char* name;
-    float value, low, high;
-} frozen_range;
-
-static wisp_status check_ranges( wisp_world* world, const frozen_range* ranges, int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        const frozen_range* r = ranges + i;
-        if ( !( r->value >= r->low && r->value <= r->high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %g, expected %g to %g", r->name,
-                                    (double)r->value, (double)r->low, (double)r->high );
-        }
-    }
-    return WISP_OK;
-}
-
 static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count,
                                         float low, float high )
 {
@@ -90,7 +70,7 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
 
 static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, int strands )
 {
-    const frozen_range ranges[] = {
+    const wisp_number_range ranges[] = {
         { "epsilon", d->epsilon, 0.0f, 1.0f },
         { "stretch_stiffness", d->stretch_stiffness, 1e-3f, 1e12f },
         { "bend_stiffness", d->bend_stiffness, 1e-3f, 1e12f },
@@ -107,7 +87,7 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
         { "lambda_min", d->lambda_min, 0.0f, 1.0f },
         { "neighbour_limit", (float)d->neighbour_limit, 1.0f, 4096.0f },
     };
-    wisp_status status = check_ranges( world, ranges, WISP_COUNT( ranges ) );
+    wisp_status status = wisp_world_check_ranges( world, "frozen hair", ranges, WISP_COUNT( ranges ) );
     status = status == WISP_OK ? check_choices( world, d ) : status;
     status = status == WISP_OK ? check_strand_values( world, "stretch_stiffness", d->strand_stretch_stiffness,
                                                       strands, 1e-3f, 1e12f )

@@ -350,7 +350,8 @@ wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp
     {
         return status;
     }
-    if ( guide_reserve( world, (void***)&s->drawings, &s->drawing_capacity, s->drawing_count ) == false )
+    if ( wisp_world_reserve( world, (void**)&s->drawings, &s->drawing_capacity, s->drawing_count,
+                             sizeof( *s->drawings ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of curves",
                                 s->drawing_count + 1 );

@@ -22,11 +22,7 @@ wisp_ghosts_def wisp_default_ghosts_def( void )
 
 static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "target_count", (float)d->target_count, 1.0f, (float)WISP_MOST_LINKS },
         { "elastic", (float)d->elastic, 0.0f, (float)( WISP_GHOST_ELASTIC_COUNT - 1 ) },
         { "tip_gain", d->tip_gain, 0.0f, 1e3f },
@@ -35,13 +31,10 @@ static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
         { "spread", d->spread, 1e-6f, 1e6f },
         { "frame", (float)d->frame, 0.0f, (float)( WISP_GHOST_FRAME_COUNT - 1 ) },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    const wisp_status status = wisp_world_check_ranges( world, "ghosts", ranges, WISP_COUNT( ranges ) );
+    if ( status != WISP_OK )
     {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "ghosts: %s: got %g, expected %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
-        }
+        return status;
     }
     if ( d->feedback && ( d->frame != WISP_GHOST_FRAME_OFF || d->target_count != 1 ) )
     {
@@ -68,7 +61,7 @@ static wisp_status check_strands( wisp_world* world, wisp_entity entity, const c
 // A table is filled before the ghosts are placed, so ghosts of ghosts would follow a step late: they are refused.
 static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_entity ghosts, wisp_entity targets )
 {
-    if ( guide_same( ghosts, targets ) )
+    if ( wisp_entity_equal( ghosts, targets ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u cannot follow itself", ghosts.index );
     }
@@ -195,7 +188,7 @@ static void install( wisp_world* world, guide_state* s, guide_follower* follower
     for ( int i = 0; i < s->follower_count; ++i )
     {
         guide_follower* old = s->followers[i];
-        if ( guide_same( old->ghosts, follower->ghosts ) )
+        if ( wisp_entity_equal( old->ghosts, follower->ghosts ) )
         {
             const wisp_entity targets = old->targets;
             s->followers[i] = follower;
@@ -216,7 +209,8 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
     {
         return status;
     }
-    if ( guide_reserve( world, (void***)&s->followers, &s->follower_capacity, s->follower_count ) == false )
+    if ( wisp_world_reserve( world, (void**)&s->followers, &s->follower_capacity, s->follower_count,
+                             sizeof( *s->followers ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities of ghosts",
                                 s->follower_count + 1 );

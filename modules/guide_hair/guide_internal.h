@@ -262,19 +262,12 @@ typedef struct guide_state
     int drawing_count, drawing_capacity;
 } guide_state;
 
-static inline bool guide_same( wisp_entity a, wisp_entity b )
-{
-    return a.index == b.index && a.generation == b.generation;
-}
-
 guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts );
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
 /// For a function of the host. @return WISP_CONFLICT, with a sentence
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
 guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
-/// Room for one more pointer behind `count`. @return false without memory
-bool guide_reserve( wisp_world* world, void*** array, int* capacity, int count );
 /// Targets that nobody follows any more are let go; so are sources that nobody draws.
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
 void guide_drawing_release( guide_drawing* drawing );

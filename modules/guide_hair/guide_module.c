@@ -15,7 +15,7 @@ static void forget( guide_state* state, wisp_world* world, wisp_entity entity )
 {
     for ( int i = 0; i < state->follower_count; ++i )
     {
-        if ( guide_same( state->followers[i]->ghosts, entity ) )
+        if ( wisp_entity_equal( state->followers[i]->ghosts, entity ) )
         {
             const wisp_entity targets = state->followers[i]->targets;
             guide_follower_release( state->followers[i] );
@@ -25,7 +25,7 @@ static void forget( guide_state* state, wisp_world* world, wisp_entity entity )
     }
     for ( int i = 0; i < state->drawing_count; ++i )
     {
-        if ( guide_same( state->drawings[i]->curves, entity ) )
+        if ( wisp_entity_equal( state->drawings[i]->curves, entity ) )
         {
             const wisp_entity source = state->drawings[i]->source;
             guide_drawing_release( state->drawings[i] );
@@ -42,12 +42,12 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     for ( int i = 0; i < state->follower_count; ++i )
     {
         guide_follower* f = state->followers[i];
-        f->targets = guide_same( f->targets, entity ) ? nothing : f->targets;
+        f->targets = wisp_entity_equal( f->targets, entity ) ? nothing : f->targets;
     }
     for ( int i = 0; i < state->drawing_count; ++i )
     {
         guide_drawing* d = state->drawings[i];
-        d->source = guide_same( d->source, entity ) ? nothing : d->source;
+        d->source = wisp_entity_equal( d->source, entity ) ? nothing : d->source;
     }
     forget( state, world, entity );
 }
@@ -140,14 +140,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .is_due = guide_between_is_due,
         },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare_curves( wisp_registry* r, guide_state* s )
@@ -174,14 +167,7 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
             .is_due = guide_curves_are_due,
         },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare( wisp_registry* r )

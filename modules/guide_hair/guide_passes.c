@@ -146,7 +146,7 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
     };
     for ( int i = 0; i < state->follower_count; ++i )
     {
-        if ( guide_same( state->followers[i]->targets, entity ) )
+        if ( wisp_entity_equal( state->followers[i]->targets, entity ) )
         {
             fill_table( frame, span, state, state->followers[i], loop );
         }

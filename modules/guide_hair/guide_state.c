@@ -7,7 +7,7 @@ guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghost
 {
     for ( int i = 0; i < state->follower_count; ++i )
     {
-        if ( guide_same( state->followers[i]->ghosts, ghosts ) )
+        if ( wisp_entity_equal( state->followers[i]->ghosts, ghosts ) )
         {
             return state->followers[i];
         }
@@ -25,7 +25,7 @@ guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves 
 {
     for ( int i = 0; i < state->drawing_count; ++i )
     {
-        if ( guide_same( state->drawings[i]->curves, curves ) )
+        if ( wisp_entity_equal( state->drawings[i]->curves, curves ) )
         {
             return state->drawings[i];
         }
@@ -33,39 +33,16 @@ guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves 
     return NULL;
 }
 
-bool guide_reserve( wisp_world* world, void*** array, int* capacity, int count )
-{
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    if ( count < *capacity )
-    {
-        return true;
-    }
-    const int more = *capacity > 0 ? 2 * *capacity : 8;
-    void** grown = allocator->allocate( allocator->user, (size_t)more * sizeof( void* ), 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( *array != NULL )
-    {
-        memcpy( grown, *array, (size_t)count * sizeof( void* ) );
-        allocator->release( allocator->user, *array, (size_t)*capacity * sizeof( void* ) );
-    }
-    *array = grown;
-    *capacity = more;
-    return true;
-}
-
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity )
 {
     bool followed = false, drawn = false;
     for ( int i = 0; i < state->follower_count; ++i )
     {
-        followed = followed || guide_same( state->followers[i]->targets, entity );
+        followed = followed || wisp_entity_equal( state->followers[i]->targets, entity );
     }
     for ( int i = 0; i < state->drawing_count; ++i )
     {
-        drawn = drawn || guide_same( state->drawings[i]->source, entity );
+        drawn = drawn || wisp_entity_equal( state->drawings[i]->source, entity );
     }
     if ( followed == false && wisp_world_has( world, entity, state->before ) )
     {

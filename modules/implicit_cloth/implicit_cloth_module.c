@@ -62,30 +62,6 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     }
 }
 
-// Room for one surface more. @return false without memory
-static bool reserve( wisp_world* world, implicit_state* state )
-{
-    if ( state->link_count < state->link_capacity )
-    {
-        return true;
-    }
-    const wisp_allocator* a = wisp_world_allocator( world );
-    const int more = state->link_capacity > 0 ? 2 * state->link_capacity : 4;
-    implicit_links** grown = a->allocate( a->user, (size_t)more * sizeof( *grown ), 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( state->links != NULL )
-    {
-        memcpy( grown, state->links, (size_t)state->link_count * sizeof( *grown ) );
-        a->release( a->user, state->links, (size_t)state->link_capacity * sizeof( *grown ) );
-    }
-    state->links = grown;
-    state->link_capacity = more;
-    return true;
-}
-
 static wisp_status declare( wisp_registry* r )
 {
     implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
@@ -145,11 +121,7 @@ const wisp_module wisp_implicit_cloth_module = { .name = "implicit_cloth", .decl
 
 static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, low, high;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1e9f },
         { "bend_stiffness", d->bend_stiffness, 0.0f, 1e9f },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e9f },
@@ -165,14 +137,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "jacobian", (float)d->jacobian, 0.0f, (float)( WISP_IMPLICIT_JACOBIAN_COUNT - 1 ) },
         { "integrator", (float)d->integrator, 0.0f, (float)( WISP_IMPLICIT_INTEGRATOR_COUNT - 1 ) },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
+    const wisp_status status = wisp_world_check_ranges( world, "implicit cloth", ranges, WISP_COUNT( ranges ) );
+    if ( status != WISP_OK )
     {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "implicit cloth: %s: got %g, expected %g to %g",
-                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].low,
-                                    (double)ranges[i].high );
-        }
+        return status;
     }
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
     if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
@@ -293,7 +261,8 @@ wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, con
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_alone( world, surface, state ) : status;
-    if ( status == WISP_OK && reserve( world, state ) == false )
+    if ( status == WISP_OK && wisp_world_reserve( world, (void**)&state->links, &state->link_capacity,
+                                                  state->link_count, sizeof( *state->links ) ) == false )
     {
         status =
             wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d implicit cloths", state->link_count + 1 );

@@ -274,8 +274,7 @@ int implicit_find_index( const implicit_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->link_count; ++i )
     {
-        const wisp_entity e = state->links[i]->entity;
-        if ( e.index == entity.index && e.generation == entity.generation )
+        if ( wisp_entity_equal( state->links[i]->entity, entity ) )
         {
             return i;
         }

@@ -113,6 +113,11 @@ typedef struct wisp_entity
     uint32_t generation; ///< counts how often the slot was reused
 } wisp_entity;
 
+static inline bool wisp_entity_equal( wisp_entity a, wisp_entity b )
+{
+    return a.index == b.index && a.generation == b.generation;
+}
+
 /// Seconds on a monotonic clock with nanosecond resolution; only differences mean anything.
 WISP_API double wisp_clock_seconds( void );
 

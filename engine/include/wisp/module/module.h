@@ -112,6 +112,8 @@ typedef struct wisp_pass
 } wisp_pass;
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
+/// Declare passes in this order; the first failure ends it. @param user of every pass that has none
+WISP_API wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user );
 
 /// Substeps [span->substep, substep_end) of a span of items.
 typedef void wisp_joined_fn( wisp_frame* frame, const wisp_span* span, int substep_end, void* user );
@@ -225,6 +227,20 @@ WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity );
+/// Room for another element behind `count` of a list that belongs to the module's state.
+/// @param capacity elements that there is room for, 0 with a null array; doubles @return false without memory
+WISP_API bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element_size );
+
+/// A named number of a definition and where it may lie. NaN lies nowhere.
+typedef struct wisp_number_range
+{
+    const char* name;
+    float value, low, high;
+} wisp_number_range;
+
+/// Check numbers in their order. @return WISP_BAD_INPUT, "subject: name is value, it must be low to high"
+WISP_API wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
+                                              int count );
 /// Keep a sentence for wisp_world_message(), log it, and hand the status back.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
