@@ -1,16 +1,10 @@
 #include "file_kind.h"
 
 #include "info_results.h"
+#include "io_file.h"
 
 #include <errno.h>
 #include <string.h>
-#include <strings.h>
-
-bool file_ends_in( const char* path, const char* extension )
-{
-    size_t length = strlen( path ), tail = strlen( extension );
-    return length > tail && strcasecmp( path + length - tail, extension ) == 0;
-}
 
 static bool begins_with( const char* head, size_t size, const char* start, size_t length )
 {
@@ -40,13 +34,13 @@ static file_kind kind_of( const char* path, const char* head, size_t size )
     {
         return FILE_POINT_CACHE;
     }
-    if ( file_ends_in( path, ".json" ) && info_is_results( head, size ) )
+    if ( io_has_extension( path, ".json" ) && info_is_results( head, size ) )
     {
         return FILE_RESULTS;
     }
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
-        if ( file_ends_in( path, names[i].extension ) )
+        if ( io_has_extension( path, names[i].extension ) )
         {
             return names[i].kind;
         }

@@ -18,6 +18,3 @@ typedef enum file_kind
 /// @param kind FILE_UNKNOWN is no failure: the caller says which kinds it takes
 /// @return WISP_IO_ERROR the file cannot be opened or read
 wisp_status file_kind_find( const char* path, file_kind* kind, wisp_error* error );
-
-/// Whether a name ends in an extension, in small letters or capitals, and has something before it.
-bool file_ends_in( const char* path, const char* extension );

@@ -1,5 +1,6 @@
 #include "verbs.h"
 
+#include "io_file.h"
 #include "picture_draw.h"
 
 #include <stdlib.h>
@@ -223,7 +224,7 @@ static void check( struct argp_state* state, const picture_options* options )
     {
         argp_error( state, "expected -o FILE.png" );
     }
-    if ( !file_ends_in( options->output, ".png" ) )
+    if ( !io_has_extension( options->output, ".png" ) )
     {
         argp_error( state, "-o: got '%s', expected a file name that ends in .png", options->output );
     }

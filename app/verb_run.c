@@ -1,6 +1,6 @@
 #include "verbs.h"
 
-#include "file_kind.h"
+#include "io_file.h"
 #include "progress.h"
 #include "run_summary.h"
 #include "scene.h"
@@ -128,7 +128,7 @@ static bool parse_recorder( int key, char* argument, struct argp_state* state, r
 static void check( struct argp_state* state, const run_options* options )
 {
     const run_recorder_def* def = &options->recorder;
-    if ( options->boundary && !file_ends_in( options->boundary, ".ply" ) )
+    if ( options->boundary && !io_has_extension( options->boundary, ".ply" ) )
     {
         argp_error( state, "--boundary: got '%s', expected a file name that ends in .ply", options->boundary );
     }
@@ -170,21 +170,11 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_BOUNDARY:
             options->boundary = argument;
             return 0;
-        case ARGP_KEY_ARG:
-            if ( options->scene )
-            {
-                argp_error( state, "got a second scene '%s', expected one", argument );
-            }
-            options->scene = argument;
-            return 0;
-        case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a scene" );
-            return 0;
         case ARGP_KEY_SUCCESS:
             check( state, options );
             return 0;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
     }
 }
 

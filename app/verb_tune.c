@@ -97,21 +97,11 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_OUTPUT:
             options->output = argument;
             return 0;
-        case ARGP_KEY_ARG:
-            if ( options->scene )
-            {
-                argp_error( state, "got a second scene '%s', expected one", argument );
-            }
-            options->scene = argument;
-            return 0;
-        case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a scene" );
-            return 0;
         case ARGP_KEY_SUCCESS:
             check( state, options );
             return 0;
         default:
-            return ARGP_ERR_UNKNOWN;
+            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
     }
 }
 

@@ -94,3 +94,22 @@ int option_word( struct argp_state* state, const char* option, const char* text,
     argp_error( state, "%s: got '%s', expected one of %s", option, text, all );
     return 0;
 }
+
+bool option_input( struct argp_state* state, int key, const char* argument, const char* noun, const char** input )
+{
+    if ( key == ARGP_KEY_NO_ARGS )
+    {
+        argp_error( state, "expected a %s", noun );
+        return true;
+    }
+    if ( key != ARGP_KEY_ARG )
+    {
+        return false;
+    }
+    if ( *input )
+    {
+        argp_error( state, "got a second %s '%s', expected one", noun, argument );
+    }
+    *input = argument;
+    return true;
+}

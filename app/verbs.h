@@ -52,5 +52,9 @@ double option_positive( struct argp_state* state, const char* option, const char
 int option_word( struct argp_state* state, const char* option, const char* text, const char* const* words,
                  int count );
 
+/// The one input of a verb, such as its scene: keep it, or argp_error() if there are none or two.
+/// @param key of a parser @param noun what messages call it @return whether the key was about it
+bool option_input( struct argp_state* state, int key, const char* argument, const char* noun, const char** input );
+
 /// Words that --isa takes.
 extern const char* const option_isa_words[3];

@@ -69,15 +69,5 @@ wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_er
     }
     io_output output;
     wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = write( output.stream, groom, path, error );
-    if ( status != WISP_OK )
-    {
-        io_output_discard( &output );
-        return status;
-    }
-    return io_output_commit( &output, error );
+    return status == WISP_OK ? io_output_end( &output, write( output.stream, groom, path, error ), error ) : status;
 }

@@ -73,10 +73,10 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, hair_la
         return status;
     }
     layout->bytes = bytes;
-    layout->strand_count = groom_get_u32( bytes + AT_STRAND_COUNT );
-    layout->point_count = groom_get_u32( bytes + AT_POINT_COUNT );
-    layout->flags = groom_get_u32( bytes + AT_FLAGS );
-    layout->default_segments = groom_get_u32( bytes + AT_DEFAULT_SEGMENTS );
+    layout->strand_count = io_get_u32( bytes + AT_STRAND_COUNT );
+    layout->point_count = io_get_u32( bytes + AT_POINT_COUNT );
+    layout->flags = io_get_u32( bytes + AT_FLAGS );
+    layout->default_segments = io_get_u32( bytes + AT_DEFAULT_SEGMENTS );
 
     if ( layout->strand_count == 0 )
     {
@@ -158,7 +158,7 @@ static uint64_t segments_of( const hair_layout* layout, uint32_t strand )
     {
         return layout->default_segments;
     }
-    return groom_get_u16( layout->bytes + layout->segments + 2 * (size_t)strand );
+    return io_get_u16( layout->bytes + layout->segments + 2 * (size_t)strand );
 }
 
 static size_t byte_of_segments( const hair_layout* layout, uint32_t strand )
@@ -197,7 +197,7 @@ static void read_floats( const unsigned char* bytes, int count, float* values )
 {
     for ( int v = 0; values != NULL && v < count; ++v )
     {
-        values[v] = groom_get_float( bytes + 4 * (size_t)v );
+        values[v] = io_get_float( bytes + 4 * (size_t)v );
     }
 }
 
@@ -205,7 +205,7 @@ static void read_vectors( const unsigned char* bytes, int count, wisp_vec3* valu
 {
     for ( int v = 0; values != NULL && v < count; ++v )
     {
-        values[v] = groom_get_vec3( bytes + 12 * (size_t)v );
+        values[v] = io_get_vec3( bytes + 12 * (size_t)v );
     }
 }
 
@@ -280,13 +280,13 @@ static void write_header( FILE* out, const wisp_groom* groom )
     flags |= groom->thickness != NULL ? HAS_THICKNESS : 0;
     flags |= groom->transparency != NULL ? HAS_TRANSPARENCY : 0;
     flags |= groom->colour != NULL ? HAS_COLOUR : 0;
-    groom_put_u32( header + AT_STRAND_COUNT, (uint32_t)groom->strand_count );
-    groom_put_u32( header + AT_POINT_COUNT, (uint32_t)groom->vertex_count );
-    groom_put_u32( header + AT_FLAGS, flags );
-    groom_put_u32( header + AT_DEFAULT_SEGMENTS, (uint32_t)( groom->offsets[1] - 1 ) );
-    groom_put_float( header + AT_DEFAULT_THICKNESS, 8e-5f );
-    groom_put_float( header + AT_DEFAULT_TRANSPARENCY, 0.0f );
-    groom_put_vec3( header + AT_DEFAULT_COLOUR, ( wisp_vec3 ){ 0.35f, 0.22f, 0.13f } );
+    io_put_u32( header + AT_STRAND_COUNT, (uint32_t)groom->strand_count );
+    io_put_u32( header + AT_POINT_COUNT, (uint32_t)groom->vertex_count );
+    io_put_u32( header + AT_FLAGS, flags );
+    io_put_u32( header + AT_DEFAULT_SEGMENTS, (uint32_t)( groom->offsets[1] - 1 ) );
+    io_put_float( header + AT_DEFAULT_THICKNESS, 8e-5f );
+    io_put_float( header + AT_DEFAULT_TRANSPARENCY, 0.0f );
+    io_put_vec3( header + AT_DEFAULT_COLOUR, ( wisp_vec3 ){ 0.35f, 0.22f, 0.13f } );
     memcpy( header + AT_TEXT, text, sizeof text );
     fwrite( header, 1, sizeof header, out );
 }
@@ -296,7 +296,7 @@ static void write_floats( FILE* out, const float* values, int count )
     for ( int v = 0; values != NULL && v < count; ++v )
     {
         unsigned char bytes[4];
-        groom_put_float( bytes, values[v] );
+        io_put_float( bytes, values[v] );
         fwrite( bytes, 1, sizeof bytes, out );
     }
 }
@@ -306,7 +306,7 @@ static void write_vectors( FILE* out, const wisp_vec3* values, int count )
     for ( int v = 0; values != NULL && v < count; ++v )
     {
         unsigned char bytes[12];
-        groom_put_vec3( bytes, values[v] );
+        io_put_vec3( bytes, values[v] );
         fwrite( bytes, 1, sizeof bytes, out );
     }
 }
@@ -322,7 +322,7 @@ wisp_status wisp_groom_write_hair( FILE* out, const wisp_groom* groom, const cha
     for ( int s = 0; s < groom->strand_count; ++s )
     {
         unsigned char bytes[2];
-        groom_put_u16( bytes, (uint32_t)( groom->offsets[s + 1] - groom->offsets[s] - 1 ) );
+        io_put_u16( bytes, (uint32_t)( groom->offsets[s + 1] - groom->offsets[s] - 1 ) );
         fwrite( bytes, 1, sizeof bytes, out );
     }
     write_vectors( out, groom->points, groom->vertex_count );

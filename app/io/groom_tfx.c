@@ -38,7 +38,7 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, tfx_lay
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: the file ends inside the header of %d bytes",
                           layout->name, size, HEADER_SIZE );
     }
-    float version = groom_get_float( bytes );
+    float version = io_get_float( bytes );
     if ( !( version >= 4.0f && version < 6.0f ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -46,8 +46,8 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, tfx_lay
                           (double)version );
     }
     layout->bytes = bytes;
-    layout->strand_count = groom_get_u32( bytes + AT_STRAND_COUNT );
-    layout->vertices_per_strand = groom_get_u32( bytes + AT_VERTICES_PER_STRAND );
+    layout->strand_count = io_get_u32( bytes + AT_STRAND_COUNT );
+    layout->vertices_per_strand = io_get_u32( bytes + AT_VERTICES_PER_STRAND );
     if ( layout->strand_count == 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got 0 strands, expected at least 1", layout->name,
@@ -83,7 +83,7 @@ static wisp_status place_arrays( tfx_layout* layout, size_t size, wisp_error* er
     };
     for ( int i = 0; i < WISP_COUNT( arrays ); ++i )
     {
-        size_t start = groom_get_u32( layout->bytes + arrays[i].field );
+        size_t start = io_get_u32( layout->bytes + arrays[i].field );
         if ( start == 0 && arrays[i].field != AT_POSITIONS )
         {
             continue;
@@ -122,15 +122,15 @@ static void read_arrays( const tfx_layout* layout, wisp_groom* out )
     }
     for ( int v = 0; v < out->vertex_count; ++v )
     {
-        out->points[v] = groom_get_vec3( layout->bytes + layout->positions + 16 * (size_t)v );
+        out->points[v] = io_get_vec3( layout->bytes + layout->positions + 16 * (size_t)v );
         if ( out->thickness != NULL )
         {
             size_t strand = (size_t)( v / per_strand );
-            out->thickness[v] = groom_get_float( layout->bytes + layout->thickness + 4 * strand );
+            out->thickness[v] = io_get_float( layout->bytes + layout->thickness + 4 * strand );
         }
         if ( out->colour != NULL )
         {
-            out->colour[v] = groom_get_vec3( layout->bytes + layout->colour + 16 * (size_t)v );
+            out->colour[v] = io_get_vec3( layout->bytes + layout->colour + 16 * (size_t)v );
         }
     }
     out->dimension = groom_dimension_of( out );

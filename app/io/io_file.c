@@ -29,7 +29,7 @@ bool io_has_extension( const char* path, const char* extension )
 {
     size_t length = strlen( path );
     size_t wanted = strlen( extension );
-    if ( length < wanted )
+    if ( length <= wanted )
     {
         return false;
     }
@@ -320,6 +320,16 @@ void io_output_discard( io_output* output )
 {
     fclose( output->stream );
     forget( output );
+}
+
+wisp_status io_output_end( io_output* output, wisp_status status, wisp_error* error )
+{
+    if ( status != WISP_OK )
+    {
+        io_output_discard( output );
+        return status;
+    }
+    return io_output_commit( output, error );
 }
 
 wisp_status io_folder_make( const char* path, wisp_error* error )

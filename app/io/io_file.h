@@ -15,7 +15,7 @@
 /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT a folder, or too long; WISP_NO_MEMORY
 wisp_status io_file_read( const char* path, size_t size_cap, unsigned char** bytes, size_t* size, wisp_error* error );
 
-/// A file on its way out. Exactly one of io_output_commit() and io_output_discard() ends it.
+/// A file on its way out. Exactly one of io_output_commit(), io_output_discard() and io_output_end() ends it.
 typedef struct io_output
 {
     FILE* stream;  ///< write here, and leave errors to io_output_commit(): the stream remembers them
@@ -33,6 +33,9 @@ wisp_status io_output_commit( io_output* output, wisp_error* error );
 /// Forget what was written. The old file is untouched.
 void io_output_discard( io_output* output );
 
+/// Commit what was written with status WISP_OK, discard it with any other. @return the first failure
+wisp_status io_output_end( io_output* output, wisp_status status, wisp_error* error );
+
 /// Make a folder, whose parent is there; one that is there already is as good.
 /// @return WISP_IO_ERROR the operating system refused
 wisp_status io_folder_make( const char* path, wisp_error* error );
@@ -47,7 +50,8 @@ typedef struct io_numbers
 wisp_status io_numbers_begin( io_numbers* numbers, wisp_error* error );
 void io_numbers_end( io_numbers* numbers );
 
-/// Whether a path ends in `extension`, such as ".obj", in small or capital letters of ASCII: the locale has no say.
+/// Whether a path ends in `extension`, such as ".obj", in small or capital letters of ASCII, and has something before it.
+/// The locale has no say.
 bool io_has_extension( const char* path, const char* extension );
 
 /// The end of a long path, so that a sentence of 500 characters still has room for what is wrong.

@@ -57,17 +57,7 @@ static wisp_status write_file( const char* path, mesh_writer* write, const wisp_
 {
     io_output output;
     wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = write( output.stream, mesh, path, error );
-    if ( status != WISP_OK )
-    {
-        io_output_discard( &output );
-        return status;
-    }
-    return io_output_commit( &output, error );
+    return status == WISP_OK ? io_output_end( &output, write( output.stream, mesh, path, error ), error ) : status;
 }
 
 wisp_status wisp_mesh_write_obj( const char* path, const wisp_mesh* mesh, wisp_error* error )

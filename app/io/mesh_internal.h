@@ -25,10 +25,6 @@ extern "C"
     wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
     wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
 
-    // ---- mesh_write.c: little-endian numbers. @return the place behind them ----
-
-    unsigned char* mesh_put_u32( unsigned char* bytes, uint32_t value );
-    unsigned char* mesh_put_float( unsigned char* bytes, float value );
     /// Rows of `property list uchar int`.
     void mesh_put_triangles( FILE* out, const wisp_mesh* mesh );
 

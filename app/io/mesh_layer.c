@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "io_bytes.h"
 #include "io_file.h"
 
 enum
@@ -82,16 +83,13 @@ static wisp_status check_layer( const wisp_mesh* mesh, const wisp_mesh_layer* la
 
 static void put_row( FILE* out, const float* place, const float* normal, int element )
 {
-    unsigned char row[VERTEX_ROW], *at = row;
+    unsigned char row[VERTEX_ROW];
     for ( int k = 0; k < 3; ++k )
     {
-        at = mesh_put_float( at, place[k] );
+        io_put_float( row + 4 * k, place[k] );
+        io_put_float( row + 12 + 4 * k, normal[k] );
     }
-    for ( int k = 0; k < 3; ++k )
-    {
-        at = mesh_put_float( at, normal[k] );
-    }
-    mesh_put_u32( at, (uint32_t)element );
+    io_put_u32( row + 24, (uint32_t)element );
     fwrite( row, 1, sizeof row, out );
 }
 
@@ -121,7 +119,8 @@ static void put_layer( FILE* out, const wisp_mesh* mesh, const wisp_mesh_layer* 
     {
         unsigned char row[EDGE_ROW];
         const int32_t* edge = layer->edges + 2 * (size_t)e;
-        mesh_put_u32( mesh_put_u32( row, (uint32_t)edge[0] ), (uint32_t)edge[1] );
+        io_put_u32( row, (uint32_t)edge[0] );
+        io_put_u32( row + 4, (uint32_t)edge[1] );
         fwrite( row, 1, sizeof row, out );
     }
 }

@@ -1,8 +1,7 @@
 // Meshes out: OBJ for people and modellers, little-endian PLY for size and speed.
 #include "mesh_internal.h"
 
-#include <string.h>
-
+#include "io_bytes.h"
 #include "io_file.h"
 
 wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error )
@@ -35,23 +34,6 @@ wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wi
     return WISP_OK;
 }
 
-// Bytes are put one by one: the machine that writes may be big-endian.
-unsigned char* mesh_put_u32( unsigned char* bytes, uint32_t value )
-{
-    for ( int i = 0; i < 4; ++i )
-    {
-        bytes[i] = (unsigned char)( value >> 8 * i & 255 );
-    }
-    return bytes + 4;
-}
-
-unsigned char* mesh_put_float( unsigned char* bytes, float value )
-{
-    uint32_t bits;
-    memcpy( &bits, &value, sizeof bits );
-    return mesh_put_u32( bytes, bits );
-}
-
 void mesh_put_triangles( FILE* out, const wisp_mesh* mesh )
 {
     unsigned char row[13];
@@ -59,8 +41,10 @@ void mesh_put_triangles( FILE* out, const wisp_mesh* mesh )
     {
         const int32_t* triangle = mesh->triangles + 3 * t;
         row[0] = 3;
-        mesh_put_u32( mesh_put_u32( mesh_put_u32( row + 1, (uint32_t)triangle[0] ), (uint32_t)triangle[1] ),
-                      (uint32_t)triangle[2] );
+        for ( int k = 0; k < 3; ++k )
+        {
+            io_put_u32( row + 1 + 4 * k, (uint32_t)triangle[k] );
+        }
         fwrite( row, 1, sizeof row, out );
     }
 }
@@ -80,8 +64,7 @@ wisp_status mesh_put_ply( FILE* out, const wisp_mesh* mesh, const char* name, wi
     unsigned char row[12];
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
-        wisp_vec3 p = mesh->points[v];
-        mesh_put_float( mesh_put_float( mesh_put_float( row, p.x ), p.y ), p.z );
+        io_put_vec3( row, mesh->points[v] );
         fwrite( row, 1, sizeof row, out );
     }
     mesh_put_triangles( out, mesh );

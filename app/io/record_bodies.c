@@ -220,7 +220,7 @@ void record_get_points( const unsigned char* bytes, int count, wisp_vec3* points
 {
     for ( int v = 0; v < count; ++v )
     {
-        points[v] = groom_get_vec3( bytes + RECORD_POINT_SIZE * (size_t)v );
+        points[v] = io_get_vec3( bytes + RECORD_POINT_SIZE * (size_t)v );
     }
 }
 
@@ -228,7 +228,7 @@ void record_put_points( unsigned char* bytes, const wisp_vec3* points, int count
 {
     for ( int v = 0; v < count; ++v )
     {
-        groom_put_vec3( bytes + RECORD_POINT_SIZE * (size_t)v, points[v] );
+        io_put_vec3( bytes + RECORD_POINT_SIZE * (size_t)v, points[v] );
     }
 }
 
@@ -240,7 +240,7 @@ uint64_t record_checksum( uint64_t seed, const unsigned char* bytes, size_t size
         uint64_t word = 0;
         if ( size - at >= 8 )
         {
-            word = record_get_u64( bytes + at );
+            word = io_get_u64( bytes + at );
         }
         else
         {

@@ -1,7 +1,9 @@
 /// What the recording files share and nobody else sees.
 #pragma once
 
-#include "groom_internal.h"
+#include <string.h>
+
+#include "io_bytes.h"
 #include "io_file.h"
 #include "record.h"
 
@@ -52,32 +54,6 @@ enum
 #define RECORD_MAGIC "WISP\r\n\x1a\n"
 #define RECORD_FRAME_MAGIC "WISPFRAM"
 #define RECORD_END_MAGIC "WISPEND\n"
-
-static inline uint64_t record_get_u64( const unsigned char* bytes )
-{
-    return groom_get_u32( bytes ) | (uint64_t)groom_get_u32( bytes + 4 ) << 32;
-}
-
-static inline double record_get_double( const unsigned char* bytes )
-{
-    uint64_t bits = record_get_u64( bytes );
-    double value;
-    memcpy( &value, &bits, sizeof value );
-    return value;
-}
-
-static inline void record_put_u64( unsigned char* bytes, uint64_t value )
-{
-    groom_put_u32( bytes, (uint32_t)( value & 0xffffffffu ) );
-    groom_put_u32( bytes + 4, (uint32_t)( value >> 32 ) );
-}
-
-static inline void record_put_double( unsigned char* bytes, double value )
-{
-    uint64_t bits;
-    memcpy( &bits, &value, sizeof bits );
-    record_put_u64( bytes, bits );
-}
 
 /// Every step is a bijection of the hash and of the word, so that damage within one word never goes unseen.
 uint64_t record_checksum( uint64_t seed, const unsigned char* bytes, size_t size );

@@ -60,14 +60,12 @@ static wisp_status obj_frame( wisp_recorder* recorder, const record_frame* frame
     }
     io_numbers numbers;
     status = io_numbers_begin( &numbers, error );
-    if ( status != WISP_OK )
+    if ( status == WISP_OK )
     {
-        io_output_discard( &output );
-        return status;
+        write_frame( output.stream, recorder, frame );
+        io_numbers_end( &numbers );
     }
-    write_frame( output.stream, recorder, frame );
-    io_numbers_end( &numbers );
-    return io_output_commit( &output, error );
+    return io_output_end( &output, status, error );
 }
 
 // Every frame is a file that was finished on its own.

@@ -58,10 +58,10 @@ static wisp_status open_file( const wisp_recorder* recorder, int b, io_output* o
     // The number of samples is known at the end, and stays 0 until then.
     unsigned char header[HEADER_SIZE] = { 0 };
     memcpy( header, magic, sizeof magic );
-    groom_put_u32( header + AT_VERSION, VERSION );
-    groom_put_u32( header + AT_POINT_COUNT, (uint32_t)recorder->bodies.list[b].vertex_count );
-    groom_put_float( header + AT_START, 0.0f );
-    groom_put_float( header + AT_RATE, 1.0f );
+    io_put_u32( header + AT_VERSION, VERSION );
+    io_put_u32( header + AT_POINT_COUNT, (uint32_t)recorder->bodies.list[b].vertex_count );
+    io_put_float( header + AT_START, 0.0f );
+    io_put_float( header + AT_RATE, 1.0f );
     fwrite( header, 1, sizeof header, output->stream );
     return WISP_OK;
 }
@@ -95,7 +95,7 @@ static bool write_points( FILE* out, const wisp_vec3* points, int count )
     for ( int v = 0; v < count && written; ++v )
     {
         unsigned char bytes[RECORD_POINT_SIZE];
-        groom_put_vec3( bytes, points[v] );
+        io_put_vec3( bytes, points[v] );
         written = fwrite( bytes, 1, sizeof bytes, out ) == sizeof bytes;
     }
     return written;
@@ -118,7 +118,7 @@ static wisp_status pc2_write_frame( wisp_recorder* recorder, const record_frame*
 static wisp_status finish_file( io_output* output, int sample_count, wisp_error* error )
 {
     unsigned char bytes[4];
-    groom_put_u32( bytes, (uint32_t)sample_count );
+    io_put_u32( bytes, (uint32_t)sample_count );
     if ( fseek( output->stream, AT_SAMPLE_COUNT, SEEK_SET ) != 0 )
     {
         wisp_status status = record_refused( output->path, "go back to the header", error );
@@ -185,8 +185,8 @@ static wisp_status check_size( const wisp_pc2* cache, wisp_error* error )
 
 static wisp_status check_counts( wisp_pc2* cache, const unsigned char* bytes, wisp_error* error )
 {
-    uint32_t points = groom_get_u32( bytes + AT_POINT_COUNT );
-    uint32_t samples = groom_get_u32( bytes + AT_SAMPLE_COUNT );
+    uint32_t points = io_get_u32( bytes + AT_POINT_COUNT );
+    uint32_t samples = io_get_u32( bytes + AT_SAMPLE_COUNT );
     if ( points < 1 || points >= INT_MAX )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u points, expected 1 to %d", cache->source.name,
@@ -200,8 +200,8 @@ static wisp_status check_counts( wisp_pc2* cache, const unsigned char* bytes, wi
     cache->info = ( wisp_pc2_info ){
         .point_count = (int)points,
         .frame_count = (int)samples,
-        .start_frame = groom_get_float( bytes + AT_START ),
-        .sample_rate = groom_get_float( bytes + AT_RATE ),
+        .start_frame = io_get_float( bytes + AT_START ),
+        .sample_rate = io_get_float( bytes + AT_RATE ),
     };
     if ( !isfinite( cache->info.start_frame ) )
     {
@@ -240,7 +240,7 @@ static wisp_status read_pc2_header( wisp_pc2* cache, wisp_error* error )
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %zu: the file ends inside the header of %d bytes",
                           source->name, size, HEADER_SIZE );
     }
-    uint32_t version = groom_get_u32( bytes + AT_VERSION );
+    uint32_t version = io_get_u32( bytes + AT_VERSION );
     if ( version != VERSION )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got version %u, expected version %d", source->name,
@@ -319,7 +319,7 @@ wisp_status wisp_pc2_frame( wisp_pc2* cache, int index, wisp_vec3* points, wisp_
     for ( int v = 0; v < cache->info.point_count; ++v )
     {
         size_t offset = RECORD_POINT_SIZE * (size_t)v;
-        wisp_vec3 point = groom_get_vec3( bytes + offset );
+        wisp_vec3 point = io_get_vec3( bytes + offset );
         if ( record_find_not_finite( &point, 1 ) >= 0 )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %llu: frame %d, point %d is not finite", name,

@@ -45,7 +45,7 @@ static void put_bytes( base64* stream, const unsigned char* bytes, size_t size )
 static void put_number( base64* stream, int value )
 {
     unsigned char bytes[4];
-    groom_put_u32( bytes, (uint32_t)value );
+    io_put_u32( bytes, (uint32_t)value );
     put_bytes( stream, bytes, sizeof bytes );
 }
 
@@ -55,7 +55,7 @@ static base64 begin_array( FILE* out, const char* attributes, uint64_t number_co
     fprintf( out, "        <DataArray %s format=\"binary\">", attributes );
     base64 stream = { .out = out };
     unsigned char bytes[8];
-    record_put_u64( bytes, 4 * number_count );
+    io_put_u64( bytes, 4 * number_count );
     put_bytes( &stream, bytes, sizeof bytes );
     return stream;
 }
@@ -82,7 +82,7 @@ static void write_points( FILE* out, const wisp_vec3* points, int count )
     for ( int v = 0; v < count; ++v )
     {
         unsigned char bytes[RECORD_POINT_SIZE];
-        groom_put_vec3( bytes, points[v] );
+        io_put_vec3( bytes, points[v] );
         put_bytes( &stream, bytes, sizeof bytes );
     }
     end_array( &stream );

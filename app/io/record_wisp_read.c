@@ -64,13 +64,13 @@ static wisp_status find_header( wisp_recording* recording, wisp_error* error )
     {
         return status;
     }
-    uint32_t version = groom_get_u32( bytes + RECORD_AT_VERSION );
+    uint32_t version = io_get_u32( bytes + RECORD_AT_VERSION );
     if ( version != RECORD_VERSION )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got version %u, expected version %d", source->name,
                           RECORD_AT_VERSION, version, RECORD_VERSION );
     }
-    uint64_t header = record_get_u64( bytes + RECORD_AT_HEADER_BYTES );
+    uint64_t header = io_get_u64( bytes + RECORD_AT_HEADER_BYTES );
     if ( header < RECORD_AT_BODIES + RECORD_CHECKSUM_SIZE || header > WISP_RECORD_HEADER_CAP )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got a header of %llu bytes, expected %d .. %llu",
@@ -120,7 +120,7 @@ static int32_t* read_numbers( const header_cursor* cursor, size_t count )
     for ( size_t i = 0; numbers != NULL && i < count; ++i )
     {
         // Two's complement: indices beyond the signed range become negative and are refused as such.
-        uint32_t bits = groom_get_u32( cursor->bytes + cursor->at + 4 * i );
+        uint32_t bits = io_get_u32( cursor->bytes + cursor->at + 4 * i );
         memcpy( &numbers[i], &bits, sizeof bits );
     }
     return numbers;
@@ -134,10 +134,10 @@ static wisp_status read_body( header_cursor* cursor, int b, wisp_record_body* bo
         return status;
     }
     const unsigned char* head = cursor->bytes + cursor->at;
-    uint32_t kind = groom_get_u32( head );
-    uint32_t name_size = groom_get_u32( head + 4 );
-    uint32_t vertices = groom_get_u32( head + 8 );
-    uint32_t elements = groom_get_u32( head + 12 );
+    uint32_t kind = io_get_u32( head );
+    uint32_t name_size = io_get_u32( head + 4 );
+    uint32_t vertices = io_get_u32( head + 8 );
+    uint32_t elements = io_get_u32( head + 12 );
     if ( kind > RECORD_STRANDS || name_size > WISP_RECORD_MAX_NAME || vertices >= INT_MAX || elements >= INT_MAX )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -173,7 +173,7 @@ static wisp_status read_body( header_cursor* cursor, int b, wisp_record_body* bo
 
 static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor, wisp_error* error )
 {
-    uint32_t count = groom_get_u32( cursor->bytes + RECORD_AT_BODY_COUNT );
+    uint32_t count = io_get_u32( cursor->bytes + RECORD_AT_BODY_COUNT );
     if ( count < 1 || count > WISP_RECORD_MAX_BODIES )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %d: got %u bodies, expected 1 to %d", cursor->name,
@@ -203,14 +203,14 @@ static wisp_status read_figures( wisp_recording* recording, const header_cursor*
 {
     wisp_recording_info* info = &recording->info;
     info->body_count = recording->bodies.count;
-    info->step_seconds = record_get_double( cursor->bytes + RECORD_AT_STEP_SECONDS );
+    info->step_seconds = io_get_double( cursor->bytes + RECORD_AT_STEP_SECONDS );
     if ( !isfinite( info->step_seconds ) || info->step_seconds <= 0.0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: byte %d: got %g seconds between two frames, expected more than 0", cursor->name,
                           RECORD_AT_STEP_SECONDS, info->step_seconds );
     }
-    info->frame_bytes = record_get_u64( cursor->bytes + RECORD_AT_FRAME_BYTES );
+    info->frame_bytes = io_get_u64( cursor->bytes + RECORD_AT_FRAME_BYTES );
     uint64_t needed = RECORD_FRAME_AT_POINTS + record_point_bytes( &recording->bodies ) + RECORD_CHECKSUM_SIZE;
     if ( info->frame_bytes != needed || (size_t)needed != needed )
     {
@@ -233,7 +233,7 @@ static wisp_status read_header( wisp_recording* recording, wisp_error* error )
     size_t end = size - RECORD_CHECKSUM_SIZE;
     header_cursor cursor = { bytes, RECORD_AT_BODIES, end, recording->source.name };
     recording->seed = record_checksum( 0, bytes, end );
-    if ( recording->seed != record_get_u64( bytes + end ) )
+    if ( recording->seed != io_get_u64( bytes + end ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: byte %zu: the header is damaged, its checksum does not match its bytes", cursor.name,
@@ -263,11 +263,11 @@ static wisp_status read_end( wisp_recording* recording, wisp_error* error )
     }
     size_t end = RECORD_END_SIZE - RECORD_CHECKSUM_SIZE;
     uint64_t checksum = record_checksum( recording->seed, bytes, end );
-    if ( memcmp( bytes, RECORD_END_MAGIC, RECORD_MAGIC_SIZE ) != 0 || checksum != record_get_u64( bytes + end ) )
+    if ( memcmp( bytes, RECORD_END_MAGIC, RECORD_MAGIC_SIZE ) != 0 || checksum != io_get_u64( bytes + end ) )
     {
         return WISP_OK;
     }
-    uint64_t count = record_get_u64( bytes + RECORD_END_AT_COUNT );
+    uint64_t count = io_get_u64( bytes + RECORD_END_AT_COUNT );
     if ( count != (uint64_t)info->frame_count )
     {
         return wisp_fail(
@@ -410,20 +410,20 @@ static wisp_status check_head( const wisp_recording* recording, int index, const
                                wisp_error* error )
 {
     size_t end = (size_t)recording->info.frame_bytes - RECORD_CHECKSUM_SIZE;
-    if ( record_checksum( recording->seed, bytes, end ) != record_get_u64( bytes + end ) )
+    if ( record_checksum( recording->seed, bytes, end ) != io_get_u64( bytes + end ) )
     {
         return damaged( recording, index, "its checksum does not match its bytes", error );
     }
     if ( memcmp( bytes, RECORD_FRAME_MAGIC, RECORD_MAGIC_SIZE ) != 0 ||
-         record_get_u64( bytes + RECORD_FRAME_AT_BYTES ) != recording->info.frame_bytes )
+         io_get_u64( bytes + RECORD_FRAME_AT_BYTES ) != recording->info.frame_bytes )
     {
         return damaged( recording, index, "it does not start as frames do", error );
     }
-    if ( record_get_u64( bytes + RECORD_FRAME_AT_INDEX ) != (uint64_t)index )
+    if ( io_get_u64( bytes + RECORD_FRAME_AT_INDEX ) != (uint64_t)index )
     {
         return damaged( recording, index, "it has the number of another frame", error );
     }
-    return isfinite( record_get_double( bytes + RECORD_FRAME_AT_TIME ) )
+    return isfinite( io_get_double( bytes + RECORD_FRAME_AT_TIME ) )
                ? WISP_OK
                : damaged( recording, index, "its time is not finite", error );
 }
@@ -437,7 +437,7 @@ static wisp_status check_points( const wisp_recording* recording, int index, con
         const wisp_record_body* body = &recording->bodies.list[b];
         for ( int v = 0; v < body->vertex_count; ++v, at += RECORD_POINT_SIZE )
         {
-            wisp_vec3 point = groom_get_vec3( bytes + at );
+            wisp_vec3 point = io_get_vec3( bytes + at );
             if ( record_find_not_finite( &point, 1 ) >= 0 )
             {
                 return wisp_fail( error, WISP_BAD_INPUT,
@@ -482,11 +482,11 @@ wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec
     }
     if ( time != NULL )
     {
-        *time = record_get_double( bytes + RECORD_FRAME_AT_TIME );
+        *time = io_get_double( bytes + RECORD_FRAME_AT_TIME );
     }
     if ( hash != NULL )
     {
-        *hash = record_get_u64( bytes + RECORD_FRAME_AT_HASH );
+        *hash = io_get_u64( bytes + RECORD_FRAME_AT_HASH );
     }
     return WISP_OK;
 }

@@ -45,10 +45,10 @@ static unsigned char* put_body( unsigned char* at, const wisp_record_body* body 
 {
     bool strands = body->offsets != NULL;
     size_t name_size = strlen( body->name );
-    groom_put_u32( at, strands ? RECORD_STRANDS : RECORD_MESH );
-    groom_put_u32( at + 4, (uint32_t)name_size );
-    groom_put_u32( at + 8, (uint32_t)body->vertex_count );
-    groom_put_u32( at + 12, (uint32_t)( strands ? body->strand_count : body->triangle_count ) );
+    io_put_u32( at, strands ? RECORD_STRANDS : RECORD_MESH );
+    io_put_u32( at + 4, (uint32_t)name_size );
+    io_put_u32( at + 8, (uint32_t)body->vertex_count );
+    io_put_u32( at + 12, (uint32_t)( strands ? body->strand_count : body->triangle_count ) );
     at += RECORD_BODY_SIZE;
     memset( at, 0, padded( name_size ) );
     memcpy( at, body->name, name_size );
@@ -56,7 +56,7 @@ static unsigned char* put_body( unsigned char* at, const wisp_record_body* body 
     const int32_t* numbers = strands ? body->offsets : body->triangles;
     for ( size_t i = 0; i < number_count( body ); ++i, at += 4 )
     {
-        groom_put_u32( at, (uint32_t)numbers[i] );
+        io_put_u32( at, (uint32_t)numbers[i] );
     }
     return at;
 }
@@ -64,18 +64,18 @@ static unsigned char* put_body( unsigned char* at, const wisp_record_body* body 
 static void put_header( unsigned char* bytes, size_t size, const wisp_recorder* recorder, own_file* file )
 {
     memcpy( bytes, RECORD_MAGIC, RECORD_MAGIC_SIZE );
-    groom_put_u32( bytes + RECORD_AT_VERSION, RECORD_VERSION );
-    groom_put_u32( bytes + RECORD_AT_BODY_COUNT, (uint32_t)recorder->bodies.count );
-    record_put_u64( bytes + RECORD_AT_HEADER_BYTES, size );
-    record_put_u64( bytes + RECORD_AT_FRAME_BYTES, file->frame_bytes );
-    record_put_double( bytes + RECORD_AT_STEP_SECONDS, recorder->step_seconds );
+    io_put_u32( bytes + RECORD_AT_VERSION, RECORD_VERSION );
+    io_put_u32( bytes + RECORD_AT_BODY_COUNT, (uint32_t)recorder->bodies.count );
+    io_put_u64( bytes + RECORD_AT_HEADER_BYTES, size );
+    io_put_u64( bytes + RECORD_AT_FRAME_BYTES, file->frame_bytes );
+    io_put_double( bytes + RECORD_AT_STEP_SECONDS, recorder->step_seconds );
     unsigned char* at = bytes + RECORD_AT_BODIES;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
         at = put_body( at, &recorder->bodies.list[b] );
     }
     file->seed = record_checksum( 0, bytes, size - RECORD_CHECKSUM_SIZE );
-    record_put_u64( at, file->seed );
+    io_put_u64( at, file->seed );
 }
 
 // Puts the header in the place of an old recording in one step, and keeps the new file open behind it.
@@ -186,10 +186,10 @@ static wisp_status own_frame( wisp_recorder* recorder, const record_frame* frame
     own_file* file = recorder->file;
     unsigned char* bytes = file->buffer;
     memcpy( bytes, RECORD_FRAME_MAGIC, RECORD_MAGIC_SIZE );
-    record_put_u64( bytes + RECORD_FRAME_AT_BYTES, file->frame_bytes );
-    record_put_u64( bytes + RECORD_FRAME_AT_INDEX, (uint64_t)recorder->frame_count );
-    record_put_double( bytes + RECORD_FRAME_AT_TIME, frame->time );
-    record_put_u64( bytes + RECORD_FRAME_AT_HASH, frame->hash );
+    io_put_u64( bytes + RECORD_FRAME_AT_BYTES, file->frame_bytes );
+    io_put_u64( bytes + RECORD_FRAME_AT_INDEX, (uint64_t)recorder->frame_count );
+    io_put_double( bytes + RECORD_FRAME_AT_TIME, frame->time );
+    io_put_u64( bytes + RECORD_FRAME_AT_HASH, frame->hash );
     unsigned char* at = bytes + RECORD_FRAME_AT_POINTS;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
@@ -197,7 +197,7 @@ static wisp_status own_frame( wisp_recorder* recorder, const record_frame* frame
         record_put_points( at, frame->points[b], count );
         at += RECORD_POINT_SIZE * (size_t)count;
     }
-    record_put_u64( at, record_checksum( file->seed, bytes, file->frame_bytes - RECORD_CHECKSUM_SIZE ) );
+    io_put_u64( at, record_checksum( file->seed, bytes, file->frame_bytes - RECORD_CHECKSUM_SIZE ) );
     return append( recorder, bytes, file->frame_bytes, error );
 }
 
@@ -207,9 +207,9 @@ static wisp_status write_end( wisp_recorder* recorder, wisp_error* error )
     own_file* file = recorder->file;
     unsigned char bytes[RECORD_END_SIZE];
     memcpy( bytes, RECORD_END_MAGIC, RECORD_MAGIC_SIZE );
-    record_put_u64( bytes + RECORD_END_AT_COUNT, (uint64_t)recorder->frame_count );
+    io_put_u64( bytes + RECORD_END_AT_COUNT, (uint64_t)recorder->frame_count );
     uint64_t checksum = record_checksum( file->seed, bytes, sizeof bytes - RECORD_CHECKSUM_SIZE );
-    record_put_u64( bytes + sizeof bytes - RECORD_CHECKSUM_SIZE, checksum );
+    io_put_u64( bytes + sizeof bytes - RECORD_CHECKSUM_SIZE, checksum );
     wisp_status status = append( recorder, bytes, sizeof bytes, error );
     // Devices and pipes have nothing to bring to a disk, and say so with EINVAL.
     if ( status == WISP_OK && fsync( file->descriptor ) != 0 && errno != EINVAL && errno != EROFS )

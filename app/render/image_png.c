@@ -29,15 +29,6 @@ wisp_status image_write_png( const char* path, const image* picture, wisp_error*
     }
     io_output output;
     wisp_status status = io_output_open( path, &output, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    status = write_to( output.stream, path, picture, error );
-    if ( status != WISP_OK )
-    {
-        io_output_discard( &output );
-        return status;
-    }
-    return io_output_commit( &output, error );
+    return status == WISP_OK ? io_output_end( &output, write_to( output.stream, path, picture, error ), error )
+                             : status;
 }
