@@ -1,7 +1,6 @@
 /// trig.h in lanes, bit for bit, with the same bounds:
 ///
 ///   P_sincos( x, &sine, &cosine )
-///   P_acos( x )
 ///   P_atan2( y, x )
 #pragma once
 

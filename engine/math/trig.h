@@ -11,10 +11,9 @@
 /// Largest |x| for which trig_sincos() keeps its bound.
 #define TRIG_SINCOS_RANGE 10000.0f
 
-/// Bounds on the absolute error, measured against double precision: over every float in range for the first two
-/// (9.39e-8 and 2.50e-7), over 4e8 random pairs for the third (2.67e-7). test_math.c measures a part of them again.
+/// Bounds on the absolute error, measured against double precision: over every float in range for the first (9.39e-8),
+/// over 4e8 random pairs for the second (2.67e-7). test_math.c measures a part of them again.
 #define TRIG_SINCOS_ERROR 1.0e-7f
-#define TRIG_ACOS_ERROR 2.6e-7f
 #define TRIG_ATAN2_ERROR 3.0e-7f
 
 /// Sine and cosine, each within TRIG_SINCOS_ERROR for |x| <= TRIG_SINCOS_RANGE. Farther out the angle is lost but both
@@ -22,12 +21,6 @@
 static inline void trig_sincos( float x, float* sine, float* cosine )
 {
     lane1_sincos( x, sine, cosine );
-}
-
-/// Arc cosine in [0, pi], within TRIG_ACOS_ERROR. Arguments beyond 1 or -1 count as 1 or -1; NaN gives NaN.
-static inline float trig_acos( float x )
-{
-    return lane1_acos( x );
 }
 
 /// Angle of (x, y) in [-pi, pi], within TRIG_ATAN2_ERROR for |x|, |y| < 1e38; NaN gives NaN.

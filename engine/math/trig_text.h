@@ -1,4 +1,4 @@
-// Sine, cosine, arc cosine and arc tangent from + - * / sqrt and comparisons only: the same bits everywhere.
+// Sine, cosine and arc tangent from + - * / sqrt and comparisons only: the same bits everywhere.
 // Included once per width with LANE_P (lane1, lane8, lane16), so that scalar and lanes share one text; therefore no
 // include guard. The polynomials are those of Cephes (Moshier, single precision); what trig.h promises is measured
 // by tests/engine/test_math.c.
@@ -45,34 +45,6 @@ LANE_INLINE void P( _sincos )( LANE_P x, LANE_P* sine, LANE_P* cosine )
     P( i ) cosine_sign = P( i_shift_left )( P( i_add )( quadrant, one ), 30 );
     *sine = P( _trig_flip )( P( _select )( swap, c, s ), sine_sign );
     *cosine = P( _trig_flip )( P( _select )( swap, s, c ), cosine_sign );
-}
-
-LANE_INLINE LANE_P P( _acos )( LANE_P x )
-{
-    // Rounding may have pushed a cosine past 1; NaN passes because it is the second operand.
-    LANE_P magnitude = P( _min )( TRIG_NUMBER( 1.0f ), P( _abs )( x ) );
-
-    // asin( a ) directly, or above a half through asin( sqrt( (1 - a) / 2 ) ), where nothing cancels.
-    P( m ) large = P( _gt )( magnitude, TRIG_NUMBER( 0.5f ) );
-    LANE_P half_gap = P( _mul )( TRIG_NUMBER( 0.5f ), P( _sub )( TRIG_NUMBER( 1.0f ), magnitude ) );
-    LANE_P z = P( _select )( large, half_gap, P( _mul )( magnitude, magnitude ) );
-    LANE_P s = P( _select )( large, P( _sqrt )( half_gap ), magnitude );
-
-    LANE_P p = P( _mul_add )( z, TRIG_NUMBER( 4.2163199048e-2f ), TRIG_NUMBER( 2.4181311049e-2f ) );
-    p = P( _mul_add )( z, p, TRIG_NUMBER( 4.5470025998e-2f ) );
-    p = P( _mul_add )( z, p, TRIG_NUMBER( 7.4953002686e-2f ) );
-    p = P( _mul_add )( z, p, TRIG_NUMBER( 1.6666752422e-1f ) );
-    LANE_P asin = P( _mul_add )( P( _mul )( s, z ), p, s );
-
-    // acos is 2 asin for x > 0.5, pi - 2 asin for x < -0.5, and pi/2 -+ asin between.
-    P( m ) negative = P( _lt )( x, P( _zero )() );
-    LANE_P base = P( _select )( negative, TRIG_NUMBER( 3.14159265f ), P( _zero )() );
-    base = P( _select )( large, base, TRIG_NUMBER( 1.57079633f ) );
-    LANE_P arc = P( _select )( large, P( _add )( asin, asin ), P( _neg )( asin ) );
-    LANE_P signed_arc = P( _trig_flip )( arc, P( _cast_int )( x ) );
-
-    // The floats of pi and pi/2 are too large by the same ratio; the small arc takes the correction.
-    return P( _add )( base, P( _mul_add )( base, TRIG_NUMBER( -2.7827535e-8f ), signed_arc ) );
 }
 
 LANE_INLINE LANE_P P( _atan2 )( LANE_P y, LANE_P x )

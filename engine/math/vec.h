@@ -68,26 +68,3 @@ static inline void v3_basis( wisp_vec3 t, wisp_vec3* b1, wisp_vec3* b2 )
     *b1 = ( wisp_vec3 ){ 1.0f + sign * t.x * t.x * a, sign * b, -sign * t.x };
     *b2 = ( wisp_vec3 ){ b, sign + t.y * t.y * a, -t.y };
 }
-
-/// A 3 x 3 matrix by rows.
-typedef struct m3
-{
-    wisp_vec3 row[3];
-} m3;
-
-static inline wisp_vec3 m3_transform( m3 m, wisp_vec3 v )
-{
-    return ( wisp_vec3 ){ v3_dot( m.row[0], v ), v3_dot( m.row[1], v ), v3_dot( m.row[2], v ) };
-}
-
-/// The matrix of v3_rotate(): cheaper when one rotation serves many vectors.
-static inline m3 m3_rodrigues( wisp_vec3 axis, float sine, float cosine )
-{
-    wisp_vec3 w = v3_scale( axis, 1.0f - cosine );
-    wisp_vec3 s = v3_scale( axis, sine );
-    return ( m3 ){ {
-        { w.x * axis.x + cosine, w.x * axis.y - s.z, w.x * axis.z + s.y },
-        { w.y * axis.x + s.z, w.y * axis.y + cosine, w.y * axis.z - s.x },
-        { w.z * axis.x - s.y, w.z * axis.y + s.x, w.z * axis.z + cosine },
-    } };
-}

@@ -51,40 +51,6 @@ static void sine_and_cosine_stay_bounded_beyond_their_range( void** state )
     }
 }
 
-static void check_acos( float x )
-{
-    double error = fabs( (double)trig_acos( x ) - acos( (double)x ) );
-    if ( !( error <= (double)TRIG_ACOS_ERROR ) )
-    {
-        fail_msg( "x = %.9g: arc cosine off by %g", (double)x, error );
-    }
-}
-
-static void arc_cosine_keeps_its_bound( void** state )
-{
-    (void)state;
-    for ( uint32_t bits = bits_of( 0x1p-20f ); bits <= bits_of( 1.0f ); bits += 499 )
-    {
-        check_acos( float_of( bits ) );
-        check_acos( -float_of( bits ) );
-    }
-    check_acos( -0.538649023f );
-    check_acos( 0.0f );
-    check_acos( -0.0f );
-    check_acos( 1.0f );
-    check_acos( -1.0f );
-}
-
-static void arc_cosine_counts_what_lies_beyond_one_as_one( void** state )
-{
-    (void)state;
-    assert_same_bits( trig_acos( 1.0f ), 0.0f, 0 );
-    assert_same_bits( trig_acos( 1.0000001f ), 0.0f, 0 );
-    assert_same_bits( trig_acos( INFINITY ), 0.0f, 0 );
-    assert_same_bits( trig_acos( -7.0f ), trig_acos( -1.0f ), 0 );
-    assert_true( isnan( trig_acos( NAN ) ) );
-}
-
 static void check_atan2( float y, float x )
 {
     double error = fabs( (double)trig_atan2( y, x ) - atan2( (double)y, (double)x ) );
@@ -203,24 +169,6 @@ static void a_rotation_turns_counter_clockwise_by_its_angle( void** state )
     assert_close_v3( v3_rotate( z, 0.6f, 0.8f, x ), ( wisp_vec3 ){ 0.8f, 0.6f, 0.0f } );
 }
 
-static void the_matrix_of_rodrigues_is_orthogonal_and_agrees_with_the_formula( void** state )
-{
-    (void)state;
-    for ( int k = 0; k < DIRECTION_COUNT; ++k )
-    {
-        float sine, cosine;
-        trig_sincos( 0.013f * (float)k, &sine, &cosine );
-        wisp_vec3 axis = direction( k ), v = direction( ( k * 7 ) % DIRECTION_COUNT );
-        m3 m = m3_rodrigues( axis, sine, cosine );
-        for ( int row = 0; row < 3; ++row )
-        {
-            assert_close( v3_length( m.row[row] ), 1.0f );
-            assert_close_v3( v3_cross( m.row[row], m.row[( row + 1 ) % 3] ), m.row[( row + 2 ) % 3] );
-        }
-        assert_close_v3( m3_transform( m, v ), v3_rotate( axis, sine, cosine, v ) );
-    }
-}
-
 static void vectors_are_added_scaled_and_multiplied( void** state )
 {
     (void)state;
@@ -260,15 +208,12 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( sine_and_cosine_keep_their_bound ),
         cmocka_unit_test( sine_and_cosine_stay_bounded_beyond_their_range ),
-        cmocka_unit_test( arc_cosine_keeps_its_bound ),
-        cmocka_unit_test( arc_cosine_counts_what_lies_beyond_one_as_one ),
         cmocka_unit_test( arc_tangent_keeps_its_bound ),
         cmocka_unit_test( arc_tangent_knows_its_quadrants ),
         cmocka_unit_test( the_angle_of_the_origin_is_zero ),
         cmocka_unit_test( a_basis_is_orthonormal_and_right_handed ),
         cmocka_unit_test( a_rotation_keeps_lengths_and_angles ),
         cmocka_unit_test( a_rotation_turns_counter_clockwise_by_its_angle ),
-        cmocka_unit_test( the_matrix_of_rodrigues_is_orthogonal_and_agrees_with_the_formula ),
         cmocka_unit_test( vectors_are_added_scaled_and_multiplied ),
         cmocka_unit_test( what_has_no_direction_gets_the_fallback ),
     };
