@@ -46,7 +46,7 @@ typedef struct picture_body
     const int32_t* offsets; ///< [strand_count + 1] of strands, else null
     int strand_count;
     wisp_vec3* points;  ///< [vertex_count]
-    float* widths;      ///< [vertex_count] m, diameters of strands; null where nothing tells them
+    float* widths;      ///< [vertex_count] m, diameters of strands; null if unknown
     wisp_vec3* colours; ///< [vertex_count] linear RGB of strands, or null
     float* values;      ///< [vertex_count] strain or speed, or null where there is none
     picture_layer layer;
@@ -73,7 +73,7 @@ struct picture_source
     int frame_count;    ///< >= 1
     int frame;          ///< the loaded one, -1: none
     bool has_seconds;   ///< frames have a time
-    double step;        ///< s, the usual distance of two frames; 1 where nothing tells it
+    double step;        ///< s, the usual distance of two frames; 1 if unknown
     progress* bar;      ///< where steps on the way to a frame are shown, or null
     void* state;        ///< of the input
     wisp_vec3** points; ///< [body_count] the points of each body, as readers take them
@@ -91,8 +91,8 @@ typedef struct picture_source_def
 
 /// @param def its texts must outlive the source
 /// @param out zero on failure
-/// @return WISP_BAD_INPUT the file is wrong, shows nothing, cannot tell the value, or lacks the layer that was asked
-///         for; WISP_IO_ERROR; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT the file is wrong, shows nothing, or has no such value or layer;
+///         WISP_IO_ERROR; WISP_NO_MEMORY
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error );
 
 /// Load a frame, unless it is loaded already.

@@ -63,7 +63,7 @@ static int count_layers( const wisp_scene* scene )
     return count;
 }
 
-/// Room for the arrays and the name of a file, and the wishes for what is in it.
+/// Allocate the arrays and the file name, and request what the file holds.
 static wisp_status prepare_files( run_layers* l, wisp_error* error )
 {
     const wisp_scene* scene = l->world->scene;

@@ -1,4 +1,4 @@
-/// From a scene, which is data, to a world that runs: grooms and meshes read or made, effects attached, wishes,
+/// From a scene, which is data, to a world that runs: grooms and meshes read or generated, effects attached, requests,
 /// commands and scripts.
 #pragma once
 
@@ -13,7 +13,7 @@ typedef struct scene_world_options
 {
     int workers;     ///< 0: as the scene says
     const char* isa; ///< null: the best there is
-    bool is_quiet;   ///< tell no warnings: who makes world after world of one scene has told them with the first
+    bool is_quiet;   ///< print no warnings: the first of several worlds of one scene has printed them
 } scene_world_options;
 
 /// A surface of the scene as the world has it.
@@ -57,28 +57,28 @@ typedef struct scene_world
 const wisp_module* const* scene_world_modules( int* count );
 
 /// @param out zero on failure; must stay where it is, the world's log points at it
-/// @return what went wrong; the sentence names the scene's line if the cause is there
+/// @return what went wrong; the message names the line of the scene if the cause is there
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error );
 
 /// The commands and scripts of the next step, then the step.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
 
-/// Write the files that the scene asks for, with width and colour where they are wanted.
+/// Write the files of the scene's `output`, with width and colour where they are requested.
 wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error );
 
-/// A groom of the scene, read or made, and checked against what the scene says about it.
+/// Read or generate a groom of the scene, and check it against the entry.
 /// @param out to be released; empty on failure
 wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error );
 
-/// The same for who has the groom that an entry is scattered around, or whose strands its curves run through, already.
+/// The same with a source that exists already: the groom that the entry is scattered around, or that its curves follow.
 /// @param source null if the entry needs none
 wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_groom* source, wisp_groom* out,
                             wisp_error* error );
-/// The entry whose groom another one needs. @return an index into the scene's strands, -1: none
+/// Find the entry whose groom another one needs. @return an index into the scene's strands, -1: none
 int scene_groom_source( const wisp_scene* scene, int strands );
 
-/// The mesh of a surface, read or made, repaired as the scene says, and where it starts. Repairs are told on stderr.
+/// Read or generate the mesh of a surface, repair it as the scene says, and place it. Repairs are reported on stderr.
 /// @param out to be released; empty on failure
 wisp_status scene_surface_mesh( const wisp_scene* scene, int surface, wisp_mesh* out, wisp_error* error );
 
@@ -118,7 +118,7 @@ int scene_world_body_count( const scene_world* world );
 int scene_world_moving_count( const scene_world* world );
 scene_body scene_world_body( const scene_world* world, int body );
 
-/// What may be asked of a body from the next step on.
+/// What can be requested of a body from the next step on.
 typedef enum scene_wish
 {
     SCENE_WISH_POINTS,  ///< strands and surfaces
@@ -130,8 +130,8 @@ typedef enum scene_wish
     SCENE_WISH_NORMALS  ///< surfaces
 } scene_wish;
 
-/// Ask for more than the scene does; asking twice is asking once. Nothing is asked of a collider: its points are known.
-/// @return WISP_BAD_INPUT the body has no such thing (the sentence names the body)
+/// Add a request to those of the scene. A second equal one changes nothing, and colliders need none: their points are known.
+/// @return WISP_BAD_INPUT the body has no such thing (the message names the body)
 wisp_status scene_world_want( scene_world* world, int body, scene_wish wish, wisp_error* error );
 
 /// Where the vertices are now. Before the first step: where they start. A collider: at its pose of the last step.

@@ -8,7 +8,7 @@
 /// @param what the kind of entry, such as "surface"
 wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
                            wisp_status status, const char* sentence, wisp_error* error );
-/// The sentence is the world's last one.
+/// The message is the last one of the world.
 wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
                                 wisp_error* error );
 
@@ -23,8 +23,8 @@ wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 
 // ---- surfaces and colliders ----
 
-/// Read or make, repair, demand, scale; a repair is told on stderr.
-/// @param called what a warning about repairs begins with; null: none is told
+/// Read or generate, repair, check and scale a mesh. Repairs are reported on stderr.
+/// @param called start of a warning about repairs; null: no warning
 /// @param repairs receives what was done, to be released; may be null
 wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
                              wisp_mesh_repairs* repairs, wisp_error* error );
@@ -32,7 +32,7 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
 void scene_surfaces_release( scene_world* world );
-/// Make a surface the implicit cloth that its entry tells, or begin it anew. On failure the sentence is the world's last one.
+/// Attach implicit cloth to a surface as its entry says, or restart it. On failure the message is the last one of the world.
 wisp_status scene_implicit_set( scene_world* world, int surface );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );

@@ -9,5 +9,5 @@
 bool info_is_results( const char* bytes, size_t size );
 
 /// Check a result file against the schema and print its facts and rows.
-/// @return WISP_BAD_INPUT the sentence names the line, or the row and key; WISP_IO_ERROR
+/// @return WISP_BAD_INPUT the message names the line, or the row and key; WISP_IO_ERROR
 wisp_status info_results( const char* path, FILE* out, wisp_error* error );

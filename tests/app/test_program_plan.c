@@ -197,6 +197,7 @@ static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( vo
     assert_non_null( strstr( result.out, "requested by the scene\n" ) );
     assert_non_null( strstr( result.out, "read by frozen_hair.align" ) );
     assert_non_null( strstr( result.out, "needs component balloon.gas, which no entity has\n" ) );
+    // every line ends in a newline
     for ( const char* line = result.out; *line; line += strcspn( line, "\n" ) + 1 )
     {
         assert_true( strcspn( line, "\n" ) <= 100 );

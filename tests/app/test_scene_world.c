@@ -518,7 +518,8 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
                     "test.yaml:4:5: surface 'b': pins: got vertex 42, but the mesh has 42 vertices, counted from 0" );
     demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 5 }, "
                     "balloon: { outlet_nearest: [0, 0, 0], outlet_radius: 1 } }\n",
-                    "test.yaml:3:5: surface 'a': balloon.outlet_radius: got more than 64 vertices within 1 m, which is the limit" );
+                    "test.yaml:3:5: surface 'a': balloon.outlet_radius: got more than 64 vertices within 1 m, which "
+                    "is the limit" );
 }
 
 static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )

@@ -139,8 +139,7 @@ static void of_many_readers_words_name_three_and_the_list_has_all( void** state 
     assert_int_equal( make->reason_count, 6 );
     assert_null( make->reasons[0].reader );
     assert_string_equal( make->reasons[5].reader, "r5" );
-    assert_string_equal( make->because,
-                         "fake.A requested by the scene and read by r3, r4, r5 and 2 others" );
+    assert_string_equal( make->because, "fake.A requested by the scene and read by r3, r4, r5 and 2 others" );
     wisp_plan_report_release( report );
     wisp_world_destroy( world );
 }

@@ -16,7 +16,7 @@
     X( "intensity: got 1.01,", d->intensity = 1.01f )                                                                \
     X( "intensity: got -0.01,", d->intensity = -0.01f )                                                              \
     X( "cursor.x: got 1.1e+06,", d->cursor.x = 1.1e6f )                                                              \
-    X( "cursor.y: got", d->cursor.y = NAN )                                                                            \
+    X( "cursor.y: got", d->cursor.y = NAN )                                                                          \
     X( "cursor.z: got -inf,", d->cursor.z = -INFINITY )                                                              \
     X( "reach: got -1,", d->reach = -1.0f )                                                                          \
     X( "clump_radius: got 0,", d->clump_radius = 0.0f )                                                              \
