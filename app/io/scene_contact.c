@@ -84,7 +84,7 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
       .at = offsetof( owner, contact.thickness ),                                                                    \
       .range = RANGE( 0, 1e6 ),                                                                                      \
       .unit = METRES,                                                                                                \
-      .initial = "a quarter of the mean edge, or the mean segment of strands",                                       \
+      .initial = "a quarter of the mean edge, or of the mean segment",                                               \
       .help = "Two participants keep half of the sum of theirs apart; to lie flat it must be below the shortest "    \
               "edges." },                                                                                            \
         { "friction", SCENE_NUMBER, .at = offsetof( owner, contact.friction ), .range = RANGE( 0, 1e6 ),             \

@@ -104,9 +104,9 @@ static const scene_field GRID_FIELDS[] = {
     { "cell_size", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES, .help = "Edge of a cell.",
       .initial = "twice the mean segment" },
     { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE,
-      .help = "Part of the difference to the mean velocity of the cell that is taken away in 1/60 s." },
+      .help = "Part of the difference to the mean velocity of the cells around that is taken away in 1/60 s." },
     { "repulsion", SCENE_NUMBER, .at = GRID( repulsion ), .range = RANGE( 0, 1e6 ), .unit = ACCELERATIONS,
-      .help = "Acceleration away from denser cells." },
+      .help = "Acceleration towards thinner cells where the density is twice that at rest." },
 };
 const scene_block SCENE_GRID_BLOCK = BLOCK( GRID_FIELDS );
 

@@ -162,7 +162,7 @@ static void files_hold_the_vertices_and_behind_them_the_points( void** state )
     }
     wisp_mesh_release( &mesh );
     run_well( "info layer_0003.ply" );
-    assert_non_null( strstr( result.out, "vertices of no triangle" ) );
+    assert_non_null( strstr( result.out, "unreferenced vertices" ) );
 }
 
 static void several_surfaces_are_a_file_each( void** state )

@@ -282,7 +282,7 @@ static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void*
         "test.yaml:3:5: surface 'a': pins: got vertex 0, which the mesh does not have or which repair removed" );
     demand_refusal(
         "wisp: 1\nsurfaces:\n  - { name: a, file: scene_world_loose.obj, require: [clean] }\n",
-        "test.yaml:3:5: surface 'a': scene_world_loose.obj: vertices of no triangle: 1, the first is vertex 0" );
+        "test.yaml:3:5: surface 'a': scene_world_loose.obj: unreferenced vertices: 1, the first is vertex 0" );
     remove( "scene_world_loose.obj" );
 }
 
