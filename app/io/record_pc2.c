@@ -232,8 +232,7 @@ static wisp_status read_pc2_header( wisp_pc2* cache, wisp_error* error )
     }
     if ( memcmp( bytes, magic, size < sizeof magic ? size : sizeof magic ) != 0 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: byte 0: expected \"POINTCACHE2\" and a zero", source->name );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 0: expected \"POINTCACHE2\" and a zero", source->name );
     }
     if ( size < HEADER_SIZE )
     {
