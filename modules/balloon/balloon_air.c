@@ -8,8 +8,8 @@ static float dot( wisp_vec3 a, wisp_vec3 b )
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// The limit of section 9 keeps an explicit step from turning a velocity round. A thrust, which only `signed` knows, has the
-// same one: without it the rear of a slack skin is thrown into its front faster than the step can follow.
+// Limit an explicit step so that drag never reverses a velocity. The thrust that `signed` gives has the same limit: without it
+// the rear of a slack skin is thrown into its front.
 wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
                               float dt_w )
 {
@@ -54,7 +54,7 @@ void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// Shared by mass, so that it turns nothing. The gas's own weight is inside this difference of densities.
+// Share buoyancy by mass, which gives no torque. The difference of densities contains the weight of the gas.
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;

@@ -1,11 +1,11 @@
-// Angular momentum, kept. Projections one after another turn a body a little, always the same way, because the order of the
-// sweep is always the same. A stiff skin under pressure moves far in each substep, so the turns add up: without this
-// pass a ball of 258 vertices, blown up to 1.8 times its volume, spins with 40 rad/s after five seconds (10 substeps of
-// 2 iterations), and faster with more substeps.
+// Keeps the angular momentum of the skin. Ordered projections turn a body a little, and always the same way, because their order
+// is always the same. A stiff skin under pressure moves far in each substep, so the turns add up. Without this pass a ball of 258
+// vertices at 1.8 times its volume spins with 40 rad/s after five seconds (10 substeps of 2 iterations), and faster with
+// more substeps.
 //
 // With x the positions before the substep, p* the predicted ones and p = p* + D those after all projections, the angular
 // momentum of v = (p - x) / dt about the centre is that of the prediction plus sum m (x - c) x D / dt. Turning p by the
-// rotation -t with sum m (x - c) x (t x (p - c)) = sum m (x - c) x D takes exactly that away.
+// rotation -t with sum m (x - c) x (t x (p - c)) = sum m (x - c) x D removes exactly that.
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ enum
     TURN_GRAIN = 2048, // particles a block: the unit of every sum
 };
 
-/// Moments about the first particle's old place.
+/// Moments about the previous position of the first particle.
 typedef struct turn_moments
 {
     double mass, pinned;
@@ -142,7 +142,7 @@ static void turn_back( void* context, int begin, int end, int worker )
     }
 }
 
-// Once a substep, after the last projection of the skin. A body that is held somewhere is not free to turn.
+// Run once a substep, after the last projection of the skin. A body with a pinned vertex is left alone.
 void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;

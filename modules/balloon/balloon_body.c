@@ -1,4 +1,4 @@
-// The balloon as a rigid body: mass, centre, inertia (balloon paper, eq. 16-17), and the torque's share of the spin (eq. 13-15).
+// The balloon as a rigid body: mass, centre, inertia (balloon paper, eq. 16-17), and its spin by the torque (eq. 13-15).
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -73,7 +73,7 @@ static void add_moments( moments* sum, const moments* block )
     }
 }
 
-// Inverse of a symmetric matrix by its adjugate; where all mass lies on a line it has none, and nothing turns.
+// Inverse of a symmetric matrix by its adjugate; zero where all mass lies on a line.
 static void invert( const double i[6], double out[6] )
 {
     const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
@@ -182,7 +182,7 @@ static void spin_increment( wisp_frame* frame, const wisp_span* span, const ball
     }
 }
 
-// Section 6: v += D_omega x r adds exactly dt tau to the angular momentum; the particles carry it from there.
+// Add D_omega x r to the velocities, which adds exactly dt tau to the angular momentum.
 void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
@@ -205,7 +205,7 @@ void balloon_kick( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// The printed recipe, for comparison: an omega of its own turns the positions by one step's rotation.
+// The printed form, for comparison: a separate angular velocity turns the positions by one step's rotation.
 void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;
@@ -217,7 +217,7 @@ void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user 
     double half[3], square = 1.0, dt = (double)wisp_frame_seconds( frame );
     for ( int k = 0; k < 3; ++k )
     {
-        turn->omega[k] += isfinite( w[k] ) ? w[k] : 0.0; // the guard puts particles back, but not this
+        turn->omega[k] += isfinite( w[k] ) ? w[k] : 0.0; // the state check restores particles, but not this
         half[k] = 0.5 * dt * turn->omega[k];
         square += half[k] * half[k];
     }

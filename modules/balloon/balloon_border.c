@@ -1,7 +1,6 @@
 // Holes of a skin (`allow_open`): each is closed by a virtual fan of triangles about the mean of its border
-// loop. Fans are part of the function V, so of its value and of the gradient that the volume's projection follows: with
-// them the gradients of all vertices sum to zero, and the gas cannot push its own balloon along. They are part of nothing
-// else: no mass, no links, no area, no normal.
+// loop. Fans belong to V and to its gradient: with them the gradients of all vertices sum to zero, so
+// the gas cannot push its own balloon along. They have no mass, links, area or normal.
 #include "balloon_internal.h"
 
 #include <string.h>
@@ -12,7 +11,7 @@ static int32_t ring_entry( const wisp_fabric* f, int slot, int e )
     return f->ring4[e][slot % WISP_FABRIC_LANES] / 4;
 }
 
-// How many triangles have the edge between a slot and another: pairs of entries in a row without the own slot are one each.
+// Count the triangles at the edge between two slots: each pair of consecutive ring entries without the own slot is one.
 static int triangles_of_edge( const wisp_fabric* f, int slot, int32_t other )
 {
     int count = 0, slice = slot / WISP_FABRIC_LANES;
@@ -36,8 +35,8 @@ static int border_edges_at( const wisp_fabric* f, int slot )
     return count;
 }
 
-// Where the border goes on, along its triangles: an open fan begins with the edge that leaves its vertex, and comes before
-// closed ones. Where two border edges meet there is one open fan.
+// Next vertex of the open edge loop, along its triangles. An open fan begins with the edge that leaves its vertex and comes
+// before closed ones. Where two open edges meet there is one open fan.
 static int32_t border_after( const wisp_fabric* f, int slot )
 {
     return ring_entry( f, slot, f->ring_begin[slot / WISP_FABRIC_LANES] );
@@ -72,8 +71,8 @@ wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f )
     return WISP_OK;
 }
 
-// A simple loop has as many vertices as edges; the bounds hold even where a fabric from a file miscounts them. `size` first
-// marks the vertices that are listed already.
+// A simple loop has as many vertices as edges. The bounds hold even if a fabric from a file miscounts them. `size` first marks
+// vertices that are already listed.
 void balloon_find_loops( const wisp_fabric* f, int32_t* vertex, int32_t* size )
 {
     int count = 0;
@@ -168,7 +167,7 @@ double balloon_fan_volume( const balloon_loops* loops, const float* position, in
     return volume;
 }
 
-// The kernel has already added the skin's share of a vertex; what is stored is a float again, so its square is taken anew.
+// The kernel has already added the gradient of the skin. The sum is stored as a float, so its square is computed again.
 static void add_to_gradient( const border_fan* fan, const float* position, float* gradient, double* weighted )
 {
     for ( int i = 0; i < fan->count; ++i )

@@ -1,4 +1,4 @@
-// What a balloon shows: pressures, volumes, the four forces (balloon paper, fig. 4), spin and orientation. Only where asked for.
+// Statistics of a balloon, on request: pressures, volumes, the four forces (balloon paper, fig. 4), spin and orientation.
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -66,13 +66,13 @@ static void turn( double q[4], const double w[3], double dt )
         q[3] + h * ( w[2] * q[0] + w[0] * q[2] - w[1] * q[1] ),
     };
     double length = sqrt( next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3] );
-    for ( int k = 0; k < 4 && isfinite( length ); ++k ) // the guard puts particles back, but not this
+    for ( int k = 0; k < 4 && isfinite( length ); ++k ) // the state check restores particles, but not this
     {
         q[k] = next[k] / length;
     }
 }
 
-// Taken once a substep, so that the orientation follows; everything is of the same substep.
+// Measure once a substep, so that the orientation follows. All values belong to the same substep.
 void balloon_take_figures( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;

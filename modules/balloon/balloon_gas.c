@@ -29,7 +29,7 @@ static void sum_blocks( void* context, int begin, int end, int worker )
     }
 }
 
-// Sum over all slices, block by block and in their order, so that the bits do not depend on who summed what.
+// Sum over all slices, block by block and in their order, so that bits do not depend on the workers.
 static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float* gradient, float* area )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
@@ -72,8 +72,8 @@ static bool find_border( wisp_frame* frame, const wisp_span* span, const balloon
     return out->vertex != NULL;
 }
 
-// After a collapse eq. 9 still needs a volume above zero. What is no number stays none: it starts no jet, so that
-// the gas is all there when the guard has put the particles back.
+// Eq. 9 needs a volume above zero, even after a collapse. NaN stays NaN: it starts no jet, so no gas is lost before the state
+// check restores the particles.
 static double usable_volume( double volume, const balloon_gas* gas )
 {
     double least = 1e-3 * gas->rest_volume;
@@ -213,7 +213,7 @@ static double change_of_lambda( balloon_gas* gas, float share, wisp_ring_sums su
     double error = sums.volume - gas->target_volume;
     if ( !( sums.weighted > 0.0 && isfinite( error ) && isfinite( sums.weighted ) ) )
     {
-        return 0.0; // all pinned, collapsed to a point, or no numbers any more, which the guard mends: no direction
+        return 0.0; // all pinned, collapsed to a point, or not finite, which the state check repairs
     }
     if ( share >= 0.0f )
     {

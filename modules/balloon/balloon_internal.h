@@ -1,4 +1,4 @@
-/// What the files of this folder share: the state of a balloon, one component for each thing that may be absent.
+/// State of a balloon: one component for each part that may be absent.
 #pragma once
 
 #include "balloon.h"
@@ -14,14 +14,14 @@ typedef struct balloon_gas
 {
     double rest_volume;              // V_rest, m^3
     double target_volume;            // V_0
-    double least_volume;             // V_0 never below
+    double least_volume;             // lower bound of V_0
     double atmosphere;               // Pa
     double gas_density, air_density; // kg/m^3 at atmospheric pressure
     double lambda;                   // of the volume constraint, in this substep
     double multiplier;               // Pa, lambda / dt^2 of the last substep, whose dt may have been another
 } balloon_gas;
 
-/// What the skin encloses at the start of the substep.
+/// Enclosed volume at the start of the substep.
 typedef struct balloon_extent
 {
     double volume; // m^3, at least 1e-3 V_rest
@@ -56,7 +56,7 @@ typedef struct balloon_outlet
     int32_t running; // the jet
 } balloon_outlet;
 
-/// The rotation that `printed` keeps apart.
+/// The separate rotation of the printed form.
 typedef struct balloon_turn
 {
     double omega[3];
@@ -75,45 +75,45 @@ typedef struct balloon_skin
 
 typedef struct balloon_state
 {
-    wisp_component gas;       // is a balloon
+    wisp_component gas;       // marks a balloon
     wisp_component skin;      // balloon_skin
     wisp_component inflation; // float rate, m^3/s
     wisp_component volume;    // float share, in (0, 1]; negative: xpbd
     wisp_component extent;    // balloon_extent
     wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
-    wisp_component border;    // there: the mesh has holes; per particle: balloon_loops. Written when set, by no pass
+    wisp_component border;    // present if the mesh has holes; per particle: balloon_loops
     wisp_component reading;   // int32 wisp_balloon_pressure
     wisp_component gauge;     // balloon_gauge
-    wisp_component buoyancy;  // there: it acts
+    wisp_component buoyancy;  // present if it acts
     wisp_component air;       // balloon_air
     wisp_component body;      // balloon_body
     wisp_component outlet;    // balloon_outlet
     wisp_component jet;       // written by the outlet: there is a force
-    wisp_component kick;      // there: spin by kick
+    wisp_component kick;      // present if the spin is a kick
     wisp_component turn;      // balloon_turn: spin as printed
-    wisp_component angular;   // there: projections do not turn the skin
+    wisp_component angular;   // present if angular momentum is kept
     wisp_component figures;   // wisp_balloon_figures
 } balloon_state;
 
-/// Border loops, one behind another: vertices along the triangles of the skin, each loop from its lowest slot, loops in
+/// Loops of open edges, concatenated: vertices along the triangles of the skin, each loop from its lowest slot, loops in
 /// the order of their first slots.
 typedef struct balloon_loops
 {
     const int32_t* vertex; // [count] slots
-    const int32_t* size;   // [count] where a loop begins how many it has; 0 in a loop, and behind the last one
-    int count;             // room, not vertices
+    const int32_t* size;   // [count] number of vertices at the first entry of a loop, else 0
+    int count;             // capacity, not vertices
 } balloon_loops;
 
 // balloon_border.c
-/// The sentence that names the first open edge. Always WISP_BAD_INPUT on an open mesh.
+/// Name the first open edge in the error. Always WISP_BAD_INPUT on an open mesh.
 wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f );
-/// Is every border a simple loop? For a mesh without wild edges.
+/// Check that open edges form simple loops. For a mesh without nonmanifold edges.
 wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f );
 /// @param vertex, size receive [slot_count]
 void balloon_find_loops( const wisp_fabric* f, int32_t* vertex, int32_t* size );
-/// The fans' share of V about the first particle, m^3. @param position [slot][stride]
+/// Volume of the fans about the first particle, m^3. @param position [slot][stride]
 double balloon_fan_volume( const balloon_loops* loops, const float* position, int stride );
-/// Add the fans' share to the sums and gradients of ring_gradient. @param position [slot][4]
+/// Add the fans to the sums and gradients of ring_gradient. @param position [slot][4]
 void balloon_add_fans( const balloon_loops* loops, const float* position, float* gradient, wisp_ring_sums* sums );
 
 // balloon_gas.c
@@ -128,7 +128,7 @@ void balloon_keep_angular( wisp_frame* frame, const wisp_span* span, void* user 
 // balloon_air.c
 void balloon_drag( wisp_frame* frame, const wisp_span* span, void* user );
 void balloon_float( wisp_frame* frame, const wisp_span* span, void* user );
-/// Drag on one slot, N, and the share of the velocity that stays (balloon paper, eq. 11).
+/// Drag on one slot, N (balloon paper, eq. 11).
 wisp_vec3 balloon_drag_force( const balloon_air* air, wisp_vec3 velocity, wisp_vec3 area_vector, float area,
                               float dt_w );
 

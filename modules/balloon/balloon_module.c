@@ -1,4 +1,4 @@
-// The balloon's definition: ranges, what the mesh must be, and which components (so which passes) it gets.
+// Definition of a balloon: ranges, requirements on the mesh, and the components, which select the passes.
 #include "balloon_internal.h"
 
 #include <math.h>
@@ -50,7 +50,7 @@ wisp_balloon_def wisp_default_balloon_def( void )
     };
 }
 
-// ---- what the world is told ----
+// ---- components and passes ----
 
 static void declare_components( wisp_registry* r, balloon_state* s )
 {
@@ -84,10 +84,10 @@ static void declare_components( wisp_registry* r, balloon_state* s )
     }
 }
 
-// In the order of section 4: geometry, control, pressure and outlet, then what changes velocities. The printed spin turns
-// positions before they are predicted, so that no velocity is read back from it. Figures and drag come before all
-// that changes velocities, because both are functions of the velocity at the start of the substep. The border of an open
-// mesh is in nobody's list: no pass writes it, and a closed mesh has none.
+// In order: geometry, control, pressure and outlet, then the passes that change velocities. The printed spin turns positions
+// before prediction, so no velocity follows from it. Statistics and drag come before all passes that change velocities, because
+// both depend on the velocity at the start of the substep. No pass reads or writes the open edges as a component, because a
+// closed mesh has none.
 static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
 {
     const wisp_component x = WISP_PARTICLE_POSITION, v = WISP_PARTICLE_VELOCITY, g = WISP_PARTICLE_GRAVITY;
@@ -255,7 +255,7 @@ static double rest_volume( const wisp_fabric* f, const balloon_loops* loops )
     return volume / 6.0 + balloon_fan_volume( loops, (const float*)f->rest, 3 );
 }
 
-// Vertices that edges join, by union-find; loose vertices are no shell.
+// Count connected components by union-find; unreferenced vertices do not count.
 static int count_shells( const wisp_fabric* f, int32_t* parent )
 {
     int shells = 0;
@@ -346,7 +346,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
     };
-    // rows are given first, because only that can fail, and then those just given are taken back
+    // attach rows first, because only that can fail, and detach them again on failure
     bool given[WISP_COUNT( all )];
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
@@ -449,7 +449,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
     fill_links( world, surface, d );
 }
 
-// ---- the public face ----
+// ---- public functions ----
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, const balloon_state** out )
 {
@@ -469,8 +469,8 @@ static wisp_status find_balloon( wisp_world* world, wisp_entity balloon, const b
     return status;
 }
 
-// A balloon has passed the rest of this check with the same fabric. Nobody else has rings, so their rows are memory of the
-// right size that leaves no trace.
+// A balloon has passed the rest of this check with the same fabric. Only balloons have rings, so their rows serve as scratch
+// memory of the right size.
 static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d,
                                const balloon_state* s )
 {

@@ -1,10 +1,9 @@
-// The outlet: what leaves, and how it pushes back (balloon paper, eq. 12).
+// The outlet: mass flow and thrust (balloon paper, eq. 12).
 #include "balloon_internal.h"
 
 #include <math.h>
 
-// A jet ends at 1e-4 P_atm and starts again above 5e-4: the pressure carries the solver's noise, and a valve must not
-// chatter with it.
+// A jet ends at 1e-4 P_atm and starts again above 5e-4, because noise of the solver in the pressure would make it chatter.
 static const double CLOSE_AT = 1e-4, OPEN_AT = 5e-4;
 
 // The area vectors of the outlet's vertices give its normal. @return false if they cancel
@@ -29,7 +28,7 @@ static bool aim( const float* position, const float* vectors, balloon_outlet* ou
     return length > 0.0;
 }
 
-// No more leaves than V_0 has above its guard, and the reaction follows what really leaves.
+// Let out gas, at most what V_0 has above its minimum. The thrust follows from the actual flow.
 static void flow( balloon_outlet* outlet, balloon_gas* gas, double pressure, double dt )
 {
     outlet->speed = sqrt( 2.0 * fmax( 0.0, pressure ) / gas->gas_density );
@@ -60,7 +59,7 @@ void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// F = -mdot v n, shared by mass: the linear part. The angular part is the spin's.
+// Apply the linear part F = -mdot v n, shared by mass. The spin pass applies the angular part.
 void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const balloon_state* state = user;

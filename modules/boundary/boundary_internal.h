@@ -1,4 +1,4 @@
-/// What the files of this folder share.
+/// Layers, settings and components of the module.
 #pragma once
 
 #include "boundary.h"
@@ -7,7 +7,7 @@
 #include "wisp/module/module.h"
 #include "wisp/module/sampling.h"
 
-/// A layer's warm memory: who its elements are, and its points.
+/// A layer: its elements and its points. Not in snapshots.
 typedef struct boundary_layer
 {
     wisp_entity entity;
@@ -24,9 +24,9 @@ typedef struct boundary_state
 {
     wisp_component settings;  // boundary_settings
     wisp_component normals;   // vertex normals
-    wisp_component edges;     // what is remembered of edges, and their spacing
+    wisp_component edges;     // counts of edges, and their spacing
     wisp_component triangles; // likewise
-    wisp_component local;     // no rows: some criterion is on
+    wisp_component local;     // marker: a criterion is on
     boundary_layer** layers;  // [layer_count] by rising index of their entities
     int layer_count, layer_capacity;
 } boundary_state;
@@ -51,13 +51,13 @@ enum
 
 // ---- boundary_layers.c ----
 
-/// Null: there is none.
+/// @return null if there is none
 boundary_layer* boundary_find_layer( const boundary_state* state, wisp_entity entity );
 /// The elements of a fabric, without points. @return null without memory
 boundary_layer* boundary_layer_create( const wisp_allocator* allocator, const wisp_fabric* fabric,
                                        wisp_entity entity );
 void boundary_layer_release( boundary_layer* layer, const wisp_allocator* allocator );
-/// The first layer of its entity; there is room.
+/// Insert the first layer of its entity into reserved memory.
 void boundary_put_layer( boundary_state* state, boundary_layer* layer );
 void boundary_drop_layer( boundary_state* state, const wisp_allocator* allocator, wisp_entity entity );
 

@@ -1,12 +1,12 @@
-// Layers of a world: elements in the user's numbers, and who has one.
+// Layers of a world by entity, and their elements in the user's numbers.
 #include "boundary_internal.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-// ---- who has one ----
+// ---- layers by entity ----
 
-// The first layer whose entity's index is not below this one.
+// Index of the first layer whose entity is not below `index`.
 static int place_of( const boundary_state* state, uint32_t index )
 {
     int low = 0, high = state->layer_count;

@@ -1,4 +1,4 @@
-// The layer's definition, what the world is told of it, and what is read.
+// Definition of a layer, its components and passes, and views for the host.
 #include "boundary_internal.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@ static const uint32_t BOUNDARY_DEF_MADE = 0x424f554e;
 
 enum
 {
-    BOUNDARY_MOST_POINTS = 1 << 27, // quads of floats stay addressable by 32-bit numbers
+    BOUNDARY_MOST_POINTS = 1 << 27, // rows of four floats stay addressable by 32-bit numbers
 };
 
 #define SETTINGS_LIST( X ) X( boundary_settings, settings, 1 )
@@ -38,7 +38,7 @@ wisp_boundary_def wisp_default_boundary_def( void )
     };
 }
 
-// ---- what is declared ----
+// ---- components and passes ----
 
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
@@ -75,8 +75,8 @@ static void declare_components( wisp_registry* r, boundary_state* s )
     s->local = wisp_declare_component( r, &local );
 }
 
-// All read positions and none writes them: a layer is passive. The spacing is a column of what the points are made from, so its
-// pass comes before theirs, and is there only with a criterion.
+// No pass writes positions: a layer is passive. The points read the spacing, so its pass comes before theirs; it exists only with
+// a criterion.
 static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
 {
     const wisp_component x = WISP_PARTICLE_POSITION;
@@ -146,7 +146,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
     return WISP_OK;
 }
 
-// Zero asks for the default; all three are lengths.
+// Zero selects the default; all three are lengths.
 static wisp_status check_spacing( wisp_world* world, const boundary_settings* s, const wisp_fabric* fabric )
 {
     const struct
@@ -232,11 +232,11 @@ static void undress( wisp_world* world, wisp_entity surface, const boundary_stat
     list_components( state, given );
     for ( int i = 0; i < GIVEN_COUNT; ++i )
     {
-        (void)wisp_world_detach( world, surface, given[i] ); // gives memory back, asks for none
+        (void)wisp_world_detach( world, surface, given[i] ); // only frees memory
     }
 }
 
-// Rows first, because only they can fail: without memory those that just came go again. Points are always wanted.
+// Attach rows first, because only that can fail, and detach them again on failure. Points are always requested.
 static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary_state* state, bool local )
 {
     const bool had = wisp_world_has( world, surface, state->settings );
@@ -260,7 +260,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary
     return status;
 }
 
-// Counts that were remembered were made for another definition.
+// Discard counts that belong to another definition.
 static void forget_counts( wisp_world* world, wisp_entity surface, const boundary_state* state )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, surface );
@@ -276,7 +276,7 @@ static void forget_counts( wisp_world* world, wisp_entity surface, const boundar
     }
 }
 
-// ---- the public face ----
+// ---- public functions ----
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, boundary_state** out )
 {
@@ -286,7 +286,7 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, boundary_
     return status;
 }
 
-// A layer that is there stays, with its points until they are sampled anew.
+// Keep an existing layer, with its points until the next sampling.
 static wisp_status provide_layer( wisp_world* world, wisp_entity surface, boundary_state* state,
                                   boundary_layer** out )
 {

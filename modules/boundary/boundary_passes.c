@@ -1,4 +1,4 @@
-// Vertex normals, and the points: all that a layer costs in a step.
+// The passes of a step: vertex normals and points.
 #include "boundary_internal.h"
 
 enum

@@ -1,5 +1,5 @@
-// Local spacing (not in the boundary particle paper): one value an edge, so that both of its sides agree, and of a triangle the least of its three:
-// what an edge asks for must hold on the surface beside it, too.
+// Local spacing (not in the boundary particle paper). An edge has one value, so that both of its sides agree. A triangle has the
+// smallest of its three edges, so that the surface beside an edge is as dense as the edge.
 #include "boundary_internal.h"
 
 #include <float.h>
@@ -32,8 +32,8 @@ static float distance( wisp_vec3 a, wisp_vec3 b )
 }
 
 // The angle between unit vectors in rad. Twice the arc tangent of half the difference over half the sum stays exact where they
-// are nearly parallel. Operations of the C library's mathematics are not the same everywhere, so the arc tangent is a polynomial:
-// its argument is brought below tan( pi / 8 ), where the odd series up to t^15 is off by less than 2e-8.
+// are nearly parallel. The C library's functions differ between machines, so the arc tangent is a polynomial: its
+// argument is brought below tan( pi / 8 ), where the odd series up to t^15 is off by less than 2e-8.
 static float angle_between( wisp_vec3 a, wisp_vec3 b )
 {
     const wisp_vec3 minus = { -b.x, -b.y, -b.z };
@@ -85,7 +85,7 @@ static float by_screen( const spacing_loop* loop, int a, int b )
     return s->pixels * s->pixel_angle * distance( s->eye, middle );
 }
 
-// What is no number, because an end is not finite, asks for nothing: such an edge is not sampled anyway.
+// NaN, from an end that is not finite, changes nothing: such an edge is not sampled.
 static float finer( float asked, float spacing )
 {
     return asked < spacing ? asked : spacing;

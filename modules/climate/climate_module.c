@@ -61,7 +61,7 @@ static float curve_at( const wisp_climate_def* d, float ice )
     float k0 = d->stiffness[i], k1 = d->stiffness[i + 1];
     float m0 = slope( d, i ) * width, m1 = slope( d, i + 1 ) * width;
 
-    // Hermite form from the left end; the clamp takes away what rounding may add beyond the ends
+    // Hermite form from the left end; the clamp removes rounding beyond the ends
     float k = k0 + t * ( m0 + t * ( 3.0f * ( k1 - k0 ) - 2.0f * m0 - m1 + t * ( 2.0f * ( k0 - k1 ) + m0 + m1 ) ) );
     float low = k0 < k1 ? k0 : k1, high = k0 < k1 ? k1 : k0;
     return k < low ? low : ( k > high ? high : k );
@@ -99,18 +99,17 @@ static wisp_status declare( wisp_registry* r )
     state->settings =
         wisp_declare_component( r, &( wisp_component_def ){ "climate.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
                                                             WISP_COUNT( SETTINGS_COLUMNS ) } );
-    return wisp_declare_pass( r,
-                              &( wisp_pass ){
-                                  .name = "climate.stiffness",
-                                  .stage = WISP_STAGE_INPUT,
-                                  .domain = WISP_DOMAIN_STRAND_GROUP,
-                                  .needs = { state->settings },
-                                  .reads = { state->settings },
-                                  .writes = { WISP_STRAND_STIFFNESS },
-                                  .run = drive_stiffness,
-                                  .on_change = WISP_STRAND_STIFFNESS, // whoever else writes it, the climate decides
-                                  .user = state,
-                              } );
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     .name = "climate.stiffness",
+                                     .stage = WISP_STAGE_INPUT,
+                                     .domain = WISP_DOMAIN_STRAND_GROUP,
+                                     .needs = { state->settings },
+                                     .reads = { state->settings },
+                                     .writes = { WISP_STRAND_STIFFNESS },
+                                     .run = drive_stiffness,
+                                     .on_change = WISP_STRAND_STIFFNESS, // overrides any other writer
+                                     .user = state,
+                                 } );
 }
 
 const wisp_module wisp_climate_module = { .name = "climate", .declare = declare };
@@ -196,6 +195,7 @@ wisp_status wisp_set_climate( wisp_world* world, wisp_entity strands, const wisp
     }
     wisp_climate_def* settings = wisp_world_column( world, strands, state->settings, 0 );
     *settings = *def;
-    wisp_world_column( world, strands, WISP_STRAND_STIFFNESS, 0 ); // wakes the pass
+    wisp_world_column( world, strands, WISP_STRAND_STIFFNESS,
+                       0 ); // marks the column as written, so that the pass runs
     return WISP_OK;
 }

@@ -1,4 +1,4 @@
-// Air on triangles: the kernel ring_air with what a cloth knows of its wind.
+// Air on triangles: runs the kernel ring_air with the wind of the cloth.
 #include "cloth_internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-// Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): what a velocity differs from that of
-// the rigid motion with the same momentum and angular momentum dies away; the rigid motion stays.
+// Damping that does not touch rigid motion (Mueller et al. 2007, section 3.5): it reduces the
+// difference between a velocity and the rigid motion with the same momentum and angular momentum.
 #include "cloth_internal.h"
 
 #include <math.h>
@@ -13,9 +13,8 @@ static void cross_product( const double a[3], const double b[3], double out[3] )
 }
 
 // Solve I w = L for a symmetric I by its adjugate. Where all mass lies on a line I has no inverse, but its two
-// moments across the line are equal, each half the trace, and L is across it too; with all mass at one point there is
-// no turning. What is 350 times as long as it is wide counts as a line: its moment about itself is no more than the rounding of
-// the sums.
+// moments across the line are equal, each half the trace, and L is across it too. With all mass at one point w is 0. A body 350
+// times as long as wide counts as a line, because its moment about itself is within the rounding of the sums.
 static void solve_inertia( const double i[6], const double l[3], double w[3] )
 {
     const double xx = i[0], yy = i[1], zz = i[2], xy = i[3], xz = i[4], yz = i[5];
@@ -68,7 +67,7 @@ static void sum_blocks( void* context, int begin, int end, int worker )
     }
 }
 
-// Over the blocks in their order, whoever took them.
+// Sum the blocks in their order.
 static wisp_rigid_sums add_up( const damping_loop* loop, int blocks )
 {
     wisp_rigid_sums all = { 0 };
@@ -92,7 +91,7 @@ static wisp_rigid_sums add_up( const damping_loop* loop, int blocks )
     return all;
 }
 
-// Of what was summed about the origin: what it is about the centre of mass, and the motion that has as much.
+// From sums about the origin to sums about the centre of mass, and to the rigid motion with the same momenta.
 static void find_motion( const wisp_rigid_sums* s, wisp_rigid_job* job )
 {
     double centre[3], velocity[3], angular[3], turning[3], back[3];
@@ -124,7 +123,7 @@ static wisp_vec3 vector_at( const float* quads, int slot )
     return ( wisp_vec3 ){ q[0], q[1], q[2] };
 }
 
-// About a vertex that is free and in its mass, so that floats do not lose what is far from the world's origin, fast or heavy.
+// Measure relative to a free vertex and its mass, so that floats keep their digits far from the origin.
 static void measure( damping_loop* loop, const wisp_parallel* parallel )
 {
     const float* position = loop->job.position;
@@ -135,7 +134,7 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
     }
     if ( first == loop->slot_count )
     {
-        return; // nobody moves
+        return; // nothing moves
     }
     wisp_rigid_sums sums[MOST_BLOCKS];
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
@@ -156,8 +155,7 @@ static bool has_triangle( const wisp_fabric* f, int slot )
     return first < f->ring_begin[slot / 8 + 1] && f->ring4[first][slot % 8] != 4 * slot;
 }
 
-// A cloth that is pinned is not free to move rigidly: its rigid motion is to rest. A loose vertex is pinned for want
-// of mass, but it holds nothing.
+// The rigid motion of a pinned cloth is rest. An unreferenced vertex has no mass and counts as pinned, but holds nothing.
 static bool is_pinned( const wisp_fabric* f, const float* position )
 {
     for ( int slot = 0; slot < f->vertex_count; ++slot )
@@ -195,7 +193,7 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
         .slot_count = fabric->slot_count,
         .block = most > LEAST_BLOCK ? most : LEAST_BLOCK,
     };
-    // what pins hold comes to rest
+    // a pinned cloth comes to rest
     loop.job = ( wisp_rigid_job ){
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),

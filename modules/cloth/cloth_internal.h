@@ -1,4 +1,4 @@
-/// What the files of this folder share.
+/// Components and passes of the module.
 #pragma once
 
 #include "cloth.h"
@@ -9,10 +9,10 @@
 typedef struct cloth_state
 {
     wisp_component air;     // cloth_air: air acts on it
-    wisp_component damping; // float: relative velocities die
+    wisp_component damping; // float: rate of damping
 } cloth_state;
 
-/// Air as it acts on a cloth.
+/// Air around a cloth.
 typedef struct cloth_air
 {
     wisp_vec3 wind; ///< m/s
@@ -20,10 +20,10 @@ typedef struct cloth_air
     float drag, lift;
 } cloth_air;
 
-/// Passes, each a file.
+/// Passes, one per file.
 void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user );
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user );
 
-/// Fill the columns of links and hinges from a definition that was checked.
+/// Fill the columns of links and hinges from a checked definition.
 void cloth_fill_links( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-// Compliance of what must not act at all, m/N or 1/J.
+// Compliance of a constraint that must not act, m/N or 1/J.
 static const float NOTHING = 1e12f;
 
 typedef struct vec3d
@@ -72,7 +72,7 @@ static float link_value( const wisp_fabric* f, const wisp_cloth_def* def, int sl
         float c2 = cosine2( f, f->link_a4[slot] / 4, f->link_b4[slot] / 4, def->warp );
         return pbd ? stretch_stiffness( def, c2 ) : stretch_compliance( def, c2 );
     }
-    // A cross link that does not bend must not stretch either: no stiffness, or a compliance that nothing moves.
+    // A bend link without bending must not stretch either: no stiffness, or a very large compliance.
     const bool bends = def->bending == WISP_CLOTH_BENDING_CROSS;
     return pbd ? ( bends ? def->bend_stiffness : 0.0f ) : ( bends ? def->bend_compliance : NOTHING );
 }
@@ -149,7 +149,7 @@ static void bending_row( const hinge_shape* s, double c[4] )
 // Energy of an angle t over an edge e whose triangles have the area A together: 1/2 B e^2 t^2 / A. Summed over a mesh
 // of equilateral triangles this is 1/2 B times the square of the curvature times the area, whatever the direction in
 // which the sheet is rolled. (Bergou et al. 2006 weigh it by 3 / A, which is right for a sphere and three times too
-// stiff for a cylinder, and what hardly stretches bends as a cylinder does.) Compliance is the inverse of the second
+// stiff for a cylinder, and nearly inextensible cloth bends as a cylinder does.) Compliance is the inverse of the second
 // derivative.
 static float dihedral_compliance( const hinge_shape* s, float rigidity )
 {
@@ -181,7 +181,7 @@ static void fill_shape( wisp_world* world, wisp_entity surface, const wisp_fabri
     scale[slot] = s.sound ? (float)( 1.0 / s.area ) : 0.0f;
 }
 
-// What a hinge resists with: a share of its error in pbd, a compliance in xpbd. One without an angle does not resist.
+// Coefficient of a hinge: a stiffness in pbd, a compliance in xpbd. A hinge without an angle does not resist.
 static float hinge_value( const wisp_fabric* f, const wisp_cloth_def* def, int slot )
 {
     int hinge = f->hinge_order.constraint[slot];

@@ -114,7 +114,7 @@ static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
     return WISP_OK;
 }
 
-// A fabric is cooked with what its effects need; what it lacks is named here, not found out in a step.
+// Name what the fabric lacks when the cloth is set, not in a step.
 static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const wisp_cloth_def* d )
 {
     const char* lacks = NULL;
@@ -158,8 +158,8 @@ enum
     COMPONENT_COUNT = 10,
 };
 
-// What the definition asks for, where the fabric has rows for it. A mesh too small for a coarse level has no level
-// pass, and one without interior edges no hinges.
+// List the components of the definition for which the fabric has rows. A mesh too small for a coarse level has no level pass,
+// and one without interior edges no hinges.
 static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
                              wanted_component all[COMPONENT_COUNT] )
 {
@@ -181,8 +181,8 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
     memcpy( all, list, sizeof( list ) );
 }
 
-// What the definition asks for is there, what it does not is not: no rows, no pass. All that is missing comes before
-// anything goes, so that without memory the surface is what it was.
+// Attach the components of the definition and detach all others. Attach first, so that the surface is unchanged if memory runs
+// out.
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
 {
     wanted_component all[COMPONENT_COUNT];
@@ -201,7 +201,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
     {
         if ( status == WISP_OK ? all[i].wanted == false : came[i] )
         {
-            (void)wisp_world_detach( world, surface, all[i].component ); // gives memory back, asks for none
+            (void)wisp_world_detach( world, surface, all[i].component ); // only frees memory
         }
     }
     return status;
@@ -237,7 +237,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
     }
 }
 
-// ---- the public face ----
+// ---- public functions ----
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, const cloth_state** out )
 {

@@ -36,7 +36,7 @@ wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
     };
 }
 
-// ---- the module's state ----
+// ---- state ----
 
 static void release_state( void* memory, const wisp_allocator* allocator )
 {
@@ -151,7 +151,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
     return WISP_OK;
 }
 
-// Two solvers would both move it.
+// Refuse a surface that another solver moves.
 static wisp_status check_alone( wisp_world* world, wisp_entity surface, const implicit_state* state )
 {
     const wisp_component others[] = { WISP_LINK_STIFFNESS,   WISP_LINK_COMPLIANCE, WISP_HINGE_STIFFNESS,
@@ -199,7 +199,7 @@ static void list_components( const implicit_state* state, const wisp_implicit_cl
     wanted[6] = d->integrator == WISP_IMPLICIT_BDF2;
 }
 
-// All that is missing comes before anything goes, so that without memory the surface is what it was.
+// Attach what is missing before detaching anything, so that the surface is unchanged if memory runs out.
 static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit_state* state,
                           const wisp_implicit_cloth_def* d )
 {
@@ -219,7 +219,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit
     {
         if ( status == WISP_OK ? wanted[i] == false : came[i] )
         {
-            (void)wisp_world_detach( world, surface, component[i] ); // gives memory back, asks for none
+            (void)wisp_world_detach( world, surface, component[i] ); // only frees memory
         }
     }
     return status;
@@ -244,7 +244,7 @@ static void fill( wisp_world* world, wisp_entity surface, const implicit_state* 
     *(int32_t*)wisp_world_column( world, surface, WISP_PARTICLE_SOLVED, 0 ) = 1;
 }
 
-// ---- the public face ----
+// ---- public functions ----
 
 static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_state** out )
 {

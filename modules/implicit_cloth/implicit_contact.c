@@ -1,10 +1,10 @@
-// Contact inside the solver (Noh and Jung, section 4; docs/methods.md lists the rules): who is held, lands,
-// sticks or slides, and what that leaves a row free to do.
+// Contact inside the solver (Noh and Jung, section 4; docs/methods.md lists the rules): which vertices are held, land, stick
+// or slide, and which motion a row keeps.
 #include "implicit_internal.h"
 
 #include <string.h>
 
-// A contact that counts in this substep.
+// An active contact of this substep.
 typedef struct touch
 {
     int place; // in particle.touch
@@ -72,7 +72,7 @@ static wisp_vec3 filtered( const implicit_system* s, int row, wisp_vec3 v )
                           xz * v.x + yz * v.y + zz * v.z };
 }
 
-// The first row of a slice that is held gives all its rows the identity.
+// Give all rows of a slice the identity filter when the first of them is held.
 static void open_slice( const implicit_system* s, int slice )
 {
     static const float IDENTITY[6] = { 1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 1.0f };
@@ -86,7 +86,7 @@ static void open_slice( const implicit_system* s, int slice )
     }
 }
 
-// A row whose velocity shall be `goal` as far as the filter takes its freedom away.
+// Prescribe `goal` for the part of the velocity that the filter constrains.
 static void hold_row( const implicit_system* s, int row, const float filter[6], wisp_vec3 goal )
 {
     open_slice( s, row / WISP_SLICE );
@@ -117,7 +117,7 @@ static void hold_pin( const implicit_system* s, const implicit_feeler* f, int ro
     f->contact[slot] = ( implicit_contact ){ .slides = 0 };
 }
 
-// ---- who is held ----
+// ---- held contacts ----
 
 static touch read_touch( const implicit_feeler* f, int slot, int place )
 {
@@ -135,7 +135,7 @@ static touch read_touch( const implicit_feeler* f, int slot, int place )
     };
 }
 
-// Is the contact that the particle has now one that was held, and how hard was it pressed?
+// Whether this contact was held in the last substep, and its impulse then.
 static bool was_held( const implicit_contact* before, int32_t body, float* pressed )
 {
     for ( int i = 0; i < WISP_TOUCHES; ++i )
@@ -149,7 +149,7 @@ static bool was_held( const implicit_contact* before, int32_t body, float* press
     return false;
 }
 
-// Rules 1 to 3. @return whether the contact counts
+// Apply rules 1 to 3. @return whether the contact is active
 static bool judge( const implicit_system* s, const implicit_feeler* f, int row, int slot, touch* t,
                    implicit_tally* tally )
 {
@@ -158,7 +158,7 @@ static bool judge( const implicit_system* s, const implicit_feeler* f, int row, 
     const float leaving = dot( subtract( v, t->motion ), t->normal );
     const bool known =
         was_held( f->contact + slot, f->body[(size_t)slot * WISP_TOUCHES + (size_t)t->place], &t->pressed );
-    // what is being moved out of a body has to be stopped before it is let go
+    // a vertex that moves out of a body must be stopped before it is released
     if ( known && t->pressed < -( f->hysteresis + fmaxf( 0.0f, leaving ) ) * mass )
     {
         tally->released += 1;
@@ -178,7 +178,7 @@ static bool judge( const implicit_system* s, const implicit_feeler* f, int row, 
 
 // ---- the normals of a row ----
 
-// Normals that hardly differ are one: who holds goes before who lands, then the deeper. The deeper comes first.
+// Merge normals that hardly differ: a held contact wins over a landing one, then the deeper. The deeper comes first.
 static int merge( touch* touches, int count )
 {
     if ( count < 2 )
@@ -217,7 +217,7 @@ static wisp_vec3 across( const touch* touches, int count, wisp_vec3 v )
     return subtract( v, spanned( touches, count, products ) );
 }
 
-// What is free of a row that slides.
+// Filter of a row that slides.
 static void free_across( const touch* touches, int count, float filter[6] )
 {
     const wisp_vec3 n = touches[0].normal;
@@ -233,9 +233,9 @@ static void free_across( const touch* touches, int count, float filter[6] )
     }
 }
 
-// ---- what that means for the row ----
+// ---- velocities of a row ----
 
-// The velocity with which the row goes along with a surface that moves so: x^ may have gone some of the way.
+// Velocity that takes the row along with the surface; x^ may have moved part of the way.
 static wisp_vec3 velocity_with( const implicit_system* s, const implicit_feeler* f, int row, int slot,
                                 wisp_vec3 motion )
 {
@@ -244,7 +244,7 @@ static wisp_vec3 velocity_with( const implicit_system* s, const implicit_feeler*
     return add_scaled( add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, rate, back ), rate * f->seconds, motion );
 }
 
-// Rules 3 and 5: how far the contact takes the particle out of the body, m.
+// Rules 3 and 5: distance that the contact moves the particle out of the body, m.
 static float way_out( const implicit_feeler* f, const touch* t )
 {
     return t->held ? fminf( fmaxf( 0.0f, -t->gap ), f->seconds * t->recovery ) : 0.5f * t->margin - t->gap;
@@ -272,7 +272,7 @@ static void prescribe( const implicit_system* s, const implicit_feeler* f, int r
     hold_row( s, row, filter, goal );
 }
 
-// Against the sliding, and never so much that it turns round.
+// Apply friction against the sliding, without reversing it.
 static void rub( const implicit_system* s, int row, wisp_vec3 slip, float impulse )
 {
     const float speed = length( slip ), mass = s->place[(size_t)row * 4 + 3];
@@ -288,7 +288,7 @@ static void rub( const implicit_system* s, int row, wisp_vec3 slip, float impuls
 
 typedef struct grip
 {
-    float holds, brakes; // kg m/s: mu_s and mu_k times what presses
+    float holds, brakes; // kg m/s: mu_s and mu_k times the normal impulse
     bool is_new, lands;
 } grip;
 
@@ -370,7 +370,7 @@ void implicit_touch_row( const implicit_system* s, const implicit_feeler* f, int
     }
 }
 
-// The contacts of the last solve, once more.
+// Contacts of the last solve.
 static int held_touches( const implicit_feeler* f, int slot, touch touches[WISP_TOUCHES] )
 {
     int count = 0;
@@ -385,7 +385,7 @@ static int held_touches( const implicit_feeler* f, int slot, touch touches[WISP_
     return count;
 }
 
-// J = -(I - S) r, split by the normals. Where two count as one, each has all of it.
+// Split J = -(I - S) r by the normals. Merged contacts have all of it each.
 void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int row )
 {
     const int slot = s->links->row_slot[row];
@@ -411,16 +411,15 @@ void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int
         contact->pressed[touches[1].place] = ( other - cosine * along ) / sine2;
     }
     contact->rubbed = length( across( touches, count, impulse ) );
-    // Who would have come more slowly was pulled to where it landed, with a velocity into the body: it has to be stopped there,
-    // and is let go later if at all.
+    // A vertex that would have arrived more slowly was pulled to its landing, with a velocity into the body. It must be stopped
+    // there and is released later if at all.
     for ( int place = 0; place < WISP_TOUCHES && contact->landed != 0; ++place )
     {
         contact->pressed[place] = fmaxf( 0.0f, contact->pressed[place] );
     }
 }
 
-// An impact is no motion to go on with: BDF2 would take it for a velocity of the substep before. What contact holds has moved
-// with its body, as far as it is held.
+// BDF2 must not extrapolate an impact. So vertices in contact count as having moved with their body, in the held directions.
 void implicit_settle_row( const implicit_feeler* f, int slot, float* x, float* v, float* x_before, float* v_before )
 {
     touch touches[WISP_TOUCHES];

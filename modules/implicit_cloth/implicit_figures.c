@@ -1,4 +1,4 @@
-// Energies of the links, asked for rarely: plain loops in double, in a fixed order.
+// Energies of the links, on request: plain loops in double precision, in a fixed order.
 #include "implicit_internal.h"
 
 static const double PI = 3.14159265358979323846;
@@ -26,8 +26,8 @@ static double arc_load( double y )
     return u < 1e-2 ? -12.0 - 7.2 * ( 1.0 - y ) : 4.0 * u * u / ( cos( u ) - sin( u ) / u );
 }
 
-// Where the ramp meets the arc, y = 1 + q F(y), as a share of the rest length; 0 where it does not. Repeated from y = 1 it
-// comes down to the first meeting, for q F' < 1 until there.
+// Where the ramp meets the arc, y = 1 + q F(y), as a fraction of the rest length, or 0. The iteration from y = 1 converges to the
+// first intersection, since q F' < 1 up to it.
 static double meeting_place( double load, double ramp, double rest )
 {
     const double q = load / ( ramp * rest );

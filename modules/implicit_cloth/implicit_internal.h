@@ -1,4 +1,4 @@
-/// What the files of this folder share.
+/// Components, links and the system of a substep.
 #pragma once
 
 #include "implicit_cloth.h"
@@ -8,22 +8,22 @@
 
 #include <math.h>
 
-/// What a surface is made of, without its links. A row of the entity.
+/// Material of a surface, without its links. A row of the entity.
 typedef struct implicit_material
 {
     int32_t axial_damping, full_jacobian, bdf2;
     int32_t newton_repeats, stiff_repeats, max_iterations, warm_start, look_ahead, wants_figures;
     float tolerance;
-    float before; ///< s, length of the substep before; 0: there was none
+    float before; ///< s, length of the last substep; 0: none
 } implicit_material;
 
-/// What the last substep did. A row of the entity.
+/// Counters of the last substep. A row of the entity.
 typedef struct implicit_tally
 {
     int32_t iterations, repeats;
     float residual, newton_residual;
     int32_t sticking, sliding, landing, released;
-    float stiffest; ///< N/m, that links were lowered to; 0: they were not
+    float stiffest; ///< N/m, limit that links were lowered to; 0: none
 } implicit_tally;
 
 /// Links of a surface in rows of their own, and the way between rows and the fabric's slots. One block of memory.
@@ -52,10 +52,10 @@ typedef struct implicit_state
     int link_count, link_capacity;
 } implicit_state;
 
-/// What a particle remembers of its contacts from substep to substep.
+/// Contacts of a particle from substep to substep.
 typedef struct implicit_contact
 {
-    int32_t body[WISP_TOUCHES];  ///< holds it, or it landed there; 0: none
+    int32_t body[WISP_TOUCHES];  ///< that holds it or that it landed on; 0: none
     float pressed[WISP_TOUCHES]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
     float rubbed;                ///< kg m/s, impulse across
     int32_t slides, landed;
@@ -75,15 +75,15 @@ typedef struct implicit_system
     float ( *wanted )[3][WISP_SLICE]; ///< [slice] kg m/s, the right side that the last solve began with
     int limit;                        ///< iterations of a solve
     bool guessed;                     ///< conjugate.direction is not zero
-    double floor;         ///< kg m^2/s^2, what is left of a right side that floats cannot tell from nothing
-    float *place, *start; ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
-    float* goal;    ///< [row][4] m/s, what a held row's velocity shall be as far as its filter holds it; 1: held
-    float* rubbing; ///< [row][4] kg m/s, impulse of sliding friction
-    float* filter_floats; ///< the filter of conjugate, to be written
-    uint8_t* filtered;    ///< [slice], as that of conjugate, to be written
+    double floor;                     ///< kg m^2/s^2, residual that is rounding
+    float *place, *start;             ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
+    float* goal;                      ///< [row][4] m/s, prescribed velocity of a held row; fourth number 1: held
+    float* rubbing;                   ///< [row][4] kg m/s, impulse of sliding friction
+    float* filter_floats;             ///< the filter of conjugate, to be written
+    uint8_t* filtered;                ///< [slice], as that of conjugate, to be written
 } implicit_system;
 
-/// What contact looks at, slot by slot.
+/// Input of contact, by slot.
 typedef struct implicit_feeler
 {
     const int32_t* body;                    ///< [slot][WISP_TOUCHES], these four as in particle.touch
@@ -92,16 +92,16 @@ typedef struct implicit_feeler
     const float *position, *velocity;       ///< [slot][4] when the substep begins
     const float* target;                    ///< [slot][4] of pins; null: they stay
     float seconds;                          ///< h, of the substep
-    float hysteresis;                       ///< m/s: so much pull a mass is not let go for
+    float hysteresis;                       ///< m/s: pull per mass that does not release
     float target_share;                     ///< of the way to a target, in this substep
     bool look_ahead;
 } implicit_feeler;
 
-/// What a solve came to.
+/// Outcome of a solve.
 typedef struct implicit_outcome
 {
     int iterations;
-    float residual; ///< over that of standing still
+    float residual; ///< relative to that of zero change
     bool unsolved, indefinite;
 } implicit_outcome;
 
@@ -123,18 +123,18 @@ void implicit_links_release( implicit_links* links, const wisp_allocator* alloca
 // ---- implicit_solve.c ----
 
 /// Solve for the change of velocity. Reads the right side from conjugate.residual and the first guess from
-/// conjugate.direction; the answer is in conjugate.solution, and what is left of the right side, which contact has to give,
+/// conjugate.direction; the answer is in conjugate.solution, and the remaining right side, the impulse of contact,
 /// in conjugate.residual.
 implicit_outcome implicit_solve( implicit_system* system );
 
 // ---- implicit_contact.c ----
 
-/// What a row may do in this substep: its filter, its goal and its friction. Needs its place and start.
+/// Set filter, goal and friction of a row for this substep. Needs its place and start.
 void implicit_touch_row( const implicit_system* system, const implicit_feeler* feeler, int row,
                          implicit_tally* tally );
-/// What contact has cost a row: splits the impulse that the last solve left.
+/// Store the contact impulse of a row, which the last solve left.
 void implicit_press_row( const implicit_system* system, const implicit_feeler* feeler, int row );
-/// BDF2: what a slot in contact remembers of the substep. All are [3] and may change; x and v are new.
+/// BDF2: set the history of a slot in contact. All are [3] and may change; x and v are new.
 void implicit_settle_row( const implicit_feeler* feeler, int slot, float* x, float* v, float* x_before,
                           float* v_before );
 

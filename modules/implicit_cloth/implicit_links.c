@@ -1,11 +1,11 @@
-// Rows of links: who stands in which row, and the entries of each slice of eight.
+// Rows of links: the vertex of each row, and the entries of each slice of eight.
 #include "implicit_pairs.h"
 
 #include <string.h>
 
 enum
 {
-    WINDOW = 256, // slots that may change places for the sake of less padding; near enough to stay in the near caches
+    WINDOW = 256, // slots that may be reordered for less padding; close enough to stay in the near caches
 };
 
 typedef struct row_cook
@@ -66,7 +66,7 @@ static void order_rows( row_cook* r, int32_t* row_slot, int row_count )
     }
 }
 
-// As many entries as the row of the slice that has most.
+// A slice has as many entries as its longest row.
 static size_t place_entries( const row_cook* r, const int32_t* row_slot, int slice_count, int32_t* begin )
 {
     size_t entry = 0;

@@ -68,7 +68,7 @@ static implicit_pair make_pair( int32_t a, int32_t b, float area )
                  : ( implicit_pair ){ .a = b, .b = a, .area = area };
 }
 
-// Each pair once, with the areas of all its mentions.
+// Merge equal pairs and sum their areas.
 static int merge_pairs( implicit_pair* pairs, int count )
 {
     qsort( pairs, (size_t)count, sizeof( *pairs ), compare_pairs );
@@ -102,7 +102,7 @@ static void list_sides( const wisp_fabric* f, edge_side* sides )
     }
 }
 
-// How many pairs an edge of `count` sides has for diagonals, at most.
+// Upper bound of the diagonals at an edge of `count` sides.
 static size_t diagonals_of( size_t count )
 {
     return count * ( count - 1 ) / 2;
@@ -225,7 +225,7 @@ static wisp_status measure( const implicit_cook* cook, implicit_pair* pairs, int
     return WISP_OK;
 }
 
-// |N_i|: who is linked in both ways counts once. Both lists are sorted, so they are merged.
+// Count |N_i|: a vertex linked in both ways counts once. Both lists are sorted, so they are merged.
 static void count_neighbours( implicit_cook* cook )
 {
     int i = 0, k = 0;

@@ -1,4 +1,4 @@
-/// From a mesh to linked pairs: what cooking needs in between.
+/// From a mesh to linked pairs: intermediate data of cooking.
 #pragma once
 
 #include "implicit_internal.h"
@@ -30,7 +30,7 @@ typedef struct implicit_cook
 void* implicit_cook_push( implicit_cook* cook, size_t count, size_t size );
 void implicit_cook_release( implicit_cook* cook );
 
-/// Fill in pairs, neighbours and coefficients, or refuse with a sentence.
+/// Fill in pairs, neighbours and coefficients, or refuse with a message.
 wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_def* def );
-/// What part of its mass a vertex's row has: 1 over the weight of its forces, or 1.
+/// Fraction of a vertex's mass in its row: 1 over the weight of its forces, or 1.
 float implicit_mass_share( const implicit_cook* cook, const wisp_implicit_cloth_def* def, int32_t slot );

@@ -1,6 +1,5 @@
 // Filtered conjugate gradients (Baraff and Witkin 1998, with the filter of Ascher and Boxerman) over rows
-// of springs. The loops of an iteration are cut at the same places whoever runs them, and their sums are added in order,
-// so the answer is the same bits for any number of workers.
+// of springs. Loops are cut at the same places for any number of workers, and sums are added in order, so the bits are the same.
 #include "implicit_internal.h"
 
 typedef struct slice_loop
@@ -60,7 +59,7 @@ static void turn( implicit_system* s, float step, float share )
     wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, turn_slices, &loop );
 }
 
-// A share of what standing still leaves; the guess may have made it smaller before the first iteration.
+// Residual relative to that of zero velocity change; the initial guess may have reduced it already.
 static implicit_outcome end_at( int iterations, double delta, double delta_0 )
 {
     return ( implicit_outcome ){
@@ -71,7 +70,7 @@ static implicit_outcome end_at( int iterations, double delta, double delta_0 )
 
 implicit_outcome implicit_solve( implicit_system* s )
 {
-    // standing still leaves ( S b )' P ( S b ), the guess r' S P S r
+    // zero change has ( S b )' P ( S b ), the guess r' S P S r
     double delta_0 = advance( s, 0.0f ), delta = delta_0;
     if ( s->guessed )
     {

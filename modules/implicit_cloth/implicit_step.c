@@ -1,5 +1,5 @@
-// One substep: what the surface is and what touches it goes into rows, forces are linearised and solved for, once or
-// several times, and the new velocities go back with the places they lead to. Equations: docs/methods.md.
+// One substep: gather the surface and its contacts into rows, linearise the forces and solve, once or several times, and scatter
+// the new velocities and positions. Equations: docs/methods.md.
 #include "implicit_internal.h"
 
 #include <float.h>
@@ -7,20 +7,20 @@
 
 enum
 {
-    ONE_BLOCK = 256, // slices; a smaller surface is solved by one worker, for waking another costs more
+    ONE_BLOCK = 256, // slices; a smaller surface is solved by one worker, since waking another costs more
     GRAIN = 64,      // slices a block of a larger one
     SHORTENINGS = 4, // of a solve's answer, at most
 };
 
 // k h^2 / m of the stiffest link and the mean mass (bench case `stability`).
-static const double RATIO_BDF2 = 512.0;   // beyond, the substep before says nothing of this one
-static const double RATIO_STIFF = 1024.0; // beyond, one linear solve is not to be trusted
-static const double RATIO_MOST = 1e6;     // beyond, floats lose a mass beside its links
+static const double RATIO_BDF2 = 512.0;   // beyond, the last substep does not predict this one
+static const double RATIO_STIFF = 1024.0; // beyond, one linear solve may gain energy
+static const double RATIO_MOST = 1e6;     // beyond, floats lose the mass next to the stiffness
 
-// Of a stiff substep, by the same case. REACH: the share of its length that a link may lack and still count as stiff. With
-// none, what was slack is found stretched by the solve after, and so on in turns; with all, cloth that is slack hardly moves.
-// SETTLED: it ends where a solve gains less than this share of the motion. PAST: an answer whose end goes up by this share of what
-// its beginning goes down is too long.
+// Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
+// links are found stretched by the next solve, in turns; at 1, slack cloth hardly moves. SETTLED: the repeats end when a solve
+// gains less than this fraction of the motion. PAST: a step is too long if the slope at its end is more than this fraction of
+// the slope at its start.
 static const float REACH = 0.01f;
 static const double SETTLED = 1e-4, PAST = 0.5;
 
@@ -46,9 +46,9 @@ typedef struct step
     implicit_tally* tallies; // [block]
     int* undirected;         // [block]
     double* motion;          // [block] kg m^2/s^2, sum of m v^2
-    bool* guesses;           // [block] somebody begins elsewhere than at 0
+    bool* guesses;           // [block] a guess is not 0
     float* worst;            // [block] m/s, of the nonlinear step
-    bool stiff;              // one linear solve is not to be trusted
+    bool stiff;              // one linear solve may gain energy
 } step;
 
 // ---- into rows ----
@@ -123,7 +123,7 @@ static void assemble_slices( void* context, int begin, int end, int worker )
     s->undirected[begin / s->system.grain] = s->system.kernels->spring_assemble( &s->system.spring, begin, end );
 }
 
-// (I - S)( goal - v ) of a held row and S times what the last substep's solve came to: where the solve begins.
+// Initial guess: (I - S)( goal - v ) of a held row and S times the solution of the last substep.
 static bool guess_row( step* s, int row )
 {
     const implicit_system* system = &s->system;
@@ -170,7 +170,7 @@ static void prepare_slices( void* context, int begin, int end, int worker )
     memset( s->system.conjugate.product[begin], 0, slices * sizeof( s->system.conjugate.product[0] ) );
 }
 
-// v_k + a share of dv, and x^ + h of it.
+// Move to v_k plus a fraction of dv, and to x^ plus h times that.
 static void move_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -222,11 +222,10 @@ static int assemble( step* s, bool repeat )
     {
         undirected += s->undirected[block];
     }
-    return undirected / 2; // each link was met from both ends
+    return undirected / 2; // each link is counted at both ends
 }
 
-// Rounding the velocities that a solve begins with leaves a right side of its own, which a cloth in free flight would be
-// solved for in vain.
+// Lower bound of the residual: rounding of the initial velocities leaves a right side that a solve cannot reduce.
 static double find_floor( const step* s )
 {
     double motion = (double)FLT_MIN;
@@ -240,16 +239,15 @@ static double find_floor( const step* s )
 
 // ---- stiff substeps ----
 
-// A link that is slack where forces are asked for gives way as if it were not there, and is found stretched in the next
-// substep: it then stores k h^2 / m times what moved. But the substep is the lowest place of a convex sum, 1/2 m |v - v^|^2 and
-// the energies of links, so a stiff one is solved for until little is gained; an answer that goes past the lowest place
-// on its way is shortened.
+// A link that is slack where forces are evaluated does not resist, and may be stretched in the next substep: it then stores
+// k h^2 / m times the energy that moved. But a substep is the minimum of a convex sum, 1/2 m |v - v^|^2 plus the energies of links.
+// So a stiff substep is solved until a solve gains little, and a step beyond the minimum is shortened.
 
 typedef struct slope_loop
 {
     const step* s;
     float ( *right )[3][WISP_SLICE];
-    bool rubs; // friction is not in it yet
+    bool rubs; // friction is not included yet
 } slope_loop;
 
 static void slope_slices( void* context, int begin, int end, int worker )
@@ -270,7 +268,7 @@ static void slope_slices( void* context, int begin, int end, int worker )
     y->sums[begin / y->grain] = sum;
 }
 
-// How steeply it goes down along the last answer, J.
+// Slope of that sum along the last step, J.
 static double add_slopes( step* s, float ( *right )[3][WISP_SLICE], bool rubs )
 {
     slope_loop loop = { s, right, rubs };
@@ -293,7 +291,7 @@ static bool is_settled( const step* s, double slope )
     return !( slope > SETTLED * motion );
 }
 
-// Forces have been asked for at the end of the last answer. @return links without direction, of the last assembly
+// Shorten the last step; forces at its end are known. @return links without direction, of the last assembly
 static int shorten( step* s, double slope, int undirected )
 {
     double share = 1.0;
@@ -319,7 +317,7 @@ static implicit_tally solve( wisp_frame* frame, step* s )
     int undirected = 0;
     const int asked = s->system.material->newton_repeats;
     const int stiff = s->system.material->stiff_repeats, most = s->stiff && asked < stiff ? stiff : asked;
-    const int least = s->stiff && asked < 2 ? 2 : asked; // the first one also takes pins where they go, up or down
+    const int least = s->stiff && asked < 2 ? 2 : asked; // the first one also moves pins to their targets
     double slope = 0.0;
     for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
     {
@@ -378,7 +376,7 @@ static void scatter_row( step* s, int row )
         {
             c->change[(size_t)slot * 3 + (size_t)k] = v[k] - system->start[(size_t)row * 4 + (size_t)k];
         }
-        // what has been said about bodies was for this substep
+        // contacts are valid for this substep only
         c->body[(size_t)slot * WISP_TOUCHES + (size_t)( k % WISP_TOUCHES )] = 0;
     }
     if ( c->before_position != NULL )
@@ -401,7 +399,7 @@ static void scatter_slices( void* context, int begin, int end, int worker )
     }
 }
 
-// How far free rows are from the nonlinear step: |b| / m of one more right side.
+// Error of free rows against the nonlinear step: |b| / m of one more right side.
 static void doubt_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -451,8 +449,8 @@ static double mean_mass( const implicit_links* links, const float* position )
     return count > 0 ? mass / count : INFINITY;
 }
 
-// Two step BDF with w = h / h_before; Euler where there was nothing before, and where a substep is so long beside
-// what links do that going on from the substep before has nothing to do with the motion.
+// Two step BDF with w = h / h_before; Euler in the first substep, and in substeps too long, compared with the links,
+// for an extrapolation.
 static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s )
 {
     const implicit_material* m = s->system.material;
@@ -560,7 +558,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.seconds ) : 1.0f;
     const float h = wisp_frame_seconds( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
-    const float HYSTERESIS = 1e-4f; // of the weight: a solve to its tolerance may be wrong by so much
+    const float HYSTERESIS = 1e-4f; // of the weight: error of a solve at its tolerance
     s->feeler = ( implicit_feeler ){
         .body = s->columns.body,
         .plane = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 1 ),
@@ -621,7 +619,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     add_contacts( &s, &tally );
     tally.stiffest = s.system.spring.stiffest;
     for_slices( &s, scatter_slices );
-    // behind the impulses, which the right side of the figure is written over
+    // after the impulses, because the right side overwrites them
     tally.newton_residual = material->wants_figures != 0 ? newton_residual( &s ) : 0.0f;
     material->before = wisp_frame_seconds( frame );
     *(implicit_tally*)wisp_frame_column( frame, span->entity, state->tally, 0 ) = tally;

@@ -142,7 +142,7 @@ int guide_oracle_parallel_frames( const double3* rest, const double3* present, i
 /// How a strand is drawn.
 typedef enum guide_oracle_curve
 {
-    GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (A8, default)
+    GUIDE_ORACLE_CURVE_GROUPS, ///< nodes {0..3}, {3..6}, ...: the source, C0 at the shared ends (default)
     GUIDE_ORACLE_CURVE_SMOOTH, ///< one cubic a segment through all nodes, C1
 } guide_oracle_curve;
 
