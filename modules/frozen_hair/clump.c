@@ -1,11 +1,11 @@
-// The third stage: neighbours attract, gaps stay (eq. 14-19). Runs on one strand set with all workers, or with others
-// beside it on one worker each.
+// The third stage: neighbours attract, gaps stay (Kim 2026, eq. 14-19). One groom runs on all workers, several grooms on one worker
+// each.
 //
 //   pack      lanes -> items in the user's order
 //   search    items -> slots by cell, so that neighbours lie side by side; lists of all vertices of other strands within
 //             h, and within a skin around it
-//   iterate   attract: tentative positions, at first r0, too; brake: lambda from r0 and r1 = distance of the tentative
-//             positions; keep up: whoever is near now is listed (clump_search.c)
+//   iterate   attract: tentative positions, at first also r0; brake: lambda from r0 and r1 = distance of the tentative
+//             positions; keep up: list all pairs that are near now (clump_search.c)
 //   unpack    slots -> lanes
 //
 // Pairs beyond h add exact zeros to the sums. When the vertices are searched again, the brake keeps the first list, whose
@@ -119,8 +119,7 @@ static void brake( void* context, int begin, int end, int worker )
     run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_brake( &run->job, begin, end );
 }
 
-// The sweep that wrote `result` has made it the current one. What was current is free for the next, unless the lists
-// still need to know where they were made.
+// Make `result` current. The former current buffer is free for the next sweep, unless the lists still refer to it.
 static void advance( clump_run* run, float** result )
 {
     float* before = run->current;
@@ -164,7 +163,7 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
         .reference = { run->w->lists.near },
         .reference_count = 1,
         .measured = &run->measured,
-        .leash = run->skin / 2.0001f, // two may have moved towards each other, and rounding is on nobody's side
+        .leash = run->skin / 2.0001f, // two vertices may move towards each other; the rest is rounding
         .strayed = run->strayed,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
         .radius = c->radius,
@@ -178,8 +177,8 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
     };
 }
 
-// Where vertices are as they were searched, near ones are all there are; once they have moved, the shell counts too, and
-// who is late. r0 by iteration is measured over the neighbours of the moment, so that the brake follows.
+// Choose the lists of this iteration. Before any vertex moves the near lists suffice; afterwards the skin and the late pairs count
+// too. With r0 by iteration the brake uses the same lists.
 static void use_lists( clump_run* run, int iteration )
 {
     wisp_adhesion_job* job = &run->job;
@@ -249,7 +248,7 @@ static bool reserve( clump_run* run )
     run->strayed = (uint8_t*)( run->measured.near + slices );
     run->most = w->most.data;
 
-    memset( run->strayed + slices, 0, 7 ); // they are counted in eights
+    memset( run->strayed + slices, 0, 7 ); // counted eight at a time
 
     // the last slice's empty lanes are vertices that never move
     for ( size_t slot = (size_t)run->count; slot < slots; ++slot )

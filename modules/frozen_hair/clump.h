@@ -1,4 +1,4 @@
-/// What the files of the clump stage share: one run of it, and its memory.
+/// One run of the clump stage, and its memory.
 #pragma once
 
 #include "frozen_hair_state.h"
@@ -21,7 +21,7 @@ typedef struct clump_workspace
     wisp_buffer slices;   // everything by slice
     wisp_buffer measured; // r0 and g(r0) an entry
     wisp_buffer most;     // largest displacement a block
-    wisp_buffer strays;   // quads of the vertices that have left their leash, and their slots
+    wisp_buffer strays;   // vertices that have left their search margin, and their slots
     wisp_buffer late_pairs, late_lists;
 } clump_workspace;
 
@@ -52,13 +52,13 @@ typedef struct clump_run
     const wisp_neighbours* lists;
     const float* searched;    // [slot][4] where the lists were made
     float moved;              // m, of any vertex since then
-    wisp_neighbour_list late; // who has come within the radius from beyond the lists
+    wisp_neighbour_list late; // pairs within the radius that the lists lack
     wisp_adhesion_job job;
 } clump_run;
 
 /// Make the lists of the reference shape. @return WISP_NO_MEMORY
 wisp_status clump_search( clump_run* run );
 
-/// Whatever has moved: afterwards the lists in use have all pairs that are within the radius now.
+/// Update the lists in use so that they have all pairs that are within the radius now.
 /// @return WISP_NO_MEMORY
 wisp_status clump_keep_up( clump_run* run );

@@ -1,9 +1,9 @@
-// Who is near whom, at first and while the vertices move.
+// Neighbours of vertices, at first and while they move.
 //
 // The lists reach a skin further than h. A pair that they lack was further apart than h and the skin together when they
-// were made, so while no vertex has moved further than half the skin, its leash, they have all pairs. Few vertices leave
-// their leash: the neighbours of these strays are looked for one by one, and pairs that the lists lack make the late
-// list. Where many stray, the vertices are searched again where they are now.
+// were made, so the lists are complete while no vertex has moved further than half the skin, its search margin. Few
+// vertices leave the margin: they are searched one by one, and pairs that the lists lack form the late list. Where many leave it,
+// all vertices are searched again.
 #include "clump.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ enum
     CLUMP_STRAYS_MOST = 8, // of so many vertices one may stray before all are searched again
 };
 
-// Near is what rounding may put on the border of h.
+// Radius h with a margin for rounding.
 static float near_radius( const clump_run* run )
 {
     return run->params->radius * 1.0001f;
@@ -34,7 +34,7 @@ static float shell_radius( const clump_run* run )
     return near_radius( run ) + run->skin;
 }
 
-// A step of sigma is what a vertex moves in an iteration at most, about. The last iteration's moves need no list.
+// A vertex moves about one sigma in an iteration at most. The moves of the last iteration need no list.
 static float choose_skin( const frozen_clump* c )
 {
     float skin = CLUMP_SKIN_STEPS * c->step * (float)( c->iterations - 1 );
@@ -72,7 +72,7 @@ static wisp_neighbour_query make_query( const clump_run* run, const float* quads
     };
 }
 
-// Lists of all vertices where they are.
+// Make the lists of all vertices at their present places.
 static void use( clump_run* run, const wisp_neighbours* lists, const float* searched )
 {
     run->lists = lists;
@@ -108,9 +108,9 @@ wisp_status clump_search( clump_run* run )
     return WISP_OK;
 }
 
-// ---- all again ----
+// ---- search again ----
 
-// A vertex where it is now, as grids and searches have it.
+// Copy the present place of a vertex in the form of the grid.
 static void copy_vertex( const clump_run* run, int slot, float* quad )
 {
     memcpy( quad, run->current + 4 * (size_t)slot, 3 * sizeof( float ) );
@@ -147,7 +147,7 @@ static wisp_status search_again( clump_run* run )
 
 // ---- strays ----
 
-// A bit each, eight slices at a time; what fills the last ones up is no stray.
+// Count one bit per vertex, eight slices at a time; padding is never set.
 static int count_strays( const clump_run* run )
 {
     uint64_t count = 0;
@@ -163,7 +163,7 @@ static int count_strays( const clump_run* run )
     return (int)count;
 }
 
-// Vertices that have left their leash, as queries where they are now.
+// Vertices that have left their search margin, as queries at their present places.
 typedef struct stray_queries
 {
     float* quads;  // [stray][4], whole slices
@@ -173,7 +173,7 @@ typedef struct stray_queries
 
 static bool collect_strays( clump_run* run, int count, stray_queries* out )
 {
-    // room for as many as there may be, so that a step with more of them than the last one allocates nothing
+    // reserve the maximum, so that a step with more of them than the last allocates nothing
     size_t room = (size_t)( run->count / CLUMP_STRAYS_MOST + 1 + WISP_SLICE ) / WISP_SLICE * WISP_SLICE;
     wisp_buffer* buffer = &run->w->strays;
     if ( wisp_buffer_reserve( buffer, wisp_parallel_allocator( run->parallel ), room * 5 * sizeof( float ) ) ==
@@ -197,7 +197,7 @@ static bool collect_strays( clump_run* run, int count, stray_queries* out )
     return true;
 }
 
-// With the roundings of the search, so that a pair is in the lists or late, never both and never neither.
+// Same rounding as the search, so that each pair is either in the lists or late.
 static float squared_distance( const float* quads, int a, int b )
 {
     const float *p = quads + 4 * (size_t)a, *q = quads + 4 * (size_t)b;
@@ -211,7 +211,7 @@ static int compare_pairs( const void* a, const void* b )
     return x < y ? -1 : x > y;
 }
 
-// Whether the lists lack a pair that is near now. Most pairs are in the lists.
+// Whether the lists lack a pair that is near now.
 static bool is_late( const clump_run* run, float listed2, int a, int b )
 {
     const int32_t* owner = run->w->grid.owner;
@@ -220,7 +220,7 @@ static bool is_late( const clump_run* run, float listed2, int a, int b )
            squared_distance( run->current, a, b ) < near * near && owner[a] != owner[b];
 }
 
-// What the blocks of strays share while they look for late pairs.
+// Shared data of the blocks that search late pairs.
 typedef struct late_search
 {
     const clump_run* run;
@@ -254,8 +254,8 @@ static void find_late_pairs( void* context, int begin, int end, int worker )
     }
 }
 
-// Late pairs of the strays, each in both directions, in rising order: whoever found them first. Two strays find each
-// other twice, and where a list is padded a number means any slot, so that a pair may be met again.
+// Late pairs of the strays, each in both directions, in rising order. Two strays find each
+// other twice, and padding repeats slots, so duplicates are removed.
 // @param pairs [2 entries of the strays' lists]
 static size_t collect_late_pairs( const clump_run* run, const stray_queries* strays, uint64_t* pairs )
 {
@@ -274,7 +274,7 @@ static size_t collect_late_pairs( const clump_run* run, const stray_queries* str
     return kept;
 }
 
-// Lists of one slice from its pairs, the longest lane as long as there are pairs at most. @return entries a lane
+// Make the lists of one slice from its pairs. @return entries per lane
 static int list_slice( const uint64_t* pairs, size_t count, int slice, int32_t* entries )
 {
     int lengths[WISP_SLICE] = { 0 }, longest = 0;
@@ -332,7 +332,7 @@ static wisp_status search_strays( clump_run* run, int count, bool* complete )
     wisp_neighbour_query query = {
         .quads = strays.quads,
         .query_count = count,
-        // others lie in the grid where they were; who is closer than this is in the lists
+        // the grid holds old places; pairs closer than this are in the lists
         .near_radius = fmaxf( shell_radius( run ) - 1.0001f * run->moved, 0.0f ),
         .shell_radius = near_radius( run ) + 1.0001f * run->moved,
         .limit = run->params->neighbour_limit,

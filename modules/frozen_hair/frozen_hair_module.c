@@ -7,7 +7,7 @@ static size_t row_floats( const wisp_strand_topology* t, int group )
     return (size_t)t->group_row[group] * 3 * WISP_LANES;
 }
 
-// ---- command: which event the stages answer ----
+// ---- command: the event of this step ----
 
 static bool command_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
@@ -29,7 +29,7 @@ static void command( wisp_frame* frame, const wisp_span* span, void* user )
     *report = ( wisp_frozen_hair_report ){ .event = event->number };
 }
 
-// ---- start: from the rest shape, from where motion carried it, or from what is there ----
+// ---- start: from the rest shape, from the moved shape, or from the last output ----
 
 static void start( wisp_frame* frame, const wisp_span* span, void* user )
 {

@@ -1,4 +1,4 @@
-// Parameters: defaults, ranges, and their way into columns.
+// Parameters: defaults, ranges, columns.
 #include "frozen_hair_state.h"
 
 #include <math.h>
@@ -101,7 +101,7 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
 
 // ---- into columns ----
 
-// One number for all strands, or each strand's own; lanes without a strand get the common number, which is in range.
+// Write one number for all strands, or one per strand. Lanes without a strand get the common number, which is in range.
 static void fill_lanes( const wisp_strand_topology* t, float common, const float* own, float* lanes )
 {
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
@@ -150,7 +150,7 @@ static wisp_status attach_all( wisp_world* world, wisp_entity entity, const froz
     }
     for ( int i = 0; i < WISP_COUNT( parts ); ++i )
     {
-        // stiffness stays: another module may drive it
+        // keep the stiffness, which another module may drive
         if ( parts[i].on == false && parts[i].component != WISP_STRAND_STIFFNESS && had[i] )
         {
             wisp_world_detach( world, entity, parts[i].component );

@@ -1,4 +1,4 @@
-/// What the files of this module share: its components, and the parameters as the passes read them.
+/// Components of the module, and parameters as the passes read them.
 #pragma once
 
 #include "frozen_hair.h"
@@ -19,7 +19,7 @@ typedef struct frozen_settings
     uint32_t unused;
 } frozen_settings;
 
-/// The command that the stages answer.
+/// The command that the stages run.
 typedef struct frozen_event
 {
     uint64_t number;

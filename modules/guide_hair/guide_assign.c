@@ -1,9 +1,10 @@
-// Eq. 1: which targets a ghost follows. All pairs are compared in effect; boxes around the targets settle most of them.
+// Which targets a ghost follows (Park and Kim 2024, eq. 1). The result is that of all pairs; boxes around the targets rule out most
+// of them.
 #include "guide_internal.h"
 
 #include <math.h>
 
-// A target's box, and the targets that have one.
+// Bounds of a target.
 typedef struct box
 {
     guide_point low, high;
@@ -61,7 +62,7 @@ static double outside( double low, double p, double high )
     return p < low ? low - p : p > high ? p - high : 0.0;
 }
 
-// Is a strand farther from the box than `limit`, as sums of squares? A little is left for the rounding of the sums.
+// Whether a strand is farther from the box than `limit`, as sums of squares, with a margin for rounding.
 static bool is_beyond( const box* b, const wisp_vec3* points, int count, double limit )
 {
     const double enough = limit * ( 1.0 + 1e-9 );
@@ -76,7 +77,7 @@ static bool is_beyond( const box* b, const wisp_vec3* points, int count, double 
     return sum > enough;
 }
 
-// Sum over the ghost's vertices of the squared distance to the nearest vertex of the target; more than `limit` is enough.
+// Sum over the ghost's vertices of the squared distance to the nearest vertex of the target. Stops above `limit`.
 static double strand_distance( const wisp_vec3* ghost, int ghost_count, const wisp_vec3* target, int target_count,
                                double limit )
 {
@@ -95,7 +96,7 @@ static double strand_distance( const wisp_vec3* ghost, int ghost_count, const wi
     return sum;
 }
 
-// The target whose root is nearest: a guess that is nearly always right, which makes the boxes work.
+// The target whose root is nearest: nearly always the answer, so that boxes rule out most others.
 static int nearest_root( const guide_shape* targets, wisp_vec3 root )
 {
     int best = -1;
@@ -137,7 +138,7 @@ static ranking rank_targets( const guide_shape* ghosts, int ghost, const guide_s
     return r;
 }
 
-// (1/d_k) / sum (1/d_j), both sides times the least distance: no overflow, and targets at distance 0 share it all.
+// (1/d_k) / sum (1/d_j), scaled by the smallest distance: no overflow, and targets at distance 0 share all of it.
 static void share_out( const ranking* r, double* share )
 {
     double sum = 0.0;

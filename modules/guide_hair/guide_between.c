@@ -1,5 +1,5 @@
-// Interpolation in time (Park and Kim 2024, section II.2.2): both last places of ghosts and the velocities of their targets' nodes are kept, and a place
-// between them is read off a cubic Hermite curve.
+// Interpolation in time (Park and Kim 2024, section II.2.2). Keeps the last two places of ghosts and the velocities of their
+// targets' nodes; a place between them lies on a cubic Hermite curve.
 #include "guide_internal.h"
 
 #include <string.h>
@@ -15,7 +15,7 @@ enum
     COLUMN_COUNT,
 };
 
-// ---- what is cooked ----
+// ---- cooking ----
 
 bool guide_cook_sources( guide_follower* f, const guide_groups* g )
 {
@@ -52,7 +52,7 @@ typedef struct between_loop
     float* column[COLUMN_COUNT];
 } between_loop;
 
-// The velocity of a vertex, blended as its place is.
+// Blend the velocity of a vertex with the weights of its place.
 static void blend_velocity( const between_loop* loop, int group, int lane, int i, float* to )
 {
     const guide_follower* f = loop->follower;

@@ -1,4 +1,4 @@
-// From groups to what the kernels read: lanes of guides, lanes of ghosts, offsets.
+// From groups to the input of the kernels: lanes of guides, lanes of ghosts, offsets.
 #include "guide_internal.h"
 
 #include <math.h>
@@ -44,7 +44,7 @@ static bool sort_groups( const guide_groups* g, int32_t* order, guide_memory* sc
     return true;
 }
 
-// Float of an entity's rows where each strand begins.
+// Offset in floats of each strand in the rows of an entity.
 static bool find_strands( const wisp_strand_topology* t, guide_memory* scratch, int32_t** row, int32_t** lane_of )
 {
     *row = guide_take( scratch, (size_t)t->strand_count, sizeof( int32_t ) );
@@ -94,7 +94,7 @@ static bool take_resampled( guide_lanes* l, guide_memory* memory )
     return memory->failed == false;
 }
 
-// Lanes of their own: a lane a group of ghosts.
+// Resampled lanes: one lane per group of ghosts.
 static bool lay_out_groups( guide_follower* f, const guide_groups* g, int32_t* order, guide_memory* scratch )
 {
     guide_lanes* l = &f->guides;
@@ -133,7 +133,7 @@ static bool lay_out_groups( guide_follower* f, const guide_groups* g, int32_t* o
     return true;
 }
 
-// Caps, and where in the table each lane's quads are. Group of a lane: through `order`, or the target of the lane.
+// Limits of the sway, and the place of each lane in the table. Group of a lane: through `order`, or the target of the lane.
 static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory* scratch )
 {
     const wisp_strand_topology* t = g->targets->topology;
@@ -176,8 +176,8 @@ static bool cook_guides( guide_follower* f, const guide_groups* g, guide_memory*
 
 // ---- lanes of ghosts ----
 
-// Eq. 2-3: the exact projection scales what differs from the centre, and nothing else moves the ghosts of a group against
-// each other before the sway, so it is part of the offset. With feedback the sway does, and the projection is made in steps.
+// Eq. 2-3: the exact projection scales offsets from the centre. Before the sway nothing else moves the ghosts of a group against
+// each other, so the factor is cooked into the offsets. With feedback the sway does, so the projection runs in each step.
 static double growth( const guide_groups* g, const guide_group* own )
 {
     return own->size > 1 && g->def->feedback == false ? sqrt( (double)g->def->spread ) : 1.0;
@@ -234,7 +234,7 @@ static void cook_ghost( guide_follower* f, const guide_groups* g, const double* 
     {
         return;
     }
-    // offsets are grown already, the weight is that of the offset before
+    // offsets are scaled already, the weight belongs to the unscaled offset
     const guide_group* own = g->groups + g->group[(size_t)ghost * (size_t)links];
     const double largest = own->largest * growth( g, own );
     f->centre_scale[lane] =
@@ -268,7 +268,7 @@ static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double*
     return f->memory.failed == false;
 }
 
-// ---- all of it ----
+// ---- entry point ----
 
 static void report_on( guide_follower* f, const guide_groups* g, guide_memory* scratch )
 {
@@ -319,7 +319,7 @@ static int targets_with_vertices( const guide_shape* targets )
     return count;
 }
 
-// Quads and rows are found by 32-bit numbers of floats.
+// Offsets in floats must fit 32 bits.
 static bool is_addressable( const guide_groups* g )
 {
     const int64_t most = INT32_MAX / 64;

@@ -28,7 +28,7 @@ void guide_run_source( wisp_frame* frame, const wisp_span* span, void* user )
     *changes += 1;
 }
 
-// Nothing is drawn while the source stays where it is.
+// Draw only if the source strands have changed.
 bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const guide_state* state = user;
@@ -89,7 +89,7 @@ static int segments_of( int vertices, wisp_curve_kind kind )
     return kind == WISP_CURVE_BEZIER ? ( vertices + 1 ) / 3 : vertices - 1;
 }
 
-// How a sample blends four points: eq. 6 with coefficient 3, or the Catmull-Rom spline of the two in the middle.
+// Weights of the four points of a sample: eq. 6 with coefficient 3, or the Catmull-Rom spline of the two in the middle.
 static void blend_weights( wisp_curve_kind kind, double t, double weight[4] )
 {
     const double s = 1.0 - t;
@@ -158,7 +158,7 @@ static void draw_strand( const wisp_vec3* v, int count, const wisp_curves_def* d
 
 // ---- cooking ----
 
-// Where each lane of the curves finds its strand. Lanes are sorted by length on both sides, so nearly always lane by lane.
+// Find the source lane of each curve. Both sides are sorted by length, so it is nearly always the same lane.
 static bool find_lanes( guide_drawing* d, const wisp_strand_topology* curves, const wisp_strand_topology* source )
 {
     const size_t lanes = (size_t)curves->group_count * WISP_LANES;
@@ -262,7 +262,7 @@ static wisp_status check( wisp_world* world, const guide_state* s, const wisp_cu
     {
         return wisp_world_fail( world, WISP_CONFLICT, "curves: source: entity %u has no strands", def->source.index );
     }
-    // they would be drawn together with their source, not behind it
+    // they would be drawn at the same time as their source
     if ( wisp_world_has( world, def->source, s->curves ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "curves: source: entity %u holds curves, expected strands",
@@ -286,14 +286,14 @@ static wisp_status count_vertices( wisp_world* world, const wisp_strand_topology
         }
         offsets[s + 1] = (int32_t)count;
     }
-    // lanes find their strand by a 32-bit number of floats
+    // offsets in floats must fit 32 bits
     return (int64_t)t->row_count * 3 * WISP_LANES <= INT32_MAX
                ? WISP_OK
                : wisp_world_fail( world, WISP_BAD_INPUT, "curves: source: got %d rows, which is too many",
                                   t->row_count );
 }
 
-// The entity with the curves of the rest shape.
+// Add the entity, with the curves of the rest shape.
 static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, guide_memory* scratch,
                                wisp_entity* out )
 {
@@ -326,7 +326,7 @@ static wisp_status add_entity( wisp_world* world, const wisp_curves_def* def, gu
     return wisp_add_strands( world, &strands, out );
 }
 
-// The source's passes live for the curves' sake, and count its changes.
+// Request the pass that counts changes of the source.
 static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_entity source )
 {
     const bool had = wisp_world_has( world, source, s->drawn );

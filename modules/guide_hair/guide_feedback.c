@@ -10,17 +10,17 @@ enum
     GROUP_GRAIN = 16, // groups a block
 };
 
-// Sums of squares stay finite, and no hair is that long.
+// Limit that keeps sums of squares finite; no hair is that long.
 static const float LARGEST_APART = 1e6f; // m
 
-// ---- what is cooked ----
+// ---- cooking ----
 
 static size_t root_of( const wisp_strand_topology* t, int lane )
 {
     return (size_t)t->group_row[lane / WISP_LANES] * GUIDE_ROW + (size_t)( lane % WISP_LANES );
 }
 
-// Members stand in ascending order of ghosts, so that their sums do not depend on how lanes are laid out.
+// List members in ascending order of ghosts, so that sums do not depend on the order of lanes.
 static void list_members( guide_members* m, const guide_groups* g, const int32_t* lane_of, int32_t* next )
 {
     const int ghosts = g->ghosts->topology->strand_count;
@@ -39,7 +39,7 @@ static void list_members( guide_members* m, const guide_groups* g, const int32_t
     }
 }
 
-// Eq. 3 at rest.
+// Measure V of eq. 3 at rest.
 static void measure_spread( guide_members* m, const guide_groups* g )
 {
     for ( int ghost = 0; ghost < g->ghosts->topology->strand_count; ++ghost )
@@ -97,7 +97,7 @@ typedef struct feedback_loop
     float *apart, *position;
 } feedback_loop;
 
-// One node of a group: what its members share, and where they are read and written.
+// One node of a group: shared values, input and output.
 typedef struct group_node
 {
     const float* quads;
@@ -118,7 +118,7 @@ static void store( float* to, wisp_vec3 p )
     to[2 * WISP_LANES] = p.z;
 }
 
-// Eq. 5 about the mean of the group, which the step before has put at zero.
+// Eq. 5 relative to the mean of the group, which the last step set to zero.
 static wisp_vec3 swayed( const feedback_loop* loop, const group_node* node, int lane )
 {
     const float* q = node->quads;
@@ -131,7 +131,7 @@ static wisp_vec3 swayed( const feedback_loop* loop, const group_node* node, int 
 
 static bool is_sound( wisp_vec3 d )
 {
-    // a number that is none fails every comparison
+    // NaN fails every comparison
     return fabsf( d.x ) <= LARGEST_APART && fabsf( d.y ) <= LARGEST_APART && fabsf( d.z ) <= LARGEST_APART;
 }
 
@@ -145,7 +145,7 @@ static void halt( const feedback_loop* loop, int lane, int i )
     wisp_frame_halt( loop->frame, loop->entity, sentence );
 }
 
-// The mean of what the members have become, summed in their order. @return false when one of them is lost
+// Mean of the members, summed in their order. @return false when a member is not finite
 static bool find_mean( const feedback_loop* loop, const group_node* node, guide_point* mean )
 {
     guide_point sum = { 0.0, 0.0, 0.0 };
@@ -177,7 +177,7 @@ static double project( const feedback_loop* loop, const group_node* node, guide_
     return spread;
 }
 
-// The spread is held in what is seen, and not in what is fed back. Ghosts that coincide have no way to spread.
+// Apply the spread to the output, not to the state. Coincident ghosts have no direction to spread.
 static void place( const feedback_loop* loop, const group_node* node, double spread )
 {
     const bool grows = node->size > 1 && spread > 0.0 && node->wanted > 0.0;
@@ -185,7 +185,7 @@ static void place( const feedback_loop* loop, const group_node* node, double spr
     for ( int k = 0; k < node->size; ++k )
     {
         const size_t at = root_of( loop->topology, node->lane[k] ) + (size_t)node->i * GUIDE_ROW;
-        // the root stands on the scalp, and a lone ghost where it is put beside its target
+        // the root stays on the scalp, and a lone ghost at its offset from the target
         const bool keeps = node->i == 0 || node->size == 1;
         const wisp_vec3 d = load( ( keeps ? loop->follower->offset : loop->apart ) + at );
         store( loop->position + at, ( wisp_vec3 ){ node->quads[0] + scale * d.x, node->quads[1] + scale * d.y,
@@ -208,7 +208,7 @@ static void step_node( const feedback_loop* loop, const group_node* node )
     place( loop, node, spread );
 }
 
-// Rows behind the tip stay there, as they do without feedback.
+// Rows beyond the tip repeat it, as without feedback.
 static void fill_behind( const feedback_loop* loop, int lane )
 {
     const wisp_strand_topology* t = loop->topology;
@@ -220,7 +220,7 @@ static void fill_behind( const feedback_loop* loop, int lane )
     }
 }
 
-// A group is one worker's, and touches the lanes of its own members alone.
+// One worker runs a group, which writes only the lanes of its members.
 static void step_groups( void* context, int begin, int end, int worker )
 {
     (void)worker;

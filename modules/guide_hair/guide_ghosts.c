@@ -1,4 +1,4 @@
-// Ghosts as the host sees them: defaults, ranges, who may follow whom.
+// Definition of ghosts: defaults, ranges, which strands may follow which.
 #include "guide_internal.h"
 
 static const uint32_t GHOSTS_DEF_MADE = 0x47484f53;
@@ -58,7 +58,7 @@ static wisp_status check_strands( wisp_world* world, wisp_entity entity, const c
     return WISP_OK;
 }
 
-// A table is filled before the ghosts are placed, so ghosts of ghosts would follow a step late: they are refused.
+// Refuse ghosts of ghosts: tables are filled before ghosts are placed, so they would follow a step late.
 static wisp_status check_roles( wisp_world* world, const guide_state* s, wisp_entity ghosts, wisp_entity targets )
 {
     if ( wisp_entity_equal( ghosts, targets ) )
@@ -100,7 +100,7 @@ static wisp_status check( wisp_world* world, const guide_state* s, wisp_entity g
 
 // ---- following ----
 
-// What is state goes on whether or not somebody looks. The rows are there, so this asks for no memory.
+// Request the passes that advance state, even if no output is requested. The rows exist, so this needs no memory.
 static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_entity ghosts,
                                  const wisp_ghosts_def* def )
 {
@@ -182,7 +182,7 @@ static int32_t elastic_of( wisp_ghost_elastic elastic )
     return (int32_t)KERNEL[elastic];
 }
 
-// In the place of what the ghosts followed before.
+// Replace the follower that the ghosts had.
 static void install( wisp_world* world, guide_state* s, guide_follower* follower )
 {
     for ( int i = 0; i < s->follower_count; ++i )

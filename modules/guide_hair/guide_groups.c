@@ -1,10 +1,10 @@
-// Groups of ghosts: those that follow the same target with equally many vertices. Their means at rest, and where their
-// target is at their nodes.
+// Groups of ghosts: those of the same target with the same number of vertices. Their means at rest, and the point of the target at
+// each of their nodes.
 #include "guide_internal.h"
 
 #include <math.h>
 
-// The group of a target and a node count; a new one if there is none yet. Without resampling group a is that of target a.
+// Find or add the group of a target and a node count. Without resampling group a is that of target a.
 static int group_of( guide_groups* g, int target, int node_count )
 {
     int last = -1;
@@ -76,7 +76,7 @@ static double distance( wisp_vec3 a, wisp_vec3 b )
     return sqrt( guide_dot( d, d ) );
 }
 
-// Where the target is at a node, and how long its own segment is there.
+// Point of the target at a node, and the length of its segment there.
 static void place_target( const guide_groups* g, const guide_group* group, int i )
 {
     guide_node* node = g->nodes + group->first_node + i;

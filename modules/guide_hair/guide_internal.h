@@ -1,4 +1,4 @@
-/// What the files of this module share: its components, and what is cooked when ghosts or curves are made.
+/// Components of the module, and data cooked when ghosts or curves are added.
 #pragma once
 
 #include "guide_hair.h"
@@ -14,21 +14,21 @@ enum
     GUIDE_ROW = 3 * WISP_LANES, // floats of a row of strands
 };
 
-/// Blocks that live and die together.
+/// Blocks that are released together.
 typedef struct guide_memory
 {
     const wisp_allocator* allocator;
     void* blocks[GUIDE_MOST_BLOCKS];
     size_t bytes[GUIDE_MOST_BLOCKS];
     int count;
-    bool failed; // a block was refused
+    bool failed; // an allocation failed
 } guide_memory;
 
-/// A zeroed block, 64-byte aligned, of at least one element. @return null without memory, which `failed` keeps
+/// A zeroed block, 64-byte aligned, of at least one element. @return null without memory, which sets `failed`
 void* guide_take( guide_memory* memory, size_t count, size_t element );
 void guide_give_back( guide_memory* memory );
 
-// ---- points in double, for what is worked out once ----
+// ---- points in double precision, for cooking ----
 
 typedef struct guide_point
 {
@@ -100,7 +100,7 @@ guide_point guide_gather( const guide_stencil* stencil, const wisp_vec3* points 
 
 // ---- ghosts ----
 
-/// Lane = guide: a target as the ghosts of one group see it. Without resampling these are the targets' own lanes.
+/// Lane = guide: a target as one group of ghosts follows it. Without resampling these are the lanes of the targets.
 typedef struct guide_lanes
 {
     int group_count, row_count;
@@ -118,7 +118,7 @@ typedef struct guide_lanes
     float* root; // [group][4][16]
 } guide_lanes;
 
-/// Groups of ghosts as feedback goes through them (guide_feedback.c).
+/// Groups of ghosts for feedback (guide_feedback.c).
 typedef struct guide_members
 {
     int group_count;
@@ -128,13 +128,13 @@ typedef struct guide_members
     double* wanted; // [node] m^2, Vbar of eq. 3; null: the spread is not held
 } guide_members;
 
-/// Where the velocities of ghosts are read that are drawn between steps (guide_between.c).
+/// Sources of velocities of ghosts that are drawn between steps (guide_between.c).
 typedef struct guide_sources
 {
     int32_t* lane_from; // [group][link][16] float of the guides' rows where the target's root is; -1 in an empty lane
 } guide_sources;
 
-/// Ghosts and what they follow. All but the table is made once and never changed.
+/// Ghosts and their targets. All but the table is constant.
 typedef struct guide_follower
 {
     guide_memory memory;
@@ -159,7 +159,7 @@ typedef struct guide_follower
 wisp_status guide_cook( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def, guide_follower** out );
 void guide_follower_release( guide_follower* follower );
 
-/// A group of ghosts, or a target that others than its group blend in.
+/// A group of ghosts, or a target that other groups blend in.
 typedef struct guide_group
 {
     int target, node_count;
@@ -175,7 +175,7 @@ typedef struct guide_node
 {
     guide_point first, sum; // of the ghosts: the first, and differences to it
     guide_point centre;     // their mean
-    guide_point anchor;     // what offsets are measured from
+    guide_point anchor;     // origin of offsets
     guide_point rest;       // the target there
     double arc;             // normalised, sum over the ghosts
     double cap;             // m, of the target's segment there
@@ -183,7 +183,7 @@ typedef struct guide_node
     guide_stencil stencil;  // resampled only
 } guide_node;
 
-/// Groups as they are worked out (guide_groups.c).
+/// Groups while they are cooked (guide_groups.c).
 typedef struct guide_groups
 {
     const guide_shape *ghosts, *targets;
@@ -216,7 +216,7 @@ typedef struct guide_drawing
 
 // ---- the module in one world ----
 
-/// How ghosts follow, as the passes read it.
+/// Settings of ghosts, as the passes read them.
 typedef struct guide_settings
 {
     float time; // s, 0: the step
@@ -268,7 +268,7 @@ const guide_follower* guide_active_follower( const guide_state* state, wisp_enti
 /// For a function of the host. @return WISP_CONFLICT, with a sentence
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
 guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
-/// Targets that nobody follows any more are let go; so are sources that nobody draws.
+/// Release targets without ghosts and sources without curves.
 void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity entity );
 void guide_drawing_release( guide_drawing* drawing );
 
@@ -279,7 +279,7 @@ bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user );
 /// guide_feedback.c
 /// @return false without memory
 bool guide_cook_members( guide_follower* follower, const guide_groups* groups, guide_memory* scratch );
-/// The state of ghosts that stand at rest.
+/// Set the state of ghosts at rest.
 void guide_begin_feedback( wisp_world* world, const guide_state* state, const guide_follower* follower );
 wisp_pass_fn guide_run_feedback;
 bool guide_feedback_is_due( wisp_frame* frame, wisp_entity entity, void* user );
@@ -287,7 +287,7 @@ bool guide_feedback_is_due( wisp_frame* frame, wisp_entity entity, void* user );
 /// guide_between.c
 /// @return false without memory
 bool guide_cook_sources( guide_follower* follower, const guide_groups* groups );
-/// Ghosts that stand still where they are.
+/// Set the state of ghosts that do not move.
 void guide_begin_between( wisp_world* world, const guide_state* state, const guide_follower* follower );
 wisp_pass_fn guide_run_between;
 bool guide_between_is_due( wisp_frame* frame, wisp_entity entity, void* user );

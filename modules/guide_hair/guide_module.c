@@ -1,4 +1,4 @@
-// What is declared, and who must hear that an entity goes.
+// Components and passes, and the removal of entities.
 #include "guide_internal.h"
 
 #include <string.h>
@@ -73,7 +73,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
 }
 
-// ---- what is declared ----
+// ---- declarations ----
 
 static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
 {
@@ -88,8 +88,8 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .run = guide_run_targets,
         },
         {
-            // Ghosts have the table's component, and that alone, so that the plan puts them behind their targets. They
-            // do not read where they are, but a pass that only wrote it would go before the targets, which do.
+            // Ghosts have the component of the table, so that the plan orders them after their targets. They do not
+            // read their own place, but a pass that only writes it would come before the targets, which read it.
             .name = "guide_hair.ghosts",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
@@ -100,7 +100,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .is_due = guide_ghosts_are_due,
         },
         {
-            // Groups have their ghosts in lanes of several groups of strands, so it runs over the entity.
+            // The ghosts of a group lie in several groups of lanes, so it runs over the entity.
             .name = "guide_hair.feedback",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_ENTITY,
@@ -120,7 +120,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .run = guide_run_lengths,
         },
         {
-            // what it reads is what the passes of a later stage write
+            // it reads columns that passes of a later stage write
             .name = "guide_hair.carry",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,

@@ -1,4 +1,4 @@
-// What runs in a step: tables of targets, ghosts from them, lengths repaired, and a copy for what goes on top.
+// Passes of a step: tables of targets, ghosts, repaired lengths, and a copy for an appearance on top.
 #include "guide_internal.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ typedef struct table_loop
     bool resampled;
 } table_loop;
 
-// Rows as sums of four of the targets' vertices.
+// Gather rows as weighted sums of four vertices of the targets.
 static void gather_rows( const guide_lanes* l, const float* from, float* to, int group )
 {
     for ( int row = l->group_row[group]; row < l->group_row[group + 1]; ++row )
@@ -162,7 +162,7 @@ void guide_run_targets( wisp_frame* frame, const wisp_span* span, void* user )
 
 // ---- ghosts ----
 
-// Also what keeps the pass out of the node of another entity's pass: a pass that is asked waits for those before it.
+// A pass with `is_due` also waits for the passes before it, so it is never fused with those of another entity.
 bool guide_ghosts_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)frame;
@@ -202,8 +202,8 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// One row of sixteen strands: each vertex on the line to the one before it, which is repaired already. A segment that has
-// no length now has no direction and is left alone.
+// Repair one row of sixteen strands: move each vertex along the line to the repaired one before it. A segment without length has
+// no direction and is left alone.
 static void repair_row( float* row, const float* length )
 {
     const float* last = row - GUIDE_ROW;
@@ -233,7 +233,7 @@ void guide_run_lengths( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// Once the targets are gone the place is no longer where motion took the shape.
+// Stop once the targets are removed: the place no longer follows motion.
 void guide_run_carry( wisp_frame* frame, const wisp_span* span, void* user )
 {
     if ( guide_active_follower( user, span->entity ) != NULL )

@@ -23,7 +23,7 @@ void guide_arc( const wisp_vec3* points, int count, double* arc )
     }
 }
 
-// Adds `weight` times the Catmull-Rom tangent of a vertex: the mean of the differences at both sides, one at an end.
+// Add `weight` times the Catmull-Rom tangent of a vertex: the mean of the differences at both sides, one at an end.
 static void add_tangent( guide_stencil* stencil, int first, int vertex, int count, double weight )
 {
     const int before = vertex > 0 ? vertex - 1 : 0, after = vertex < count - 1 ? vertex + 1 : count - 1;
@@ -40,7 +40,7 @@ guide_stencil guide_spline_stencil( const wisp_vec3* points, int count, double a
         return stencil;
     }
 
-    // the last segment that begins at or before the place
+    // last segment that begins at or before the place
     int segment = 0;
     double length = 0.0, begin = 0.0, walked = 0.0;
     for ( int i = 1; i < count; ++i )
@@ -56,7 +56,7 @@ guide_stencil guide_spline_stencil( const wisp_vec3* points, int count, double a
     const double extent = segment_length( points, segment + 1 );
     const double u = extent > 0.0 ? fmin( 1.0, ( arc * length - begin ) / extent ) : 0.0, u2 = u * u, u3 = u2 * u;
 
-    // Hermite between the segment's ends; slots outside the strand repeat its ends and weigh nothing
+    // Hermite between the segment's ends; slots outside the strand repeat its ends with weight 0
     const int first = segment - 1;
     for ( int n = 0; n < 4; ++n )
     {
