@@ -33,10 +33,10 @@ static bool conflicts( const wisp_pass* a, const wisp_pass* b )
     return ( a_writes & ( b_writes | plan_mask( b->reads ) ) ) != 0 || ( b_writes & plan_mask( a->reads ) ) != 0;
 }
 
-// ---- demand: which passes live for one entity ----
+// ---- selection: the passes of one entity ----
 
-// A pass lives if the entity has all it needs and somebody wants what it writes: the entity's wishes, or the reads of a
-// pass that lives already. Grows to a fixed point.
+// Select a pass if the entity has all that it needs and its output is requested: by the entity, or by the reads of a selected
+// pass. Repeats until nothing is added.
 static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 {
     store_mask live = 0, wanted = e->alive ? e->wants : 0, components = e->components & ~e->derived;
@@ -60,7 +60,7 @@ static store_mask live_passes( const wisp_registry* r, const store_entity* e )
     return live;
 }
 
-// Every wish and every read has a supplier: rows the entity was given, or a live pass that writes them.
+// Check that every request and every read has a supplier: rows of the entity, or a selected pass that writes them.
 static wisp_status check_supply( const wisp_registry* r, store_mask live, int slot, wisp_error* error )
 {
     const store_entity* e = r->store->entities + slot;
@@ -95,7 +95,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
 
 // ---- order: stage, then data dependency, then the order of declaration ----
 
-// a only produces what b consumes, so it goes first whatever the order of declaration.
+// Whether a must precede b: a only writes a component that b reads.
 static bool must_precede( const wisp_pass* a, const wisp_pass* b )
 {
     store_mask produced = plan_mask( a->writes ) & ~plan_mask( a->reads );
@@ -174,10 +174,10 @@ static bool node_conflicts( const wisp_registry* r, const plan_node* node, const
     return false;
 }
 
-// Passes over groups of strands in the substep loop, if they can run all substeps of a block of groups before they turn to the
-// next: then the block stays in the near caches for the whole step, and no worker waits for another between substeps (bench
-// case "strands"). They can if no other pass of the loop has to do with what they write, or writes what they read, and none of
-// them asks whether it is due, which is answered once a step.
+// Find the passes over groups of strands that can run all substeps of a block of groups before the next block. The block then stays
+// in the near caches for the whole step, and no worker waits for another between substeps (bench case "strands"). No other
+// pass of the substep loop may touch what they write or write what they read, and none may have `is_due`, which is evaluated
+// once a step.
 static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
 {
     store_mask loop = 0, writes = 0, reads = 0;
@@ -211,7 +211,7 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
     return possible && count <= PLAN_MAX_FUSED ? loop : 0;
 }
 
-// The item loop is one node, whose passes stand in the order of their stages.
+// Add the item loop: one node, with its passes in the order of their stages.
 static void place_in_item_loop( plan* p, const wisp_registry* r, int number )
 {
     plan_node* node = NULL;
@@ -235,9 +235,9 @@ static int default_grain( wisp_domain domain )
     return domain == WISP_DOMAIN_ENTITY ? 1 : 4;
 }
 
-// The pass goes right behind the last node it conflicts with. If that node is the only one so late, and both touch only
-// their own item of the same domain, it joins the node instead: A, B on item 0, then A, B on item 1. A pass that is asked
-// whether it is due waits for those before it.
+// Place a pass in the wave after the last node that it conflicts with. If that node is alone in its wave, and both touch only their
+// own item of the same domain, fuse them instead: A, B on item 0, then A, B on item 1. A pass with `is_due` is not fused with
+// those before it.
 static void place_pass( plan* p, const wisp_registry* r, int number )
 {
     const wisp_pass* pass = r->passes + number;
@@ -278,7 +278,7 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
     p->wave_count[section] = wave + 1 > p->wave_count[section] ? wave + 1 : p->wave_count[section];
 }
 
-// ---- targets and room for blocks ----
+// ---- targets and memory of blocks ----
 
 int plan_item_count( const store_entity* e, wisp_domain domain )
 {
@@ -293,7 +293,7 @@ int plan_item_count( const store_entity* e, wisp_domain domain )
     }
 }
 
-// What can run all live passes of an entity together.
+// Find the join that can run all selected passes of an entity.
 static int find_join( const wisp_registry* r, const plan_node* node, uint32_t passes )
 {
     store_mask live = 0;
@@ -360,7 +360,7 @@ static int widest_wave( const plan* p, const store* s )
     return widest;
 }
 
-// Grow one of the plan's arrays to `count` elements; what it held is not kept.
+// Grow an array of the plan to `count` elements and discard its contents.
 static bool reserve( const wisp_allocator* allocator, void** array, int* capacity, int count, size_t element )
 {
     if ( count <= *capacity )
@@ -395,7 +395,7 @@ static uint64_t hash_plan( const plan* p, const wisp_registry* r )
     return hash;
 }
 
-// Rows between two passes: the entity gets what its live passes read and write, and loses what only they needed.
+// Attach the rows that the selected passes read and write, and detach those that only unselected passes needed.
 static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slot )
 {
     store_mask used = 0;

@@ -1,5 +1,5 @@
-// Runs a compiled plan: section by section, wave by wave. A wave's blocks come from all of its nodes and entities, so
-// that two small entities fill two cores and a hundred small ones scale. The blocks never depend on the workers.
+// Runs a compiled plan section by section and wave by wave. The blocks of a wave come from all of its nodes and entities, so that
+// two small entities fill two cores. How blocks are cut never depends on the workers.
 #include "plan.h"
 
 #include <stdarg.h>
@@ -10,13 +10,13 @@ enum
 {
     // Waking a worker costs about as much as this many rows of sixteen lanes (bench case "paper", 100 strands).
     PLAN_SMALL_WAVE_ROWS = 40,
-    // Of so many blocks that loop over substeps one is timed.
+    // One of this many blocks that loop over substeps is timed.
     PLAN_CLOCKED_BLOCKS = 8,
-    // An entity with fewer rows shares its wave with others on one worker each.
+    // An entity with fewer rows runs on one worker, beside others of its wave.
     PLAN_WIDE_ENTITY_ROWS = 256,
 };
 
-// ---- what a pass sees ----
+// ---- the frame of a pass ----
 
 static store_entity* entity_of( const wisp_frame* frame, wisp_entity entity )
 {
@@ -143,7 +143,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     {
         store_touch( s, e, pass->writes[i] );
     }
-    e->dirty &= ~bit; // after its own writes, so that a pass does not wake itself
+    e->dirty &= ~bit; // after its own writes, so that a pass does not trigger itself
     return true;
 }
 
@@ -171,7 +171,7 @@ static int row_count( const store_entity* e )
     return e->rows[WISP_TABLE_STRAND_ROW].count + e->rows[WISP_TABLE_PARTICLE].count / WISP_LANES;
 }
 
-// How often a node that is entered once runs one of its passes.
+// Number of runs of each pass in one run of its node.
 static int runs_of( const wisp_frame* frame, const plan_node* node, int pass )
 {
     if ( node->section != PLAN_ITEM_LOOP )
@@ -222,7 +222,7 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
     return size;
 }
 
-// Move blocks that deserve all workers behind the others: large entities, and a lone one. @return how many stay
+// Move blocks that run on all workers to the end: large entities, and a single one. @return the number of other blocks
 static int part_wide_blocks( const wisp_frame* frame, int count )
 {
     plan* p = frame->plan;
@@ -253,7 +253,7 @@ static int part_wide_blocks( const wisp_frame* frame, int count )
 
 // ---- running ----
 
-// Where a pass begins and where it ends in a node's list.
+// Range of passes in the list of a node.
 typedef struct pass_range
 {
     int begin, end;
@@ -272,7 +272,7 @@ static void run_passes( wisp_frame* frame, const plan_node* node, unsigned due, 
     }
 }
 
-// As run_passes, and tells the passes' times apart; `scale` stretches the sample to its block.
+// Like run_passes, but times each pass; `scale` extends the sample to its block.
 static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range,
                            const wisp_span* span, double scale )
 {
@@ -290,7 +290,7 @@ static void sample_passes( wisp_frame* frame, const plan_node* node, unsigned du
     }
 }
 
-// The passes of an item, with times if `scale` is above 0.
+// Run the passes of an item, timed if `scale` is above 0.
 static void run_item( wisp_frame* frame, const plan_node* node, unsigned due, pass_range range, const wisp_span* span,
                       double scale )
 {
@@ -304,7 +304,7 @@ static void run_item( wisp_frame* frame, const plan_node* node, unsigned due, pa
     }
 }
 
-// First pass of the node's list at or behind `from` that belongs to a later section.
+// First pass at or after `from` that belongs to a later section.
 static int end_of_section( const wisp_frame* frame, const plan_node* node, int from, plan_section section )
 {
     while ( from < node->pass_count &&
@@ -315,7 +315,7 @@ static int end_of_section( const wisp_frame* frame, const plan_node* node, int f
     return from;
 }
 
-// Substeps [begin, end) of a block of items, pass by pass.
+// Run substeps [begin, end) of a block of items, pass by pass.
 static void loop_passes( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int begin,
                          int end, double scale )
 {
@@ -333,7 +333,7 @@ static void loop_passes( wisp_frame* frame, const plan_node* node, const plan_bl
     }
 }
 
-// The same without times, together where that is known.
+// The same without times, by the join if there is one.
 static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int begin,
                        int end )
 {
@@ -350,9 +350,9 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
     }
 }
 
-// All substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is timed, other ones from
-// step to step: reading the clock for every pass of every substep was a tenth of a step of strands, and passes that run together
-// can be told apart in no other way.
+// Run all substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is timed, changing
+// from step to step: reading the clock for every pass of every substep took a tenth of a step of strands. The timed substep runs
+// pass by pass, because a join has no times of its passes.
 static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
 {
     const uint64_t turn = frame->step + (uint64_t)index, every = (uint64_t)frame->clocked_blocks;
@@ -398,7 +398,7 @@ static void run_block( void* context, int index, int worker )
     }
 }
 
-// Is there more than one pass in the wave? @param only receives one of them
+// Whether the wave has more than one pass. @param only receives one of them
 static bool has_several_passes( const wisp_frame* frame, int count, int* only )
 {
     bool several = false;
@@ -419,8 +419,8 @@ static bool has_several_passes( const wisp_frame* frame, int count, int* only )
     return several;
 }
 
-// Share the wave's wall time among its passes as the samples say. Walks the plan, not the registry: what is registered
-// and not asked for costs nothing.
+// Divide the wall time of a wave among its passes in proportion to the samples. Walks the plan, not the registry, so that
+// unselected passes cost nothing.
 static void share_time( wisp_frame* frame, double seconds )
 {
     const plan* p = frame->plan;

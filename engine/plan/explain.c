@@ -1,4 +1,4 @@
-// The plan as data: every registered pass with its place or with what keeps it away, and what it is predicted to cost.
+// The plan as data: every registered pass with its place, or the reason why it is absent, and its predicted cost.
 #include "explain_parts.h"
 
 #include "alloc.h"
@@ -8,7 +8,7 @@
 
 _Static_assert( WISP_PLAN_USES == WISP_MAX_USES, "explain.h and module.h count the same lists" );
 
-// The report and all it points to are one block of memory.
+// The report and all that it points to are one block of memory.
 typedef struct report_block
 {
     wisp_plan_report report;
@@ -40,9 +40,9 @@ static void fill_names( const writer* w, const wisp_component* uses, const char*
     }
 }
 
-// ---- what a pass is predicted to cost ----
+// ---- predicted cost ----
 
-// Bytes of the rows that an entity has of these components.
+// Bytes of the rows of these components in an entity.
 static uint64_t row_bytes( const store* s, const store_entity* e, const wisp_component* uses )
 {
     uint64_t bytes = 0;
@@ -57,7 +57,7 @@ static uint64_t row_bytes( const store* s, const store_entity* e, const wisp_com
     return bytes;
 }
 
-// A pass that presses entities upon each other may touch any of them.
+// A pass over several entities may touch any of them.
 static uint64_t across_bytes( const store* s, const wisp_pass* pass )
 {
     uint64_t bytes = 0;
@@ -190,7 +190,7 @@ static void add_absent( writer* w, wisp_plan_report* report, int number )
 
 // ---- modules ----
 
-// What most passes of a module need and no entity has.
+// Component that most passes of a module need and no entity has.
 static wisp_component most_missed( const writer* w, const char* module )
 {
     wisp_component most = 0;
@@ -230,7 +230,7 @@ static void tell_module( const writer* w, const wisp_plan_report* report, wisp_p
     }
 }
 
-// Passes of a module stand together in the registry.
+// The passes of a module are consecutive in the registry.
 static void add_modules( writer* w, wisp_plan_report* report )
 {
     for ( int i = 0; i < w->registry->pass_count; ++i )

@@ -1,4 +1,4 @@
-/// What the files that explain a plan share.
+/// Shared by the files that explain a plan.
 #pragma once
 
 #include "plan.h"
@@ -6,16 +6,16 @@
 #include "wisp/explain.h"
 
 const char* explain_name( const wisp_registry* r, wisp_component c );
-/// Append what there is room for.
+/// Append up to the capacity.
 void explain_append( char* text, size_t size, const char* more );
 
-/// Who wants what a pass writes, a component after the other: the scene first, then readers in the order of declaration.
-/// @param out null only counts @return how many
+/// List who requests the writes of a pass, component by component: the scene first, then readers in the order of declaration.
+/// @param out null only counts @return the count
 int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass* pass, wisp_plan_reason* out );
-/// The reasons in words.
+/// Format the reasons.
 void explain_reasons( wisp_plan_pass* p );
 
-/// What the pass needs and no entity was given.
+/// First component that the pass needs and no entity has.
 store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass );
-/// What keeps a pass away, as state, list and words. @param out has its own lists already
+/// Find why a pass is absent, as state, list and words. @param out has its own lists already
 void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_pass* out );

@@ -1,4 +1,4 @@
-// Why a pass is there, or why it is not, as data and in words.
+// Why a pass is selected or absent, as data and in words.
 #include "explain_parts.h"
 
 #include <stdio.h>
@@ -15,7 +15,7 @@ void explain_append( char* text, size_t size, const char* more )
     snprintf( text + length, size - length, "%s", more );
 }
 
-// ---- why a pass is there ----
+// ---- why a pass is selected ----
 
 static bool is_wished( const wisp_registry* r, wisp_component c )
 {
@@ -100,7 +100,7 @@ void explain_reasons( wisp_plan_pass* p )
 
 // ---- why a pass is absent ----
 
-// What passes may need of an entity: rows that wait for a pass to fill them do not count.
+// Components of an entity that passes may need; rows that only a pass fills do not count.
 static store_mask given( const store_entity* e )
 {
     return e->alive ? e->components & ~e->derived : 0;

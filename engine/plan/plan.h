@@ -1,8 +1,8 @@
-/// What a scene asks for, and the passes that answer it.
+/// From the requests of a scene to the passes of a step.
 ///
-/// A registry holds what modules declared. Compiling picks, for every entity, the passes whose needs it has and whose
-/// writes somebody wants; orders them; lets those without a conflict share a wave; and fuses neighbours that touch only
-/// their own item. What is not picked does not exist: no branch, no barrier, no column, no line in the profile.
+/// A registry holds the declarations of modules. Compiling selects, for every entity, the passes whose needs it has and whose
+/// writes are requested; orders them; puts those without a conflict into one wave; and fuses neighbours that touch only
+/// their own item. An unselected pass does not exist: no branch, no barrier, no column, no line in the profile.
 #pragma once
 
 #include "jobs.h"
@@ -50,7 +50,7 @@ struct wisp_registry
     store* store;
     int workers;
     wisp_pass passes[PLAN_MAX_PASSES];
-    const char* pass_modules[PLAN_MAX_PASSES]; // who declared it
+    const char* pass_modules[PLAN_MAX_PASSES]; // that declared it
     int pass_count;
     plan_join joins[PLAN_MAX_JOINS];
     int join_count;
@@ -58,14 +58,14 @@ struct wisp_registry
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
     int workspace_count;
-    const char* module; // whose declare() runs
-    wisp_error error;   // the first thing a module declared wrongly
+    const char* module; // whose declare() is running
+    wisp_error error;   // of the first wrong declaration
 };
 
-/// Declares the components and passes that every world has.
+/// Declare the components and passes that every world has.
 void plan_registry_init( wisp_registry* r, store* s, int workers );
 void plan_registry_release( wisp_registry* r );
-/// @return the status of the first wrong declaration, its sentence in r->error
+/// @return the status of the first wrong declaration, its message in r->error
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
 /// Tell the modules that an entity is about to be removed.
@@ -83,7 +83,7 @@ typedef enum plan_section
     PLAN_SECTION_COUNT,
 } plan_section;
 
-/// Passes that run item by item together.
+/// Passes that are fused: they run item by item.
 typedef struct plan_node
 {
     int passes[PLAN_MAX_FUSED]; // registry numbers in order
@@ -95,7 +95,7 @@ typedef struct plan_node
     int grain;
 } plan_node;
 
-/// An entity of a node, and which of the node's passes are live for it.
+/// An entity of a node, and which passes of the node are selected for it.
 typedef struct plan_target
 {
     int slot;
@@ -106,7 +106,7 @@ typedef struct plan_target
 typedef struct plan_block
 {
     int32_t node;
-    uint32_t passes; // live and due, bit i: passes[i] of the node
+    uint32_t passes; // selected and due, bit i: passes[i] of the node
     int join;        // that runs them; -1: one after another
     int slot;
     int begin, end;
@@ -117,41 +117,41 @@ typedef struct plan
     plan_node nodes[PLAN_MAX_PASSES];
     int node_count;
     int wave_count[PLAN_SECTION_COUNT];
-    store_mask live; // bit p: pass p exists
+    store_mask live; // bit p: pass p is selected
     int pass_count;
     plan_target* targets;
     int target_count, target_capacity;
-    plan_block* blocks; // room for the widest wave
+    plan_block* blocks; // capacity of the widest wave
     int block_capacity;
     uint32_t structure; // of the store it was compiled for
     uint64_t hash;
 } plan;
 
-/// Compile for the store as it is, and give entities the rows that lie between two kept passes. On failure the plan is
-/// empty and the sentence names pass and component.
+/// Compile for the present store, and attach the rows that selected passes exchange. On failure the plan is empty and the message
+/// names pass and component.
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 
-/// A compiled plan and what is absent of it, in one block of the world's memory. @return null without memory
+/// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
 wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
 
-/// One line at a time: kept passes with their reasons, absent ones with what they lack.
+/// Print line by line: selected passes with their reasons, absent ones with what they lack.
 void plan_print( const wisp_plan_report* report, void ( *write )( void* user, const char* line ), void* user );
 
-/// Where passes of a stage run.
+/// Section of a stage.
 plan_section plan_section_of( wisp_stage stage );
 
-/// Items that a domain has in an entity.
+/// Number of items of a domain in an entity.
 int plan_item_count( const store_entity* e, wisp_domain domain );
 
-/// Is the component in a zero-terminated list?
+/// Whether a zero-terminated list contains the component.
 bool plan_lists( const wisp_component* uses, wisp_component component );
 /// A zero-terminated list as a set.
 store_mask plan_mask( const wisp_component* uses );
 
 // execute.c
 
-/// Times and errors of a step; the other face of wisp_frame.
+/// State of a running step, seen by passes as wisp_frame.
 struct wisp_frame
 {
     wisp_registry* registry;
@@ -163,9 +163,9 @@ struct wisp_frame
     int substep, iteration; // that run now
     float seconds;          // of a substep
     const plan_block* wave; // of the wave that runs
-    bool wide;              // one entity at a time, with all workers
-    bool sampled;           // passes of a wave are told apart by samples
-    int clocked_blocks;     // of so many blocks that loop over substeps one is sampled
+    bool wide;              // one entity at a time, on all workers
+    bool sampled;           // times of passes come from samples
+    int clocked_blocks;     // one of this many blocks with a substep loop is sampled
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
     int pass_items[PLAN_MAX_PASSES];
@@ -183,5 +183,5 @@ typedef struct plan_clock
     _Alignas( 64 ) double seconds[PLAN_MAX_PASSES];
 } plan_clock;
 
-/// Run every section once as the loops say. The caller holds the pool open (jobs_enter).
+/// Run all sections in their loops. The caller holds the pool open (jobs_enter).
 void plan_execute( wisp_frame* frame );

@@ -1,4 +1,4 @@
-// The plan as text. The first column says where a pass runs, the second what it is called, then why it is there.
+// The plan as text: section, name and reason of each pass.
 #include "plan.h"
 
 #include <stdio.h>

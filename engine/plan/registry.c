@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-// One list makes the descriptors of the components that every world shares.
+// Descriptors of the components that every world has, from one list.
 #define SHARED_COLUMNS( name, text, table )                                                                          \
     static const wisp_column_def name##_columns[] = { WISP_##name##_COLUMNS( WISP_COLUMN_DEF ) };
 WISP_SHARED_COMPONENTS( SHARED_COLUMNS )

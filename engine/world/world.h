@@ -1,4 +1,4 @@
-/// A world from inside: what the files of this room and the tests share.
+/// A world from inside, for the files of this folder and the tests.
 #pragma once
 
 #include "cook_strands.h"
@@ -21,7 +21,7 @@ typedef struct world_memory
 struct wisp_world
 {
     world_memory memory;
-    wisp_allocator allocator; // counts, then asks the host
+    wisp_allocator allocator; // counts, then calls the host
     base_log log;
     bool has_warned_of_threads;
     store store;
@@ -35,7 +35,7 @@ struct wisp_world
     double seconds; // of the last step
 };
 
-/// Tests run tables that no processor here could select.
+/// For tests of tables that this processor would not select.
 void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.

@@ -1,4 +1,4 @@
-// Surfaces: the particles of a triangle mesh, their pins, and what every effect on them shares.
+// Surfaces: the particles of a triangle mesh, their pins, and properties that all effects share.
 #include "world.h"
 
 #include "vec.h"
@@ -72,7 +72,7 @@ static wisp_status check_surface( wisp_world* world, const wisp_surface_def* def
     return status == WISP_OK ? check_places( world, def->points, def->fabric->vertex_count, "vertex" ) : status;
 }
 
-// Inverse mass of a vertex that is not pinned, 1/kg; 0 if it has no mass to be moved by.
+// Inverse mass of a vertex that is not pinned, 1/kg; 0 if it has no mass.
 static float inverse_mass( const wisp_fabric* fabric, int slot, float area_density, float vertex_mass )
 {
     float mass = vertex_mass > 0.0f ? vertex_mass : area_density * fabric->area[slot];
@@ -291,9 +291,9 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
     return WISP_OK;
 }
 
-// ---- what all effects share ----
+// ---- properties of all effects ----
 
-// Give the component if the value asks for something, take it away otherwise: no value, no pass.
+// Attach the component if the value is not the neutral one, else detach it: no value, no pass.
 static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool wanted )
 {
     store_entity* e;
@@ -405,7 +405,7 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
     return WISP_OK;
 }
 
-// ---- what is read ----
+// ---- reading ----
 
 wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_quality* out )
 {
