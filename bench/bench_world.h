@@ -1,7 +1,7 @@
 /// What all worlds of the benchmark share: steps, hashes and points of an entity, and failures with the world's message.
 #pragma once
 
-#include "wisp/module.h"
+#include "wisp/module/module.h"
 
 /// A log that drops every line: the tables show what is halted or reset.
 void bench_world_drop_log( void* user, wisp_log_level level, const char* sentence );

@@ -1,4 +1,4 @@
-/// The parts of a fabric's cooking, in the order in which they run, and the list of what a fabric holds.
+/// The stages of cooking a fabric, in the order in which they run, and the list of its arrays.
 #pragma once
 
 #include "fabric_parts.h"

@@ -1,5 +1,5 @@
-// What a loaded fabric must be before a kernel may trust it. The sentences name the element of the fabric, since the
-// bytes have no lines.
+// Checks of a loaded fabric, so that kernels may trust it. Messages name the element of the fabric, since the bytes have no
+// lines.
 #include "fabric.h"
 
 #include <math.h>
@@ -269,7 +269,7 @@ static wisp_status check_schedule( const check_state* c, const char* what, const
     return found == count ? WISP_OK : BAD( "an order of %s with %d entries, expected %d", what, found, count );
 }
 
-// Who has touched a vertex last, and who has used up a dummy.
+// Last user of each vertex, and of each dummy.
 typedef struct touch_state
 {
     int32_t* lane; // [vertex_count] lane + 1

@@ -1,6 +1,6 @@
 // Coarse levels. Each is a subset of the next finer one in which vertices keep a distance, chosen greedily, equals in
-// the order of the fabric; one march from every chosen vertex finds what it covers, its neighbours and its children
-// at once.
+// the order of the fabric; one march from every chosen vertex finds its reach, its neighbours and its children at
+// once.
 #include "fabric.h"
 #include "fabric_levels.h"
 #include "vec.h"

@@ -1,4 +1,4 @@
-/// What the makers of a coarse level share.
+/// Shared by the stages that make a coarse level.
 #pragma once
 
 #include "fabric_geodesic.h"

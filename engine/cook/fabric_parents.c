@@ -1,4 +1,4 @@
-// Which coarse vertices a vertex follows, and how much. Where three coarse vertices surround it, the weights are its
+// Which coarse vertices a vertex follows, and with which weights. Where three coarse vertices surround it, the weights are its
 // barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of a flat mesh
 // is prolonged as it is.
 #include "fabric.h"

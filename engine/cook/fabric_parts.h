@@ -1,11 +1,11 @@
-/// What the parts of a fabric's cooking share: memory, the mesh in slots, and the builder of schedules.
+/// Shared by the stages of cooking: memory, the mesh in slots, and the builder of schedules.
 #pragma once
 
 #include "wisp/fabric.h"
 
 typedef struct fabric_block fabric_block;
 
-/// Arrays that live and die together. Zero-initialise with the allocator.
+/// Arrays that are released together. Zero-initialise with the allocator.
 typedef struct fabric_pool
 {
     const wisp_allocator* allocator; ///< null: the C library
@@ -21,7 +21,7 @@ void* fabric_pool_push_zeroed( fabric_pool* pool, size_t count, size_t element_s
 /// Give all arrays back; the pool is empty and may be used again.
 void fabric_pool_release( fabric_pool* pool );
 
-/// Who is next to whom. Everything in slots; loose vertices have no neighbours and no corners.
+/// Neighbours of vertices, in slots. Unreferenced vertices have no neighbours and no corners.
 typedef struct fabric_mesh
 {
     int vertex_count, triangle_count;

@@ -1,5 +1,5 @@
 // Distances along the mesh to the attachments. A shell of few attachments has tethers to all of them, or the nearest.
-// Where many hang side by side, as on a pinned border, the four nearest would say four times the same; there a vertex
+// Where many attachments are side by side, as on a pinned edge, the four nearest would be nearly equal; there a vertex
 // is tethered to the nearest of all, and to the nearest of eight that are spread over the attachments of its shell.
 #include "fabric_geodesic.h"
 
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #define SPREAD 8
-// The nearest of all must be this much nearer than a spread one, or it says nothing new. Far from a pinned border
+// The nearest of all must be this much nearer than a spread one to be used. Far from a pinned border
 // they all are equally far, and marching from each of them would cost as much as the border is long.
 #define NEARER 0.98f
 

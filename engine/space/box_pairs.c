@@ -30,7 +30,7 @@ enum
     BUFFER_MADE = BUFFER_GRID + 4, // the grid itself, for those who ask again
 };
 
-// Entries of lists. Where a list lies depends on chance; how much is used, and what a list holds, does not.
+// Entries of lists. The place of a list depends on timing; its contents and the amount used do not.
 typedef struct pair_pool
 {
     int32_t* entries;
@@ -142,7 +142,7 @@ typedef struct pool_chunk
     size_t at, end;
 } pool_chunk;
 
-// Room for a list, perhaps beyond what the pool has.
+// Reserve a list, perhaps beyond the capacity of the pool.
 static size_t take_room( pair_pool* pool, pool_chunk* chunk, size_t count )
 {
     if ( chunk->end - chunk->at < count + BOX_FOUND_PADDING )
@@ -208,7 +208,7 @@ static void keep_lists( search_block* b )
     b->next = b->area;
 }
 
-// @return false if the grid wants them one by one
+// @return false if the grid needs them one by one
 static bool ask_together( search_block* b, const int32_t* askers, int count )
 {
     const pair_search* s = b->search;
@@ -350,7 +350,7 @@ static wisp_status search_once( pair_search* s, wisp_buffer* pool )
     atomic_store( &s->pool.used, 0 );
     atomic_store( &s->tested, 0 );
     atomic_store( &s->overlapping, 0 );
-    // who is not asked has no list
+    // boxes without a query have no list
     memset( s->begin, 0, ( (size_t)s->asker_count + 1 ) * sizeof( int32_t ) );
     for ( int i = 0; i < s->asker_count; ++i )
     {

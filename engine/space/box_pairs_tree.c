@@ -1,6 +1,6 @@
-// Search by a tree of Embree's over the boxes. Only boxes that can overlap anything get into it, because Embree drops what
-// is not finite, and then loses its neighbours when it refits; when they become others, it is built again. A ball around
-// the asker finds candidates, and whether they overlap is decided here.
+// Search by an Embree tree over the boxes. Only boxes that can overlap anything get into it: Embree drops boxes that are not finite
+// and then loses their neighbours in a refit. When the set changes, the tree is built again. A ball around the query finds
+// candidates; this file decides whether they overlap.
 #include "box_search.h"
 
 #include "embree_compat.h"
@@ -205,7 +205,7 @@ static void commit( struct wisp_box_tree* tree, bool rebuild )
 {
     if ( rebuild )
     {
-        // what was attached anew cannot be refitted
+        // a newly attached geometry cannot be refitted
         if ( tree->is_built )
         {
             rtcDetachGeometry( tree->scene, 0 );
@@ -228,7 +228,7 @@ wisp_status box_tree_update( struct wisp_box_tree** out, const wisp_allocator* a
     struct wisp_box_tree* tree = *out;
     if ( tree->items.size < (size_t)job->box_count * sizeof( int32_t ) )
     {
-        tree->item_count = 0; // what the list held is gone
+        tree->item_count = 0; // the contents of the list are lost
         if ( !wisp_buffer_reserve( &tree->items, allocator, (size_t)job->box_count * sizeof( int32_t ) ) )
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a tree of %d boxes", job->box_count );
@@ -238,7 +238,7 @@ wisp_status box_tree_update( struct wisp_box_tree** out, const wisp_allocator* a
     bool rebuild = is_other || !tree->is_built || has_decayed( tree );
     if ( tree->item_count == 0 )
     {
-        return WISP_OK; // nothing will be asked
+        return WISP_OK; // there is no query
     }
     tree->boxes = job->boxes;
     commit( tree, rebuild );

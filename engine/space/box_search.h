@@ -1,5 +1,5 @@
-/// What every search of boxes shares: it proposes boxes for one asker, in any order; the list is put in order afterwards,
-/// so that pairs depend neither on what searches nor on how many workers do.
+/// Shared by all searches of boxes. A search proposes boxes for one query, in any order; lists are sorted afterwards, so that pairs
+/// depend neither on the search nor on the number of workers.
 #pragma once
 
 #include "wisp/module/box_pairs.h"
@@ -75,7 +75,7 @@ wisp_status box_tree_update( struct wisp_box_tree** tree, const wisp_allocator* 
                              wisp_error* error );
 /// One asker. Thread-safe.
 void box_tree_find( const struct wisp_box_tree* tree, box_question* question );
-/// What the questions since the last update cost, of which decay is told.
+/// Cost of the queries since the last update, which tells whether the search has decayed.
 void box_tree_note( struct wisp_box_tree* tree, uint64_t tested, uint64_t answers );
 void box_tree_counts( const struct wisp_box_tree* tree, int* build_count, int* refit_count );
 size_t box_tree_bytes( const struct wisp_box_tree* tree );

@@ -1,6 +1,6 @@
-// Which edges pass through which triangles. Boxes that overlap are candidates; signs that are exact decide.
-// Candidates are tested in blocks of a fixed size, each block keeps what crosses at the place of its own candidates,
-// and the blocks are then pushed together in their order, which is that of the edges and their triangles.
+// Which edges pass through which triangles. Overlapping boxes give candidates; exact signs decide. Candidates
+// are tested in blocks of a fixed size. Each block keeps its results in the places of its candidates, and the blocks are then
+// joined in order, which is that of the edges and their triangles.
 #include "wisp/module/crossings.h"
 
 #include <math.h>
@@ -144,7 +144,7 @@ static bool crosses( const wisp_crossing_job* job, int edge, int triangle )
     return wisp_segment_crosses( corner[0], corner[1], corner[2], corner[3], corner[4] );
 }
 
-// The edge that a candidate belongs to: the last whose candidates do not begin behind it.
+// Edge of a candidate: the last whose candidates begin at or before it.
 static int edge_of( const wisp_box_pairs* pairs, int pair )
 {
     int low = 0, high = pairs->asker_count;

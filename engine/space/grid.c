@@ -182,7 +182,7 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
 }
 
 // The same roundings as in the search, so that an item is found in the cell it was put into. Clamped before it becomes an
-// integer: that says the same, and goes for all axes at once.
+// integer: that is equivalent and works for all axes at once.
 static void find_cells( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -265,7 +265,7 @@ static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
     b->cell_of = g->buffers[1].data;
     b->bounds = g->buffers[2].data;
 
-    // what a wide load touches behind the last slot is masked, but it is never left to chance
+    // wide loads mask what lies after the last slot, but it must be initialised
     for ( size_t i = count; i < slots; ++i )
     {
         b->item[i] = b->owner[i] = 0;

@@ -1,10 +1,10 @@
-/// What every search of a mesh shares: it proposes triangles, in any order and as often as it likes, and here is decided
-/// which of them answers. The least pair of distance (or time) and number wins, which no order can change.
+/// Shared by all searches of a mesh. A search proposes triangles, in any order and repeatedly; here the smallest pair of distance
+/// (or time) and number wins, so the order does not matter.
 #pragma once
 
 #include "mesh_surface.h"
 
-/// By so much, relative and in metres, a search looks farther than the best triangle so far is away.
+/// Margin, relative and in metres, by which a search goes beyond the best distance so far.
 #define SEARCH_SLACK 1e-6
 #define SEARCH_SLACK_LEAST 1e-18 // its square is still a normal float
 /// Of the mesh's largest coordinate: by so much a path outlasts its first crossing and the box around the mesh.

@@ -277,7 +277,7 @@ void mesh_surface_describe( const mesh_surface* s, int32_t triangle, const trian
     };
 }
 
-// ---- what is worth telling ----
+// ---- warnings ----
 
 // Does the edge u -> v have just this triangle, and v -> u just one other?
 static bool is_closed_edge( const mesh_surface* s, int32_t u, int32_t v )

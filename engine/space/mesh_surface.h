@@ -1,4 +1,4 @@
-/// A mesh that can be asked about its neighbourhoods: which triangles meet at a point, which way the surface faces there.
+/// A mesh with its neighbourhoods: which triangles meet at a point, and the direction of the surface there.
 #pragma once
 
 #include "mesh_triangle.h"
@@ -26,16 +26,16 @@ wisp_status mesh_surface_build( mesh_surface* surface, const wisp_mesh_tree_def*
                                 wisp_error* error );
 void mesh_surface_release( mesh_surface* surface );
 
-/// Are all points finite and within reach? The sentence names the first that is not.
+/// Check that all points are finite and within range. The message names the first that is not.
 wisp_status mesh_surface_check_points( const wisp_vec3* points, int count, wisp_error* error );
 void mesh_surface_set_points( mesh_surface* surface, const wisp_vec3* points );
 
-/// Box and largest coordinate anew, after the quads were written from outside.
+/// Update bounds and largest coordinate after points were written.
 void mesh_surface_find_extent( mesh_surface* surface );
 
 int mesh_surface_count_open_edges( const mesh_surface* surface );
 int mesh_surface_count_flat_triangles( const mesh_surface* surface );
 
-/// Put the answer together: sign and normal of what is nearest to p.
+/// Complete an answer: sign and normal of the nearest feature to p.
 void mesh_surface_describe( const mesh_surface* surface, int32_t triangle, const triangle_nearest* nearest, double3 p,
                             wisp_mesh_nearest* out );

@@ -1,4 +1,4 @@
-// Meshes to collide with: the surface, what searches it, and how an answer is put together.
+// Collision meshes: the surface, its search, and the answer to a query.
 #include "mesh_tree_embree.h"
 #include "voxels.h"
 
@@ -147,7 +147,7 @@ wisp_status wisp_mesh_tree_update( wisp_mesh_tree* tree, const wisp_vec3* points
         return WISP_OK;
     }
 
-    // back to what was; voxels have had room for it before
+    // restore the old state; voxels had memory for it before
     memcpy( tree->surface.quads, tree->spare, spare_bytes( tree ) );
     mesh_surface_find_extent( &tree->surface );
     if ( tree->embree != NULL )

@@ -1,4 +1,4 @@
-// Trees of a library that was built without Embree: none can be made, so none can be asked. Voxels can.
+// Stand-in for Embree trees in a library built without Embree: none can be created. Voxels remain.
 #include "mesh_tree_embree.h"
 
 #include "embree_compat.h"

@@ -1,8 +1,7 @@
-// Search by Embree: it keeps boxes and finds candidates in single precision; what is closest, or crossed first, is
-// decided by mesh_search.h. No candidate may be lost to rounding, or answers would depend on the boxes and so on how the
-// tree was built. Its own triangles lose some: their test is more generous than the boxes in front of it. Hence a
-// geometry of our own, whose boxes are widened by more than all roundings of a ray and its traversal come to (some 1e-6
-// of the largest coordinate, because rays are clipped to the mesh first).
+// Search by Embree. It finds candidates in single precision; mesh_search.h decides which is closest or hit first. Rounding must
+// not lose a candidate, or answers would depend on how the tree was built. Embree's own triangles lose some, because their test
+// accepts more than the boxes in front of it. So this is a user geometry, whose boxes are widened by more than the rounding of a
+// ray and its traversal (about 1e-6 of the largest coordinate, because rays are clipped to the mesh first).
 #include "mesh_tree_embree.h"
 
 #include "embree_compat.h"
@@ -210,7 +209,7 @@ static wisp_status commit( embree_tree* tree, bool rebuild, wisp_error* error )
 {
     if ( rebuild )
     {
-        // what was attached anew cannot be refitted
+        // a newly attached geometry cannot be refitted
         rtcDetachGeometry( tree->scene, 0 );
         rtcAttachGeometryByID( tree->scene, tree->geometry, 0 );
     }

@@ -1,4 +1,4 @@
-/// Search by a tree of Embree's. In a library that was built without it, none can be made.
+/// Search by an Embree tree. In a library built without Embree none can be created.
 #pragma once
 
 #include "mesh_search.h"
@@ -18,12 +18,12 @@ wisp_status embree_tree_update( embree_tree* tree, wisp_error* error );
 void embree_tree_return( embree_tree* tree );
 
 void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search );
-/// @return false if the path cannot be asked for
+/// @return false if the path is not a valid query
 bool embree_tree_find_crossing( const embree_tree* tree, mesh_sweep* search );
 
 /// Is there a tree of the surface as it is?
 bool embree_tree_answers( const embree_tree* tree );
-/// What queries for closest points cost, of which decay is told. Thread-safe.
+/// Cost of queries for closest points, which tells whether the tree has decayed. Thread-safe.
 void embree_tree_note( embree_tree* tree, uint64_t asked, uint64_t tested );
 
 size_t embree_tree_bytes( const embree_tree* tree );

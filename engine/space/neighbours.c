@@ -103,7 +103,7 @@ static void search_block( void* context, int begin, int end, int worker )
     {
         const size_t ints = (size_t)s->length[slice] * WISP_SLICE;
         s->begin[slice] = (int32_t)at;
-        if ( ints > 0 ) // where nobody has found anything there is no memory to copy to
+        if ( ints > 0 ) // without any neighbour there is no memory to copy to
         {
             memcpy( s->entries + at * WISP_SLICE, packed, ints * sizeof( int32_t ) );
         }

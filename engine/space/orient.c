@@ -1,5 +1,5 @@
-// On which side of a plane a point lies, exactly. A filter in double precision answers nearly always; what it cannot
-// tell is computed in whole numbers, in which nothing is rounded.
+// Side of a plane on which a point lies, exactly. A filter in double precision decides nearly always; the rest is computed in
+// whole numbers, without rounding.
 //
 // A finite float is a whole multiple of 2^-149 below 2^128 in magnitude, so the determinant is a whole number of at
 // most 838 bits: there is no range in which the answer is not exact. The filter neither overflows nor underflows: a
@@ -228,7 +228,7 @@ int wisp_side_of_plane( const float* a, const float* b, const float* c, const fl
     const double determinant = ( ab[1] * ac[2] - ab[2] * ac[1] ) * ad[0] + ( ab[2] * ac[0] - ab[0] * ac[2] ) * ad[1] +
                                ( ab[0] * ac[1] - ab[1] * ac[0] ) * ad[2];
     const double error = filter_error * sum_of_magnitudes( ab, ac, ad );
-    // what is not finite fails both comparisons
+    // NaN and infinity fail both comparisons
     if ( determinant > error )
     {
         return 1;

@@ -87,7 +87,7 @@ static int shorter_end( const wisp_samples_job* job, int e )
     return a < b ? a : b;
 }
 
-// ---- who is around an edge ----
+// ---- triangles around an edge ----
 
 // Edges by their lower slot in chains, so that the edge of a triangle's side is found among few.
 typedef struct edge_chains
@@ -198,7 +198,7 @@ static void fill_pairs( samples_memory* m, const wisp_samples_job* job )
     }
 }
 
-// Bounds between which nothing lies hold nobody.
+// Empty bounds contain no length.
 static void open_bounds( samples_group* g )
 {
     for ( int i = 0; i < g->count; ++i )
@@ -416,7 +416,7 @@ static void place_block( void* context, int begin, int end, int worker )
     unknown += u->kernels->blend_three( &job, middle, last );
     if ( unknown > 0 )
     {
-        // a sum of whole numbers, so whoever comes first does not matter
+        // a sum of whole numbers, so the order does not matter
         atomic_fetch_add_explicit( &u->unknown, unknown, memory_order_relaxed );
     }
 }
@@ -449,7 +449,7 @@ static void add_face( face_sum* sum, const wisp_samples_job* job, int t )
     }
 }
 
-// The mean normal of the faces of a point's element, or what the point had, or nothing.
+// Mean normal of the triangles at the element of a point, or its last normal, or 0.
 static void replace_normal( const samples_update* u, int point )
 {
     const samples_memory* m = u->memory;

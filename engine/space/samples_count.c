@@ -1,12 +1,12 @@
-// The first stage: who still has the counts it had? A kernel says so for most in floats, against bounds with room for
-// rounding; the rest is measured in double precision. Nothing that a caller sees is changed for elements that do change: what
-// they will be is kept aside until there is room for it.
+// First stage: which elements keep their counts. A kernel decides most in floats, against bounds with a margin for rounding; the
+// rest is measured in double precision. Changes are kept aside until there is memory for them, so that a failure leaves the
+// state of the caller unchanged.
 #include "samples_parts.h"
 
 #include <math.h>
 #include <string.h>
 
-// Of a ratio: what floats may be off in a kernel, and in bounds that are kept as floats.
+// Relative error of floats in a kernel, and in bounds that are kept as floats.
 static const float BOUND_ROUNDING = 4e-6f;
 // Heights within so many spacings of now are looked at together, where lengths of lines depend on the height.
 static const double HEIGHT_WINDOW = 0.05;
@@ -31,7 +31,7 @@ static void keep_nothing( samples_group* g, int i )
     g->high[i] = 0.0f;
 }
 
-// What counts are made from: with hysteresis what is remembered, in the floats it is remembered in; else what is now.
+// Length that a count is made from: with hysteresis the remembered one, as a float; else the present one.
 static double made_from( const wisp_samples_job* job, float remembered, double now )
 {
     return job->hysteresis > 0.0f ? (double)remembered : now;

@@ -1,6 +1,6 @@
-// The second stage: recipes. Elements whose counts are as before keep theirs and only move; the others get new ones. A recipe
-// of even spacing stands until counts change. Exact ones move with the lengths, and normals along lines with the normals, so
-// those weights are made in every update.
+// Second stage: weights. Elements with unchanged counts keep theirs; the others get new ones. Weights of even spacing hold until
+// counts change. Those of exact spacing depend on lengths, and those of normals along lines on the normals, so they are computed
+// in every update.
 #include "samples_parts.h"
 
 #include <math.h>
@@ -53,8 +53,8 @@ static double length_of_blend( const float* a, const float* b, double share )
     return sqrt( sum );
 }
 
-// Normals interpolated twice: at the ends of the line, which become unit, then between those. As weights of the three corners that is their share
-// over the length that the ends have. An end whose normals cancel adds nothing.
+// Normals interpolated twice: at the ends of the line, which become unit, then between those. The weights of the three
+// corners are divided by the length of the interpolated ends. An end whose normals cancel adds nothing.
 static void weigh_normals( const samples_update* u, int t, const samples_lines* line, int axis, int first )
 {
     const int32_t* slots = u->job->triangles + 3 * (size_t)t;

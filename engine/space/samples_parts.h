@@ -1,4 +1,4 @@
-/// What the files of sampling share: the law of counts, what is kept of each element, and the stages of an update.
+/// Shared by the files of sampling: counts from lengths, state of each element, and the stages of an update.
 #pragma once
 
 #include "wisp/module/sampling.h"

@@ -1,4 +1,4 @@
-// Voxels are built: how large they are, and which triangles touch which.
+// Building voxels: their size, and which triangles touch which.
 #include "voxels.h"
 
 #include <string.h>
@@ -107,7 +107,7 @@ static bool is_within( const voxels* v, const mesh_surface* s, int64_t count )
     return places <= most && ( v->bytes_most == 0 || bytes <= v->bytes_most );
 }
 
-// The smallest voxels, of the size asked for or coarser, that are not too many.
+// Choose the smallest voxels, of the requested size or coarser, that are not too many.
 static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* error )
 {
     double extent = 0.0;

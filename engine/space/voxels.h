@@ -1,6 +1,6 @@
 /// Search by voxels: a grid of cubes over the box of a mesh, each with a list of the triangles that touch it (Zhang and
-/// Yuen 2000). A point looks at its own voxel and then at those around it, ring by ring, until nothing nearer is
-/// possible; a path looks at the voxels that it runs through.
+/// Yuen 2000). A query for a point visits its own voxel and then those around it, ring by ring, until nothing
+/// nearer is possible; a path visits the voxels that it crosses.
 #pragma once
 
 #include "alloc.h"
@@ -29,7 +29,7 @@ typedef struct voxels
     base_buffer masks;  ///< uint64_t [block_count], a bit for each voxel that has a triangle
 } voxels;
 
-/// List the triangles of a surface anew.
+/// List the triangles of a surface again.
 /// @return WISP_NO_MEMORY the lists are of no use until a build succeeds, which one of the surface they were last built
 ///         for does
 wisp_status voxels_build( voxels* v, const mesh_surface* surface, wisp_error* error );

@@ -1,4 +1,4 @@
-// Voxels are asked: for the closest point ring by ring, for a path voxel by voxel.
+// Queries of voxels: the closest point ring by ring, a path voxel by voxel.
 #include "voxels.h"
 
 enum
@@ -38,7 +38,7 @@ typedef struct closest_walk
     const voxels* v;
     mesh_closest* search;
     double point[3];
-    double most;   // m^2: what is farther away is not looked at
+    double most;   // m^2: farther triangles are skipped
     int centre[3]; // the point's voxel, or the one next to a point outside
     seen_triangles seen;
 } closest_walk;
