@@ -1,11 +1,11 @@
 // Pairwise adhesion with a gap-keeping brake, eight vertices at once (Kim 2026, eq. 14-19).
 //
-//   f_i = sum g(r) (q - p_i) / r,  g(r) = (1 - r/h)^2        Dp_i = sigma f_i, held back by the guard
+//   f_i = sum g(r) (q - p_i) / r,  g(r) = (1 - r/h)^2        Dp_i = sigma f_i, limited by the guard
 //   delta_i = sum g(r0) clamp( change(r0, r1) / h ) / sum g(r0)
 //   p_i <- p_i + lambda_i Dp_i,  lambda = (1 - delta) zeta + delta floor
 //
-// Lane = vertex; every lane adds its neighbours one after another in list order, so the sums are those of a plain loop.
-// Padding and pairs beyond h add an exact zero. A pair at distance 0 has no direction and is left out.
+// Lane = vertex. Every lane adds its neighbours in list order, so sums equal those of a scalar loop. Padding and pairs beyond h add
+// an exact zero. A pair at distance 0 has no direction and is skipped.
 #include "kernel_isa.h"
 
 #include "lane_random.h"

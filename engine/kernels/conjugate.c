@@ -1,6 +1,5 @@
-// The vectors of filtered conjugate gradients (Baraff and Witkin 1998; Noh and Jung, section 4). Sums of a range are sums of blocks of 64 slices, in
-// order from its begin: whoever cuts rows at the same places and adds in order gets the same bits for any number of
-// workers.
+// The vectors of filtered conjugate gradients (Baraff and Witkin 1998; Noh and Jung, section 4). Sums of a range are sums of blocks
+// of 64 slices, in order. Rows cut at the same places and added in order give the same bits for any number of workers.
 #include "kernel_isa.h"
 
 enum

@@ -5,8 +5,8 @@
 //   u = tangential part of (p - previous) - motion, without what friction has done so far
 //   rubbed <- -u if |u| <= mu_s pushed, else -mu_k pushed u / |u|
 //
-// Both sums are corrected, not added to, so calling it again for the same rows is another sweep of projected Gauss-Seidel.
-// A row is 64 bytes, a line of the cache, that four transpositions turn into lanes.
+// Both sums are corrected, not extended, so another call for the same rows is another sweep of projected Gauss-Seidel. A row is 64
+// bytes, one cache line, which four transpositions turn into lanes.
 #include "kernel_isa.h"
 
 typedef struct half_space

@@ -2,7 +2,7 @@
 #include "kernel_isa.h"
 #include "lane_trig.h"
 
-// A lever below a thousandth of the steepest gradient's, squared, is not one.
+// Squared gradients below this fraction of the largest are ignored.
 #define LEAST_LEVER 1e-6f
 
 enum

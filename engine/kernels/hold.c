@@ -1,11 +1,11 @@
-// Do counts of points still stand? Lengths in floats against bounds that leave room for their rounding: who passes needs no
-// second look, and who fails is measured in double precision by whoever asked.
+// Whether counts of points still hold: compares lengths in floats with bounds that allow for rounding. An element that fails is
+// measured in double precision by the caller.
 #include "kernel_isa.h"
 
 // Rounding of a product of two sides: a cross product is off by less than so many of |a| |b|, and a height by as many of the
 // side that it was made from.
 static const float CROSS_ROUNDING = 2e-6f;
-// So much shorter than the others a base is surely the shortest: three times the rounding of a squared length.
+// A base shorter by this factor is surely the shortest: three times the rounding of a squared length.
 static const float SHORTER = 1.0f + 2e-6f;
 
 LANE_INLINE lane8 spacing_of( const wisp_hold_job* job, int slice )

@@ -11,7 +11,7 @@
 
 #define KERNEL( name ) LANE_JOIN( name##_, WISP_KERNEL_ISA )
 
-/// What is shorter, squared, is no direction of a piece: below it a square loses digits, and then all of them.
+/// A squared length below this gives no direction: it loses digits, and then all of them.
 #define KERNEL_LEAST_SQUARED 1e-30f
 
 void KERNEL( strand_jitter )( const wisp_strand_jitter_job* job, int group_begin, int group_end );

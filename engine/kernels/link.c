@@ -1,7 +1,7 @@
 // Distances between two particles, eight at a time. No two of a group share a particle (the schedule checks it when it is
 // cooked), so there are no conflicts, and the result does not depend on how the range is cut.
 //
-// What limits this kernel is the number of instructions, not memory (bench case "links"): particles are read as quads, and
+// The number of instructions limits this kernel, not memory (bench case "links"): particles are read as rows of four floats and
 // only their difference is transposed. The fourth number of that difference carries the sum of the inverse masses.
 #include "kernel_isa.h"
 

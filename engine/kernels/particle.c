@@ -1,8 +1,8 @@
-// Particles one by one: time integration, tethers, and what coarse levels hand down. Particles are quads in memory, so a
-// row of lanes holds two of them and nothing is transposed where the four numbers are treated alike.
+// Single particles: time integration, tethers, and corrections from coarse levels. A particle is four floats, so a row of lanes
+// holds two of them, and nothing is transposed where the four numbers are treated alike.
 #include "kernel_isa.h"
 
-// x, y and z of two particles; the fourth numbers stay what they are.
+// x, y and z of two particles; the fourth numbers are kept.
 static const int32_t XYZ_MASK[8] = { -1, -1, -1, 0, -1, -1, -1, 0 };
 
 // A particle of a row moves only if its inverse mass is above 0.

@@ -1,4 +1,4 @@
-// Where pieces of surfaces are: points, edges and triangles, eight at a time; and how far sets of points are apart.
+// Places of primitives of surfaces (points, edges and triangles), eight at a time, and distances between sets of points.
 #include "kernel_isa.h"
 
 enum

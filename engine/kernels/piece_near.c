@@ -1,9 +1,8 @@
-// Pieces of surfaces near each other: one edge against sixteen, one point against eight triangles. Two pieces are apart by at
-// least what is between them along the line through their middles, which costs a third of their distance and leaves few to ask
-// for it.
+// Primitives near each other: one edge against sixteen, one point against eight triangles. Their extents along the line through
+// their centres bound the distance from below at a third of its cost, so few distances are computed.
 //
-// Several jobs are done at a time. Who is near is only put down at first, without a branch, and kept when all are done: a branch
-// that waits for a root and a quotient would hold up all that comes after.
+// Several jobs run at a time. Candidates are first written without a branch and compacted when all are done: a branch that waits
+// for a root and a quotient would stall the rest.
 #include "kernel_isa.h"
 
 enum

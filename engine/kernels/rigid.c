@@ -1,7 +1,7 @@
-// The rigid motion that particles have as a whole, and how they are brought nearer to it.
+// The rigid motion of a set of particles, and damping towards it.
 //
-// Places are taken about a point near them and velocities less one that is like theirs, so that floats are enough for a few
-// hundred particles; what is summed of those goes on in doubles.
+// Places are relative to a point near them and velocities to one like theirs, so that floats suffice for a few hundred particles;
+// sums of those continue in doubles.
 #include "kernel_isa.h"
 
 enum

@@ -1,9 +1,8 @@
-// Area vectors, volume and normals, vertex by vertex over ordered one-rings: no scatter, and the order of the sum is the
-// order of the ring whatever the lanes.
+// Area vectors, volume and normals, vertex by vertex over ordered one-rings: no scatter, and sums have the order of the ring for
+// any lane width.
 //
-// Sums of a range are sums of blocks of 64 slices, in order from its begin. So whoever cuts a fabric at multiples of 64
-// gets the same blocks, but doubles added in another grouping round differently: the same bits for any number of workers
-// need the same cuts, and their sums added in order.
+// The sum of a range consists of sums of blocks of 64 slices, in order. The same bits for any number of workers need the same
+// cuts, at multiples of 64, and sums added in order.
 #include "kernel_isa.h"
 
 enum

@@ -3,7 +3,7 @@
 
 #include "lane_trig.h"
 
-// Rows of a group: lane = strand, a lane's rows behind its tip repeat the tip.
+// Rows of a group: lane = strand; rows of a lane beyond its tip repeat the tip.
 typedef struct align_group
 {
     float* rows;

@@ -4,12 +4,12 @@
 // thickness, a vertex must end at h; one that began nearer may stay as deep as it was for reasons that are not its own (it
 // started inside, it was put there), less what is healed in this substep:
 //
-//   may = depth it was let be, at most where it began (or where it began, if that is new)
-//   healed <= what is recovered in a call: position and previous position go together, so it is never read as velocity
+//   may = depth that was allowed, at most the depth at the start (or that depth, if contact is new)
+//   healed <= recovery in a call: position and previous position move together, so it adds no velocity
 //   pushed = h - (may - healed) - distance, the rest of the way: stands for the normal impulse
 //
-// Whatever else it is too deep is what other constraints pulled it in by: it is pushed out with the velocity that undoes
-// the pull, or a strand under tension would sink. Friction follows, on the motion against the body's surface:
+// The remaining depth is what other constraints pulled it in by. It is pushed out with the velocity that undoes the pull, or a
+// strand under tension would sink. Friction follows, on the motion against the body's surface:
 //
 //   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s pushed, else p -= mu_k pushed u / |u|
 #include "kernel_isa.h"

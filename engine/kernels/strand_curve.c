@@ -2,7 +2,7 @@
 // one row each, so the blending weights are the same for all lanes.
 #include "kernel_isa.h"
 
-// Four points that a segment blends. Joints belong to the segment before them.
+// The four points that a segment blends. A joint belongs to the segment before it.
 typedef struct segment16
 {
     lane16v p[4];
@@ -13,7 +13,7 @@ typedef struct curve_source
 {
     const float* from;
     const int32_t *at, *count; // of the group's lanes
-    bool in_step;              // the lanes are those of one group of the source, and equally long: nothing to gather
+    bool in_step;              // the lanes are those of one group of the source, and equally long: no gather needed
     lane16i last;              // vertices less one
 } curve_source;
 

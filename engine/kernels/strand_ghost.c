@@ -1,5 +1,5 @@
-// Strands that follow others. What all ghosts of a target share is worked out once, a node of the target at a time, and laid
-// down as quads; a ghost then costs two or three quads, its own offset and its place, so that memory is what limits it.
+// Strands that follow others (Park and Kim 2024, eq. 4-5). Values shared by all ghosts of a target are computed once per node and
+// stored as rows of four floats. A ghost then reads two or three rows and its own offset, so memory limits it.
 #include "strand_frame.h"
 
 enum

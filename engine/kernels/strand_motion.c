@@ -3,7 +3,7 @@
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// What all rows of a substep share.
+// Shared by all rows of a substep.
 typedef struct motion_terms
 {
     lane16 dt, inverse_dt; // s, 1/s

@@ -7,7 +7,7 @@ static const size_t STRIDE = 3 * WISP_LANES;
 // Below this squared length, m^2, a segment has no direction.
 #define LEAST_SQUARE 1e-30f
 
-// What the multiplier changes by, over the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb + alpha)).
+// Change of the multiplier over the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb + alpha)).
 typedef struct link_rule
 {
     lane16 stiffness, alpha; // alpha is 0 and stiffness k in pbd; in xpbd stiffness is 1

@@ -1,5 +1,4 @@
-// Strands out of their lanes into the user's order: the numbers of eight strands are rows of eight lanes, and columns of eight
-// numbers are theirs.
+// Strands out of their lanes into the user's order: transposes rows of eight lanes into the numbers of eight strands.
 #include "kernel_isa.h"
 
 enum

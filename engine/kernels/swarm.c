@@ -1,6 +1,5 @@
-// Particles of a block as arrays, and who of them a body may touch. Most particles are far from most bodies, so this decides
-// what bodies cost. What is called far is so by the very numbers that a closest point would be compared by, or by a bound that
-// rounding cannot reverse.
+// Particles of a block as arrays, and which of them a body may touch. Most particles are far from most bodies, so this decides the
+// cost of bodies. A particle is far by the same numbers as a closest point would be, or by a bound that rounding cannot reverse.
 #include "kernel_isa.h"
 
 enum
@@ -8,7 +7,7 @@ enum
     LANES = 8,
 };
 
-// ---- who moves ----
+// ---- moving particles ----
 
 LANE_INLINE lane8m is_within( lane8v p, lane8 most )
 {

@@ -1,4 +1,4 @@
-// Where points go, and how much nearer others they may come for it.
+// Displacements of points, and how much closer they may bring them to others.
 #include "kernel_isa.h"
 
 enum
