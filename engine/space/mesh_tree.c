@@ -1,4 +1,4 @@
-// Collision meshes: the surface, its search, and the answer to a query.
+// Triangle meshes for queries: the surface, its search, and the answer.
 #include "mesh_tree_embree.h"
 #include "voxels.h"
 
