@@ -188,15 +188,16 @@ static int begin_table( const balloon_plan* plan, results* out )
     {
         cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
-        cells_put( &row, "ns/vertex/substep" );
-        cells_put( &row, "volume ns/triangle" );
+        cells_put( &row, "%d %s ns per vertex and substep", plan->workers[e],
+                   bench_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s volume ns per triangle", plan->workers[e], bench_workers_word( plan->workers[e] ) );
     }
     cells_put( &row, "volume error %%" );
     cells_put( &row, "gas Pa" );
     cells_put( &row, "multiplier Pa" );
     cells_put( &row, "virial Pa" );
     cells_put( &row, "closed form Pa" );
-    cells_put( &row, "bytes/vertex" );
+    cells_put( &row, "bytes per vertex" );
     cells_put( &row, "samples" );
     cells_put( &row, "hash" );
     return cells_begin_table( &row, "Balloon: icospheres of 0.15 m filled to 1.2 times their volume, 10 x 2", out );

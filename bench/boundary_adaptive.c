@@ -240,9 +240,9 @@ static wisp_status run_gain( const body* b, float gain, int table, results* out,
 
 wisp_status boundary_adaptive( const boundary_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "spacing",    "d, mm",         "edge",      "inner",
-                                          "turn, mean", "p99",           "most",      "in place ms",
-                                          "spacing ms", "bytes a point", "turns less" };
+    static const char* const header[] = { "spacing",   "d, mm", "edge",        "inner",      "turn, mean",
+                                          "p99",       "most",  "in place ms", "spacing ms", "bytes per point",
+                                          "turns less" };
     body b = { .plan = plan };
     wisp_status status = balloon_mesh_figure( &b.mesh, &b.name, error );
     status = status == WISP_OK ? layer_cook( &b.mesh, &b.fabric, error ) : status;

@@ -264,7 +264,7 @@ static void add_chart( const cost_run* run, int first_row, results* out )
                                      .workers = w,
                                      .title = title,
                                      .x_label = "points",
-                                     .y_label = "ms a step, the pass alone",
+                                     .y_label = "ms per step, the pass alone",
                                      .x = points_in,
                                      .y = rows_ms },
                     out );
@@ -274,15 +274,15 @@ static void write_tables( const cost_run* run, results* out )
 {
     const int first_row = out->row_count;
     static const char* const counts[] = {
-        "d",    "spacing", "edge", "inner", "expected", "by", "exact", "off oracle, um", "inner d^2 / area",
+        "d",    "spacing", "edge", "inner", "expected", "by", "exact", "error to oracle, um", "inner d^2 / area",
         "hash", "same"
     };
     const int w = run->plan->workers[run->plan->worker_count - 1];
     char in_place[40], anew[40], title[160];
     snprintf( in_place, sizeof( in_place ), "in place, %d workers", w );
     snprintf( anew, sizeof( anew ), "anew, %d workers", w );
-    const char* const costs[] = { "d",  "spacing",         "points",          "in place",      in_place, "anew",
-                                  anew, "anew / in place", "1 worker / more", "bytes a point", "MB" };
+    const char* const costs[] = { "d",  "spacing",         "points",          "in place",        in_place, "anew",
+                                  anew, "anew / in place", "1 worker / more", "bytes per point", "MB" };
     static const char* const accuracy[] = { "d",      "spacing",     "gap, mm", "gap / d", "cover, mm", "cover / d",
                                             "points", "in place ms", "anew ms", "MB",      "met" };
     int table =

@@ -204,8 +204,8 @@ static wisp_status enter( inflation* run, wisp_error* error )
 
 wisp_status boundary_inflate( const boundary_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "step",  "multiplier", "V / V_rest",   "V off %", "edge points",
-                                          "inner", "expected",   "in case B, %", "off, um", "met" };
+    static const char* const header[] = { "step",  "multiplier", "V / V_rest",   "volume error, %", "edge points",
+                                          "inner", "expected",   "in case B, %", "error, um",       "met" };
     inflation run = { .plan = plan };
     run.table = results_add_table( out,
                                    "B1: the reference sphere inflated 1 -> 2 -> 1, d 0.1, steps of 1/60 s of 5 "

@@ -104,8 +104,8 @@ static wisp_status run_volume( const boundary_plan* plan, const sphere* s, const
 
 wisp_status boundary_volumes( const boundary_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "skin",   "stiffness", "multiplier", "V / V_rest",
-                                          "off, %", "oracle",    "expected",   "met" };
+    static const char* const header[] = { "skin",     "stiffness", "multiplier", "V / V_rest",
+                                          "error, %", "oracle",    "expected",   "met" };
     static const float multipliers[] = { 0.5f, 1.0f, 2.0f, 3.0f };
     char title[160];
     snprintf( title, sizeof( title ), "BND-01: rest volumes that a multiplier comes to after %d steps of 1/60 s",
@@ -205,7 +205,7 @@ static void add_hang( const layer_balloon* setting, int steps, const hang* with,
     }
     if ( !is_finite || !same )
     {
-        results_add_failure( out, "B7: at %d steps a second and %g m/s^2 the balloon %s.", rate,
+        results_add_failure( out, "B7: at %d steps per second and %g m/s^2 the balloon %s.", rate,
                              (double)setting->gravity,
                              same ? "did not stay finite" : "has other positions with a layer than without" );
     }
@@ -214,7 +214,7 @@ static void add_hang( const layer_balloon* setting, int steps, const hang* with,
 wisp_status boundary_steps( const boundary_plan* plan, results* out, wisp_error* error )
 {
     static const char* const header[] = {
-        "dt", "gravity", "steps", "V off at most, %", "height, m", "finite", "same without a layer", "hash"
+        "dt", "gravity", "steps", "max volume error, %", "height, m", "finite", "same without a layer", "hash"
     };
     static const int rates[] = { 240, 120, 60, 30, 20 };
     static const float gravities[] = { 0.98f, 9.8f, 98.0f };
@@ -242,7 +242,7 @@ wisp_status boundary_steps( const boundary_plan* plan, results* out, wisp_error*
     }
     free_sphere( &s );
     results_add_note( out, "B7: stiffness without units depends on the step, so the sphere sags by another amount at "
-                           "each; that it stays finite and keeps its volume is what the source claims. The source's "
+                           "each; that it stays finite and keeps its volume is what the paper claims. The paper's "
                            "own program has gravity switched off." );
     return status;
 }

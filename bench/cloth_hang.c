@@ -38,7 +38,7 @@ static int begin_table( const cloth_plan* plan, results* out )
         cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
     }
-    cells_put( &row, "stretch max / mean %%" );
+    cells_put( &row, "stretch %%, max / mean" );
     cells_put( &row, "kinetic J" );
     cells_put( &row, "energy lost %%" );
     cells_put( &row, "hash" );
@@ -208,7 +208,7 @@ wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error 
                                      .name = "cloth.hang",
                                      .title = "Hanging cloth, 10 substeps: time against size",
                                      .x_label = "vertices",
-                                     .y_label = "ms a step",
+                                     .y_label = "ms per step",
                                      .x = rows_vertices,
                                      .y = rows_ms },
                     out );

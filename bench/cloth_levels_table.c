@@ -13,7 +13,7 @@ static int begin( const cloth_plan* plan, const level_table* table, const char* 
         cells_put( &row, "%d %s ms", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90" );
     }
-    cells_put( &row, "stretch max / mean %%" );
+    cells_put( &row, "stretch %%, max / mean" );
     cells_put( &row, "kinetic J" );
     if ( table->has_volume )
     {
@@ -23,7 +23,7 @@ static int begin( const cloth_plan* plan, const level_table* table, const char* 
     {
         cells_put( &row, "energy lost %%" );
     }
-    cells_put( &row, "path error m" );
+    cells_put( &row, "path error, m" );
     cells_put( &row, "front" );
     cells_put( &row, "hash" );
     return cells_begin_table( &row, title, out );
@@ -150,7 +150,7 @@ void level_table_charts( const cloth_plan* plan, const level_table* table, const
         .name = rows,
         .workers = plan->workers[plan->worker_count - 1],
         .title = title,
-        .x_label = "ms a step",
+        .x_label = "ms per step",
         .x = rows_ms,
         .is_front = true,
         .caption = "Ringed: no other way is both faster and nearer.",

@@ -340,9 +340,9 @@ static int begin_table( const cloth_plan* plan, results* out )
     {
         cells_put( &row, "%d %s links", plan->workers[e], bench_workers_word( plan->workers[e] ) );
         cells_put( &row, "p10 .. p90 step" );
-        cells_put( &row, "step" );
-        cells_put( &row, "faster, links" );
-        cells_put( &row, "faster, step" );
+        cells_put( &row, "%d %s step", plan->workers[e], bench_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s speedup, links", plan->workers[e], bench_workers_word( plan->workers[e] ) );
+        cells_put( &row, "%d %s speedup, step", plan->workers[e], bench_workers_word( plan->workers[e] ) );
     }
     cells_put( &row, "error m" );
     cells_put( &row, "samples" );

@@ -321,8 +321,10 @@ static wisp_status run_contests( const bench_options* options, results* out, wis
               "A body of triangles, searched for %d points and %d paths: times in ns a question, medians, 1 thread",
               QUESTIONS + FAR_QUESTIONS, 2 * QUESTIONS );
     cells header = { .count = 0 };
-    static const char* const names[] = { "triangles", "search", "build ms", "update ms", "B a triangle", "near",
-                                         "far",       "step",   "path",     "looked at", "near found",   "same" };
+    static const char* const names[] = {
+        "triangles", "search", "build ms", "update ms", "bytes per triangle", "near",
+        "far",       "step",   "path",     "looked at", "near found",         "same"
+    };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         cells_put( &header, "%s", names[i] );
@@ -478,7 +480,7 @@ static wisp_status compare_cloth( const wisp_mesh* body, wisp_fabric* fabric, re
               "Cloth of %d vertices on a body of %d triangles, %d steps of 2 substeps, 1 worker",
               CLOTH_SIDE * CLOTH_SIDE, body->triangle_count, CLOTH_STEPS );
     cells header = { .count = 0 };
-    static const char* const names[] = { "search", "ms a step", "contacts", "penetration mm", "hash", "same" };
+    static const char* const names[] = { "search", "ms per step", "contacts", "max penetration mm", "hash", "same" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         cells_put( &header, "%s", names[i] );

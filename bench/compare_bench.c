@@ -111,13 +111,13 @@ static void add_notes( const compare_scene* scene, const compare_truth* truth, c
         doubt += truth->looks[k].doubt * truth->looks[k].doubt / ( truth->look_count - 2 );
         slack = truth->looks[k].look.slack > slack ? truth->looks[k].look.slack : slack;
     }
-    results_add_note( out,
-                      "Comparison `%s`: the truth is %s in double precision, %g steps a second, every step solved by "
-                      "Newton's method to %.1e of the weight's impulse; half as many steps differ by %.3g mm in the "
-                      "window and %.3g mm at rest. Up to %.0f of %d edges are slack in the window.",
-                      scene->physics.name, truth->order > 1.5 ? "BDF2" : "implicit Euler", truth->rate,
-                      truth->residual, 1e3 * sqrt( doubt ), 1e3 * truth->looks[truth->look_count - 1].doubt, slack,
-                      scene->edge_count );
+    results_add_note(
+        out,
+        "Comparison `%s`: the truth is %s in double precision, %g steps per second, every step solved by "
+        "Newton's method to %.1e of the weight's impulse; half as many steps differ by %.3g mm in the "
+        "window and %.3g mm at rest. Up to %.0f of %d edges are slack in the window.",
+        scene->physics.name, truth->order > 1.5 ? "BDF2" : "implicit Euler", truth->rate, truth->residual,
+        1e3 * sqrt( doubt ), 1e3 * truth->looks[truth->look_count - 1].doubt, slack, scene->edge_count );
     for ( int i = 0; i < plan->variant_count; ++i )
     {
         if ( plan->variants[i].is_limit )
@@ -125,7 +125,7 @@ static void add_notes( const compare_scene* scene, const compare_truth* truth, c
             results_add_note(
                 out,
                 "Comparison `%s`: what %s still has, %.3g mm, is the model's and the rounding of floats. Its "
-                "edges resist compression as they do stretching, those of the source do not%s.",
+                "edges resist compression as they do stretching, those of Noh and Jung do not%s.",
                 scene->physics.name, plan->variants[i].name, 1e3 * figures[i].path,
                 scene->physics.has_ball ? ", and it bends by angles between triangles" : "" );
         }

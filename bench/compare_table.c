@@ -25,8 +25,8 @@ static int begin_table( const compare_plan* plan, const compare_scene* scene, re
         cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "p10 .. p90" );
     }
-    cells_put( &row, "RMS mm" );
-    cells_put( &row, "worst look mm" );
+    cells_put( &row, "RMS error mm" );
+    cells_put( &row, "largest RMS error mm" );
     cells_put( &row, "%s", scene->physics.has_ball ? "hem mm" : "sag mm" );
     cells_put( &row, "strain %%" );
     cells_put( &row, "energy J" );

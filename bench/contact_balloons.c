@@ -52,9 +52,21 @@ static int begin_table( const contact_race* race, const char* what, results* out
     {
         cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
     }
-    static const char* const names[] = { "steps",     "overlap %", "at most %", "crossings",   "at most",
-                                         "force N",   "wall %",    "uneven %",  "impulse N s", "unbalanced N s",
-                                         "speed m/s", "pairs",     "searches",  "hash",        "same" };
+    static const char* const names[] = { "steps",
+                                         "overlap at the end, %",
+                                         "max overlap, %",
+                                         "intersections at the end",
+                                         "max intersections",
+                                         "force N",
+                                         "wall %",
+                                         "uneven %",
+                                         "impulse N s",
+                                         "unbalanced N s",
+                                         "speed m/s",
+                                         "pairs",
+                                         "searches",
+                                         "hash",
+                                         "same" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         cells_put( &header, "%s", names[i] );

@@ -48,14 +48,20 @@ static int begin_table( const contact_race* race, results* out )
               race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "ball" );
-    cells_put( &header, "m/s at most" );
-    cells_put( &header, "gaps a substep" );
+    cells_put( &header, "max speed, m/s" );
+    cells_put( &header, "displacement / thickness" );
     for ( int i = 0; i < race->teams->count; ++i )
     {
         cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
     }
-    static const char* const names[] = { "steps",         "contacts",  "searches", "crossings at most",
-                                         "crossed steps", "least gap", "guarded",  "hash",
+    static const char* const names[] = { "steps",
+                                         "contacts",
+                                         "searches",
+                                         "max intersections",
+                                         "steps with intersections",
+                                         "min gap / thickness",
+                                         "limited displacements",
+                                         "hash",
                                          "same" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -80,7 +86,7 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
     }
     results_add_note(
         out, "Contact, motion: the cloth falls in the first second whatever the ball does, which the mean has "
-             "and the median has not. gaps a substep: what the ball moves at most, of the thickness." );
+             "and the median has not. displacement: largest of the ball in a substep." );
 }
 
 wisp_status contact_motion( const contact_plan* plan, results* out, wisp_error* error )

@@ -58,8 +58,18 @@ static int begin_table( const contact_race* race, results* out )
     {
         cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
     }
-    static const char* const names[] = { "steps",   "of margin 2",   "pairs",     "contacts", "searches", "crossings",
-                                         "at most", "crossed steps", "least gap", "guarded",  "hash",     "same" };
+    static const char* const names[] = { "steps",
+                                         "time / margin 2",
+                                         "pairs",
+                                         "contacts",
+                                         "searches",
+                                         "intersections at the end",
+                                         "max intersections",
+                                         "steps with intersections",
+                                         "min gap / thickness",
+                                         "limited displacements",
+                                         "hash",
+                                         "same" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         cells_put( &header, "%s", names[i] );
@@ -103,7 +113,7 @@ static void add_chart( const contact_race* race, int first_row, results* out )
                                      .workers = race->teams->workers[race->teams->count - 1],
                                      .least_steps = race->steps,
                                      .title = "Contact, the price of accuracy: a cloth that folds on itself",
-                                     .x_label = "ms a step, mean",
+                                     .x_label = "ms per step, mean",
                                      .y_label = "steps that end with crossings, %",
                                      .caption = "Ringed: no other way is both faster and misses less. A way that ran "
                                                 "out of time has no mean to compare.",
@@ -130,14 +140,14 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
         results_add_failure( out, "The cloth folds otherwise when its pairs are found by the tree." );
     }
     results_add_note(
-        out, "Contact, price: samples stand so many thicknesses apart. of margin 2: the mean over that of the "
+        out, "Contact, price: samples stand so many thicknesses apart. time / margin 2: the mean over that of the "
              "default, with one worker, where both made all steps. pairs, contacts, searches: means a step; "
              "crossings: edges through "
              "triangles, exact, after the last step, at most, and how many steps ended with some." );
-    results_add_note( out,
-                      "Contact, price: least gap is of the thickness; of samples it is theirs, and what lies between "
-                      "them is not seen. guarded: ways of vertices that were cut, all substeps. Figures are of a "
-                      "world of their own; same: it and those that were timed end alike." );
+    results_add_note( out, "Contact, price: the gap of samples is theirs; "
+                           "them is not seen. limited displacements: vertices whose displacement was shortened, all "
+                           "substeps. Figures are of a "
+                           "world of their own; same: it and those that were timed end alike." );
 }
 
 wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* error )

@@ -404,7 +404,7 @@ wisp_status contact_queries( const contact_plan* plan, results* out, wisp_error*
                       "Contact, queries: boxes have moved by their reach since the tree was built, then it is "
                       "refitted; the grid is "
                       "built for every search. Brute force runs where it compares no more than %.0e boxes. (auto): "
-                      "what is taken where nobody says. looked at: boxes a query.",
+                      "the default. looked at: boxes a query.",
                       plan->brute_most );
     results_add_note(
         out,

@@ -23,7 +23,7 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
 {
     static const char* const header[] = { "figure", "experiment", "expected", "measured", "met" };
     figures_case page = { .out = out, .pictures = options->pictures, .quick = options->quick };
-    page.table = results_add_table( out, "The figures of the sources as experiments", WISP_COUNT( header ), header );
+    page.table = results_add_table( out, "Figures of the papers as experiments", WISP_COUNT( header ), header );
     wisp_status status = balloon_mesh_figure( &page.figure, &page.figure_name, error );
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {

@@ -150,7 +150,7 @@ static void add_stiffness_rows( figures_case* page, const drape_result* runs )
     char experiment[80];
     snprintf( experiment, sizeof( experiment ), "the same, k from %.0f to %.0f N/m in %d runs",
               (double)stiffnesses[which[0]], (double)stiffnesses[which[count - 1]], count );
-    figures_add( page, "TRI 8", experiment,
+    figures_add( page, "Noh and Jung 8", experiment,
                  "all come to rest outside; the softer cloth has longer edges and a lower hem",
                  all_rest && firm->end.strain < soft->end.strain && soft->end.hem_mean < firm->end.hem_mean,
                  "longest edge +%.1f to +%.1f %%, falling %s; hem at %.4f to %.4f m", 100.0 * soft->end.strain,
@@ -193,14 +193,14 @@ static void add_quad_row( figures_case* page, int which, const drape_result* tri
     const double lowest = apart( start - quads->end.hem_least, start - triangles->end.hem_least );
     char experiment[80];
     snprintf( experiment, sizeof( experiment ), "quads beside triangles, k %.0f N/m", (double)stiffnesses[which] );
-    figures_add( page, "TRI 10", experiment, "the hem within 10 %: its height, and the way it came down",
+    figures_add( page, "Noh and Jung 10", experiment, "the hem within 10 %: its height, and the way it came down",
                  fabs( height ) < QUAD_AIM && fabs( fall ) < QUAD_AIM && fabs( lowest ) < QUAD_AIM,
                  "mean height %+.1f %%; way down of the mean %+.1f %%, of the lowest %+.1f %%", 100.0 * height,
                  100.0 * fall, 100.0 * lowest );
     const int more = quads->end.folds - triangles->end.folds;
     results_add_note(
         page->out,
-        "TRI 10, k %.0f N/m: the border has %d folds of quads and %d of triangles, %+.0f %%: the aim of 10 "
+        "Noh and Jung 10, k %.0f N/m: the border has %d folds of quads and %d of triangles, %+.0f %%: the aim of 10 "
         "%% is %s.",
         (double)stiffnesses[which], quads->end.folds, triangles->end.folds,
         100.0 * apart( quads->end.folds, triangles->end.folds ),
@@ -233,11 +233,11 @@ static wisp_status write_pictures( figures_case* page, const drape_pair* pair, w
         const figures_album* album;
         const char *name, *caption;
     } sheets[] = {
-        { &pair->triangles.rest, "tri8_rest", "TRI 8, 958 vertices of triangles at rest" },
-        { &pair->triangles.sweep, "tri8_sweep", "TRI 8, stiffness of 50 to 350 N/m" },
-        { &pair->triangles.frames, "tri9_frames", "TRI 9, frames of triangles" },
-        { &pair->quads.rest, "tri10_rest", "TRI 10, 25 x 25 vertices of quads at rest" },
-        { &pair->quads.frames, "tri11_frames", "TRI 11, frames of quads" },
+        { &pair->triangles.rest, "tri8_rest", "Noh and Jung 8, 958 vertices of triangles at rest" },
+        { &pair->triangles.sweep, "tri8_sweep", "Noh and Jung 8, stiffness of 50 to 350 N/m" },
+        { &pair->triangles.frames, "tri9_frames", "Noh and Jung 9, frames of triangles" },
+        { &pair->quads.rest, "tri10_rest", "Noh and Jung 10, 25 x 25 vertices of quads at rest" },
+        { &pair->quads.frames, "tri11_frames", "Noh and Jung 11, frames of quads" },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( sheets ) && status == WISP_OK; ++i )
@@ -250,18 +250,18 @@ static wisp_status write_pictures( figures_case* page, const drape_pair* pair, w
 static void add_rows( figures_case* page, const drape_pair* pair )
 {
     const drape_result *triangles = pair->triangles.runs, *quads = pair->quads.runs;
-    add_rest_row( page, "TRI 8", "958 vertices of triangles", FIRM, &triangles[FIRM] );
-    add_rest_row( page, "TRI 8", "958 vertices of triangles", SOFT, &triangles[SOFT] );
+    add_rest_row( page, "Noh and Jung 8", "958 vertices of triangles", FIRM, &triangles[FIRM] );
+    add_rest_row( page, "Noh and Jung 8", "958 vertices of triangles", SOFT, &triangles[SOFT] );
     add_stiffness_rows( page, triangles );
-    add_sequence_row( page, "TRI 9", "frames of triangles, k 100 N/m", &triangles[SOFT] );
-    add_rest_row( page, "TRI 10", "25 x 25 vertices of quads", FIRM, &quads[FIRM] );
+    add_sequence_row( page, "Noh and Jung 9", "frames of triangles, k 100 N/m", &triangles[SOFT] );
+    add_rest_row( page, "Noh and Jung 10", "25 x 25 vertices of quads", FIRM, &quads[FIRM] );
     add_quad_row( page, FIRM, &triangles[FIRM], &quads[FIRM] );
     if ( !page->quick )
     {
-        add_rest_row( page, "TRI 10", "25 x 25 vertices of quads", SOFT, &quads[SOFT] );
+        add_rest_row( page, "Noh and Jung 10", "25 x 25 vertices of quads", SOFT, &quads[SOFT] );
         add_quad_row( page, SOFT, &triangles[SOFT], &quads[SOFT] );
     }
-    add_sequence_row( page, "TRI 11", "frames of quads, k 200 N/m", &quads[FIRM] );
+    add_sequence_row( page, "Noh and Jung 11", "frames of quads, k 200 N/m", &quads[FIRM] );
 }
 
 wisp_status figures_drape( figures_case* page, wisp_error* error )
@@ -278,12 +278,13 @@ wisp_status figures_drape( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         add_rows( page, pair );
-        drape_add_sequence( page, "TRI 9: triangles, k 100 N/m", sequence_count( page ),
+        drape_add_sequence( page, "Noh and Jung 9: triangles, k 100 N/m", sequence_count( page ),
                             &pair->triangles.runs[SOFT] );
-        drape_add_sequence( page, "TRI 11: quads, k 200 N/m", sequence_count( page ), &pair->quads.runs[FIRM] );
-        drape_add_runs( page, "TRI 8: 958 vertices of triangles on the ball", stiffnesses, STIFFNESS_COUNT,
+        drape_add_sequence( page, "Noh and Jung 11: quads, k 200 N/m", sequence_count( page ),
+                            &pair->quads.runs[FIRM] );
+        drape_add_runs( page, "Noh and Jung 8: 958 vertices of triangles on the ball", stiffnesses, STIFFNESS_COUNT,
                         pair->triangles.runs );
-        drape_add_runs( page, "TRI 10: 25 x 25 vertices of quads on the ball", stiffnesses, STIFFNESS_COUNT,
+        drape_add_runs( page, "Noh and Jung 10: 25 x 25 vertices of quads on the ball", stiffnesses, STIFFNESS_COUNT,
                         pair->quads.runs );
         drape_add_terms( page );
         status = write_pictures( page, pair, error );

@@ -35,7 +35,7 @@ void drape_add_terms( figures_case* page )
         "phi: least distance of a vertex from the ball's surface, negative inside; between: of the edges' middles. "
         "edge: the longest, against its rest length. hem: mean and least height of the border. folds: how often "
         "the border's distance from the ball's axis has a maximum 1 cm above what is beside it, after a mean "
-        "over 18 cm. ms a step: the mean of a run alone, not taken in turns." );
+        "over 18 cm. ms per step: the mean of a run alone, not taken in turns." );
 }
 
 void drape_add_sequence( figures_case* page, const char* title, int shot_count, const drape_result* run )
@@ -60,7 +60,7 @@ void drape_add_runs( figures_case* page, const char* title, const float* stiffne
                      const drape_result* runs )
 {
     static const char* const names[] = { "k N/m", "energy left", "least phi mm", "phi mm",     "between mm", "edge %",
-                                         "hem m", "lowest m",    "folds",        "iterations", "ms a step" };
+                                         "hem m", "lowest m",    "folds",        "iterations", "ms per step" };
     int table = begin_table( page, title, names, WISP_COUNT( names ) );
     for ( int i = 0; i < count; ++i )
     {
@@ -88,7 +88,7 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
     static const int rates[] = { 100, 60, 30 };
     static const char* const names[] = { "step s",   "iterations", "energy left", "least phi mm",
                                          "phi mm",   "between mm", "edge %",      "hem m",
-                                         "lowest m", "folds",      "ms a step" };
+                                         "lowest m", "folds",      "ms per step" };
     const int seconds = page->quick ? QUICK_SECONDS : (int)DRAPE_REST_SECONDS;
     triangle_scene scene;
     drape_border border = { .count = 0 };
@@ -129,9 +129,9 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
         snprintf( expected, sizeof( expected ),
                   "finite; kinetic energy after %d s below 1e-4 of its largest; no vertex ever deeper than 1 mm",
                   seconds );
-        figures_add( page, "TRI 8", experiment, expected, drape_is_at_rest( &run ) && run.gap_least > -DRAPE_DEPTH,
-                     "%.1e left, phi at least %.2f mm, %.0f iterations a step", left, 1e3 * run.gap_least,
-                     run.iterations );
+        figures_add(
+            page, "Noh and Jung 8", experiment, expected, drape_is_at_rest( &run ) && run.gap_least > -DRAPE_DEPTH,
+            "%.1e left, phi at least %.2f mm, %.0f iterations a step", left, 1e3 * run.gap_least, run.iterations );
     }
     drape_border_free( &border );
     triangle_scene_free( &scene );

@@ -239,7 +239,7 @@ static int begin_table( figures_case* page )
     }
     cells_put( &header, "largest rise %%" );
     cells_put( &header, "iterations" );
-    return cells_begin_table( &header, "TRI 3.3: energy in free flight, J", page->out );
+    return cells_begin_table( &header, "Noh and Jung 3.3: energy in free flight, J", page->out );
 }
 
 static void add_line( figures_case* page, int table, const flight* f )
@@ -273,7 +273,8 @@ static void add_row( figures_case* page, int vertices, const flight* flights )
     char experiment[120];
     snprintf( experiment, sizeof( experiment ),
               "%d vertices stretched by 10 %%, spinning, free, 1000 steps, k_d 0.002, 0.02, 0.2", vertices );
-    figures_add( page, "TRI 3.3", experiment, "energy never 1 % above the first; less is left with more damping",
+    figures_add( page, "Noh and Jung 3.3", experiment,
+                 "energy never 1 % above the first; less is left with more damping",
                  is_finite && growth < GROWTH_ALLOWED && falls_faster,
                  "at most %+.1f %%; %.1e, %.1e, %.1e of it left; between two steps it rose by %.2f %% of the first",
                  100.0 * growth, flights[0].last / flights[0].first, flights[1].last / flights[1].first,
@@ -288,7 +289,7 @@ static void add_rises( figures_case* page, const flight* f )
     {
         results_add_note(
             page->out,
-            "TRI 3.3: with k_d %g N s/m in steps of %g s what is left after 1 s, %.1e J, does not die away: "
+            "Noh and Jung 3.3: with k_d %g N s/m in steps of %g s what is left after 1 s, %.1e J, does not die away: "
             "it is %.1e J after %d s.",
             (double)f->damping, (double)f->seconds, after, f->last, SECONDS );
     }
@@ -323,9 +324,10 @@ wisp_status figures_free_flight( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         add_row( page, vertices, flights );
-        results_add_note( page->out,
-                          "TRI 3.3, energy: kinetic with the masses of the rows, stretch (eq. 5) and bend (eq. 12). "
-                          "largest rise: above an earlier value, as a share of the first." );
+        results_add_note(
+            page->out,
+            "Noh and Jung 3.3, energy: kinetic with the masses of the rows, stretch (eq. 5) and bend (eq. 12). "
+            "largest rise: above an earlier value, as a share of the first." );
     }
     free_cloth_free( &cloth );
     return status;

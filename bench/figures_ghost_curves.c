@@ -134,7 +134,8 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         figures_add(
-            page, "GUI Fig. 3", "zigzags of 4, 7 and 10 vertices, drawn by segments, eq. 6 and Catmull-Rom",
+            page, "Park and Kim 2024, Fig. 3",
+            "zigzags of 4, 7 and 10 vertices, drawn by segments, eq. 6 and Catmull-Rom",
             "fewer sharp turns, the largest of eq. 6 at its joints only; ends coincide",
             is_met && f[0].bezier.largest < f[0].line.largest,
             "sharp turns %d/%d/%d, %d/%d/%d, %d/%d/%d; largest %.0f/%.0f/%.0f, %.0f/%.0f/%.0f, %.0f/%.0f/%.0f "
@@ -143,8 +144,8 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
             f[1].spline.sharp, f[2].line.sharp, f[2].bezier.sharp, f[2].spline.sharp, f[0].line.largest,
             f[0].bezier.largest, f[0].spline.largest, f[1].line.largest, f[1].bezier.largest, f[1].spline.largest,
             f[2].line.largest, f[2].bezier.largest, f[2].spline.largest );
-        status =
-            figures_hair_write( page, &album, "gui_3_curves", "GUI Fig. 3, segments, eq. 6 and Catmull-Rom", error );
+        status = figures_hair_write( page, &album, "gui_3_curves",
+                                     "Park and Kim 2024, Fig. 3, segments, eq. 6 and Catmull-Rom", error );
     }
     figures_hair_free( &album );
     return status;
@@ -228,12 +229,13 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        figures_add( page, "GUI E6", "ghosts of 20 vertices about a target of 10, by the nearest vertex and by X1",
+        figures_add( page, "Park and Kim 2024, E6",
+                     "ghosts of 20 vertices about a target of 10, by the nearest vertex and by X1",
                      "refused without X1; nearest pairing has kinks, X1 takes them away",
                      refused && kinks[1] < 0.7 * kinks[0], "%s; largest turn %.1f and %.1f degrees",
                      refused ? "refused" : "NOT refused", kinks[0], kinks[1] );
-        status =
-            figures_hair_write( page, &album, "gui_e6_pairing", "GUI E6, pairing of unequal vertex counts", error );
+        status = figures_hair_write( page, &album, "gui_e6_pairing",
+                                     "Park and Kim 2024, E6, pairing of unequal vertex counts", error );
     }
     figures_hair_free( &album );
     tuft_free( &t );

@@ -66,10 +66,12 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        figures_add( page, "GUI Fig. 1", "one target with 3, 4 and 5 ghosts, no weights, 60 steps of a shaken head",
+        figures_add( page, "Park and Kim 2024, Fig. 1",
+                     "one target with 3, 4 and 5 ghosts, no weights, 60 steps of a shaken head",
                      "the mean of the ghosts is the target at every node, to float rounding", worst < TUFT_ROUNDING,
                      "at most %.1e m apart", worst );
-        status = figures_hair_write( page, &album, "gui_1_centre", "GUI Fig. 1, ghosts about their target", error );
+        status = figures_hair_write( page, &album, "gui_1_centre",
+                                     "Park and Kim 2024, Fig. 1, ghosts about their target", error );
     }
     figures_hair_free( &album );
     return status;
@@ -153,15 +155,15 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
         // a displacement of dt |v| > 0.8 mm is known to 3e-7 m
         double tolerance = 2.0 * TUFT_ROUNDING / ( (double)STRANDS_STEP * LEAST_SPEED );
         figures_add(
-            page, "GUI Fig. 2a", "1:1, head swung from side to side, elastic weight off and on",
+            page, "Park and Kim 2024, Fig. 2a", "1:1, head swung from side to side, elastic weight off and on",
             "y - b is zero at rest and at the root; over tau |v| it rises with the change of velocity",
             f.root == 0.0 && f.rest < TUFT_ROUNDING && turning > 2.0 * steady && f.wrong < tolerance &&
                 f.turning_count > 0,
             "%.0e m at rest, %.0e at the root; %.3f where v turns by less than 30 degrees, %.3f where by more; "
             "at most %.1e from 0.5 - 0.5 cos",
             f.rest, f.root, steady, turning, f.wrong );
-        status =
-            figures_hair_write( page, &album, "gui_2a_sway", "GUI Fig. 2a, difference lines of a lone ghost", error );
+        status = figures_hair_write( page, &album, "gui_2a_sway",
+                                     "Park and Kim 2024, Fig. 2a, difference lines of a lone ghost", error );
     }
     figures_hair_free( &album );
     tuft_free( &t );
@@ -248,11 +250,11 @@ wisp_status figures_ghost_block( figures_case* page, wisp_error* error )
     wisp_status status = run_group( page, &album, 0.0f, &f, error );
     if ( status == WISP_OK )
     {
-        figures_add( page, "GUI Fig. 2b", "1:4, the elastic weight alone",
+        figures_add( page, "Park and Kim 2024, Fig. 2b", "1:4, the elastic weight alone",
                      "all four ghosts are displaced alike: the block problem", f.apart < 2.0 * TUFT_ROUNDING,
                      "displacements at most %.1e m apart", f.apart );
-        status =
-            figures_hair_write( page, &album, "gui_2b_block", "GUI Fig. 2b, a group that moves as a block", error );
+        status = figures_hair_write( page, &album, "gui_2b_block",
+                                     "Park and Kim 2024, Fig. 2b, a group that moves as a block", error );
     }
     figures_hair_free( &album );
     return status;
@@ -272,14 +274,15 @@ wisp_status figures_ghost_apart( figures_case* page, wisp_error* error )
     {
         double half = 100.0 * f[1].ordered / fmax( f[1].pairs, 1.0 );
         double whole = 100.0 * f[2].ordered / fmax( f[2].pairs, 1.0 );
-        figures_add( page, "GUI Fig. 2c", "1:4, weight of the centre 0, 0.5 and 1",
+        figures_add( page, "Park and Kim 2024, Fig. 2c", "1:4, weight of the centre 0, 0.5 and 1",
                      "far ghosts sway more than near ones; the spread V is above that of W alone",
                      f[1].pairs > 0 && f[1].ordered == f[1].pairs && f[2].ordered == f[2].pairs &&
                          f[2].spread > f[1].spread && f[1].spread > f[0].spread,
                      "%.1f and %.1f %% of pairs in order; V %.4f, %.4f, %.4f cm2; up to %.2f and %.2f mm apart", half,
                      whole, 1e4 * f[0].spread, 1e4 * f[1].spread, 1e4 * f[2].spread, 1e3 * f[1].apart,
                      1e3 * f[2].apart );
-        status = figures_hair_write( page, &album, "gui_2c_centre", "GUI Fig. 2c, a group that sways apart", error );
+        status = figures_hair_write( page, &album, "gui_2c_centre",
+                                     "Park and Kim 2024, Fig. 2c, a group that sways apart", error );
     }
     figures_hair_free( &album );
     return status;
@@ -322,10 +325,11 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         // offsets of 4 mm at 0.4 m are known to 1e-5 of themselves
-        figures_add( page, "GUI E4", "spread control, Vbar / v_0 of 0.25, 1 and 2.5", "V is Vbar at every node",
-                     worst < 1e-3, "V / v_0 = %.4f, %.4f, %.4f; at most %.1e off", ratio[0], ratio[1], ratio[2],
-                     worst );
-        status = figures_hair_write( page, &album, "gui_e4_spread", "GUI E4, spread of a group", error );
+        figures_add( page, "Park and Kim 2024, E4", "spread control, Vbar / v_0 of 0.25, 1 and 2.5",
+                     "V is Vbar at every node", worst < 1e-3, "V / v_0 = %.4f, %.4f, %.4f; at most %.1e off",
+                     ratio[0], ratio[1], ratio[2], worst );
+        status =
+            figures_hair_write( page, &album, "gui_e4_spread", "Park and Kim 2024, E4, spread of a group", error );
     }
     figures_hair_free( &album );
     return status;

@@ -87,7 +87,8 @@ static int begin_table( figures_case* page, int vertices )
                                          "tolerance",  "to fine mm", "most mm",      "to exact mm",
                                          "iterations", "ms in all",  "left to Euler" };
     char title[120];
-    snprintf( title, sizeof( title ), "TRI 12: what accuracy costs, %d vertices swinging for 0.5 s", vertices );
+    snprintf( title, sizeof( title ), "Noh and Jung 12: what accuracy costs, %d vertices swinging for 0.5 s",
+              vertices );
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -147,7 +148,7 @@ static wisp_status vary_tolerance( swing_page* s, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        figures_add( s->page, "TRI 12", "tolerance of a solve from 1e-2 to 1e-6, step 0.01 s",
+        figures_add( s->page, "Noh and Jung 12", "tolerance of a solve from 1e-2 to 1e-6, step 0.01 s",
                      "from 1e-4 on a solve adds less than a hundredth of the step's own error",
                      most < 0.01 * came[TOLERANCE_COUNT - 1].to_fine.mean &&
                          came[DEFAULT].to_exact.mean < came[0].to_exact.mean,
@@ -170,7 +171,7 @@ static wisp_status vary_repeats( swing_page* s, wisp_error* error )
     if ( status == WISP_OK )
     {
         const double fine[REPEAT_COUNT] = { came[0].to_fine.mean, came[1].to_fine.mean, came[2].to_fine.mean };
-        figures_add( s->page, "TRI 12", "1, 2 and 4 solves a step, step 0.01 s, tolerance 1e-6",
+        figures_add( s->page, "Noh and Jung 12", "1, 2 and 4 solves a step, step 0.01 s, tolerance 1e-6",
                      "the second helps, the fourth changes less than a tenth of that",
                      fine[1] < fine[0] && fabs( fine[2] - fine[1] ) < 0.1 * ( fine[0] - fine[1] ),
                      "%.2f, %.2f, %.2f mm from the fine run", 1e3 * fine[0], 1e3 * fine[1], 1e3 * fine[2] );
@@ -210,7 +211,7 @@ static wisp_status vary_steps( swing_page* s, wisp_error* error )
         {
             is_nearer = is_nearer && second[i].to_fine.mean < first[i].to_fine.mean && second[i].first_order == 0.0;
         }
-        figures_add( s->page, "TRI 12", "steps of 0.02 to 0.00125 s, Euler and BDF2",
+        figures_add( s->page, "Noh and Jung 12", "steps of 0.02 to 0.00125 s, Euler and BDF2",
                      "errors fall with orders near 1 and 2 (above 0.9 and 1.7); BDF2 is nearer at every step that it "
                      "does not leave to Euler",
                      is_nearer && order1 > 0.9 && order2 > 1.7,
@@ -242,7 +243,8 @@ wisp_status figures_hang_accuracy( figures_case* page, wisp_error* error )
     {
         results_add_note(
             page->out,
-            "TRI 12: a level cloth held along one side swings down. Distances of vertices after 0.5 s: root of the "
+            "Noh and Jung 12: a level cloth held along one side swings down. Distances of vertices after 0.5 s: root "
+            "of the "
             "mean square, and the most; fine: BDF2 in steps of %g s, two solves, tolerance 1e-6, %.0f iterations; "
             "exact: one Euler solve a step to 1e-7.",
             (double)fine.seconds, s.fine.iterations );

@@ -121,9 +121,9 @@ static int begin_table( figures_case* page, int count )
         cells_put( &header, "%d %%", sizes[i] );
     }
     cells_put( &header, "iterations" );
-    cells_put( &header, "ms a step" );
+    cells_put( &header, "ms per step" );
     return cells_begin_table(
-        &header, "TRI X3: the sag by number of vertices, k_s 200 N/m, D 5e-6 N m where nothing else is said",
+        &header, "Noh and Jung X3: the sag by number of vertices, k_s 200 N/m, D 5e-6 N m where nothing else is said",
         page->out );
 }
 
@@ -161,7 +161,7 @@ static double largest_change( const sag_row* row )
 static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag_row* link )
 {
     const int finest = sheet[ROUND].count - 1;
-    figures_add( page, "TRI X3", "`sheet`, level, held all round, 250 vertices and more",
+    figures_add( page, "Noh and Jung X3", "`sheet`, level, held all round, 250 vertices and more",
                  "sags within 3 % of each other", largest_change( &sheet[ROUND] ) < 0.03,
                  "%.2f to %.2f mm, %.1f %% apart; with `link` %.1f %%", 1e3 * sheet[ROUND].sag[0],
                  1e3 * sheet[ROUND].sag[finest], 100.0 * largest_change( &sheet[ROUND] ),
@@ -172,7 +172,7 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
                  stiffness = (double)wisp_default_implicit_cloth_def().stretch_stiffness;
     const double strip = (double)TRIANGLE_DENSITY * (double)TRIANGLE_GRAVITY * side * side / ( 2.0 * stiffness );
     const double apart = sheet[STIFF].sag[finest] / strip - 1.0;
-    figures_add( page, "TRI X3", "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
+    figures_add( page, "Noh and Jung X3", "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
                  "sags within 5 % of each other, and within 15 % of a strip's in closed form",
                  largest_change( &sheet[STIFF] ) < 0.05 && fabs( apart ) < 0.15,
                  "%.2f to %.2f mm, at most %.1f %% apart; strip %.2f mm, %+.1f %%; with `link` %.1f %%",
@@ -184,14 +184,15 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
 static void add_narrow_rows( figures_case* page, const sag_row* sheet, const sag_row* link )
 {
     const sag_row *corners = &sheet[CORNERS], *limp = &sheet[SIDE];
-    figures_add( page, "TRI X3", "`sheet`, hung by two corners, 1000 and 4000 vertices",
+    figures_add( page, "Noh and Jung X3", "`sheet`, hung by two corners, 1000 and 4000 vertices",
                  "sags within 5 % of each other", fabs( change( corners, 1 ) ) < 0.05,
                  "%.1f and %.1f mm, %+.1f %%; with `link` %.1f and %.1f mm", 1e3 * corners->sag[1],
                  1e3 * corners->sag[2], 100.0 * change( corners, 1 ), 1e3 * link[CORNERS].sag[1],
                  1e3 * link[CORNERS].sag[2] );
     results_add_note(
         page->out,
-        "TRI X3, not within a few percent of 4000 vertices: hung by two corners 250 (%+.1f %%); hung by one side "
+        "Noh and Jung X3, not within a few percent of 4000 vertices: hung by two corners 250 (%+.1f %%); hung by one "
+        "side "
         "250 and 1000 (%+.1f %%, %+.1f %%). Edges take no pressure: a cloth that is pulled one way narrows until "
         "its diagonals hold it, and how much they hold depends on how long they are.",
         100.0 * change( corners, 0 ), 100.0 * change( limp, 0 ), 100.0 * change( limp, 1 ) );

@@ -69,14 +69,14 @@ static int add_header( const paper_table* table, results* out )
     cell_row row = { .count = 0 };
     cell( &row, "strands" );
     cell( &row, "vertices" );
-    cell( &row, "source ms" );
+    cell( &row, "Kim 2026 ms" );
     cell( &row, "FPS" );
     cell( &row, "plain C ms" );
     for ( int v = 1; v < table->variant_count; ++v )
     {
         cell( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
     }
-    cell( &row, "plain/ours" );
+    cell( &row, "speedup over plain C" );
     cell( &row, "freeze %%" );
     cell( &row, "align %%" );
     cell( &row, "clump %%" );
@@ -86,7 +86,7 @@ static int add_header( const paper_table* table, results* out )
     cell( &row, "error/h" );
     cell( &row, "against" );
     cell( &row, "plain's m" );
-    cell( &row, "bytes/vertex" );
+    cell( &row, "bytes per vertex" );
     cell( &row, "hash" );
     return results_add_table( out, "Frozen hair, Table 1: 20 vertices a strand, all stages, a command each step",
                               row.count, row.cells );
@@ -256,7 +256,7 @@ static void add_chart( results* out )
     rows_chart_add( &( rows_chart ){ .name = "paper",
                                      .title = "Frozen hair, all stages: time against size",
                                      .x_label = "vertices",
-                                     .y_label = "ms a step",
+                                     .y_label = "ms per step",
                                      .caption = "The source's machine is unknown: compare slopes, not heights.",
                                      .x = rows_vertices,
                                      .y = rows_ms },

@@ -34,20 +34,20 @@ static int begin_table( const triangle_plan* plan, results* out )
     cells_put( &row, "links" );
     cells_put( &row, "k_s N/m" );
     cells_put( &row, "steps" );
-    cells_put( &row, "source s/frame" );
+    cells_put( &row, "Noh and Jung s per frame" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         cells_put( &row, "%d %s ms mean", plan->workers[w], bench_workers_word( plan->workers[w] ) );
-        cells_put( &row, "median" );
+        cells_put( &row, "%d %s ms median", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "source/ours" );
-    cells_put( &row, "iterations mean / most" );
+    cells_put( &row, "speedup over Noh and Jung" );
+    cells_put( &row, "iterations, mean / max" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         cells_put( &row, "%d %s ns a vertex, iteration", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "us a vertex" );
-    cells_put( &row, "ns a link" );
+    cells_put( &row, "us per vertex" );
+    cells_put( &row, "ns per link" );
     cells_put( &row, "contacts at the end" );
     cells_put( &row, "unsolved / indefinite" );
     cells_put( &row, "hash" );
@@ -125,8 +125,10 @@ static void add_ratio( const triangle_plan* plan, const triangle_line* triangles
 
 static void add_ratios( const triangle_plan* plan, const triangle_line* lines, results* out )
 {
-    static const char* const names[] = { "k_s N/m",   "workers", "us a vertex",    "ratio",     "source's",
-                                         "ns a link", "ratio",   "links a vertex", "iterations" };
+    static const char* const names[] = {
+        "k_s N/m",     "workers", "us per vertex",  "ratio",     "ratio, Noh and Jung",
+        "ns per link", "ratio",   "links a vertex", "iterations"
+    };
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -188,7 +190,7 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
     snprintf( title, sizeof( title ),
               "Growth of conjugate gradients at fixed material: iterations a step, steps %d to %d of the fall",
               plan->touch_step + 1, plan->touch_step + plan->growth_steps );
-    static const char* const names[] = { "vertices",     "iterations", "times the first",
+    static const char* const names[] = { "vertices",     "iterations", "iterations / first",
                                          "sqrt of size", "of that",    "exponent here" };
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
@@ -224,11 +226,19 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
 
 static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, results* out )
 {
-    static const char* const names[] = {
-        "vertices",        "links",  "steps",      "plain C ms mean",         "median",
-        "1 worker ms",     "median", "plain/ours", "iterations plain / ours", "unsolved plain / ours",
-        "apart at most m", "rms m",  "hash"
-    };
+    static const char* const names[] = { "vertices",
+                                         "links",
+                                         "steps",
+                                         "plain C ms mean",
+                                         "median",
+                                         "1 worker ms",
+                                         "median",
+                                         "speedup over plain C",
+                                         "iterations plain / ours",
+                                         "unsolved plain / ours",
+                                         "apart at most m",
+                                         "rms m",
+                                         "hash" };
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -289,9 +299,11 @@ static void add_reading( const triangle_plan* plan, const triangle_line* lines, 
     results_add_note(
         out,
         "Ours: 0.2 kg/m^2, k_b 1e-6 N m^2, k_d 0.02 N s/m, ball of radius 0.25 m, margin 5 mm, friction 0.3 and 0.2, "
-        "tolerance 1e-4, one substep, steps from the start of the fall. Times are of all steps; us a vertex, ns a "
+        "tolerance 1e-4, one substep, steps from the start of the fall. Times are of all steps; us per vertex, ns "
+        "per "
         "link "
-        "and source/ours are means with 1 worker. ns a vertex and iteration are of the whole pass that solves, "
+        "and speedup over Noh and Jung are means with 1 worker. ns a vertex and iteration are of the whole pass that "
+        "solves, "
         "assembly included: the median over steps with at least a quarter of the most iterations. Iterations come "
         "from a run of their own with figures, whose hash must be the same." );
     results_add_note(
@@ -323,7 +335,7 @@ static void add_chart( results* out )
                                      .also_unit = "N/m",
                                      .title = "Triangle cloth that falls onto a ball: time against size",
                                      .x_label = "vertices",
-                                     .y_label = "ms a step, mean",
+                                     .y_label = "ms per step, mean",
                                      .x = rows_vertices,
                                      .y = mean_ms_of },
                     out );

@@ -553,8 +553,8 @@ static void add_line( const closed_form* form, const closed_setting* setting, co
 
 wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "form",    "solver",      "substeps",  "truth",   "measured",
-                                          "error %", "tolerated %", "us a step", "laid out" };
+    static const char* const header[] = { "form",    "solver",      "substeps",    "truth",        "measured",
+                                          "error %", "tolerated %", "us per step", "strand resets" };
     int table =
         results_add_table( out, "Strands against closed forms, steps of 1/60 s", WISP_COUNT( header ), header );
     wisp_status status = WISP_OK;

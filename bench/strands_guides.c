@@ -174,13 +174,14 @@ static int begin_table( const strands_plan* plan, results* out )
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
-        cells_put( &row, "of it ghosts" );
-        cells_put( &row, "share of all" );
+        cells_put( &row, "%d %s ghosts ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s fraction of all", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "RMS to all mm" );
-    cells_put( &row, "without sway mm" );
+    cells_put( &row, "RMS error mm" );
+    cells_put( &row, "RMS error without sway mm" );
     cells_put( &row, "hash" );
-    return cells_begin_table( &row, "Guides and ghosts against simulating all (GUI E5), head shaken", out );
+    return cells_begin_table( &row, "Guides and ghosts against simulating all (Park and Kim 2024, E5), head shaken",
+                              out );
 }
 
 static void add_line( const strands_plan* plan, const guides_run* run, const guides_row* row, int table,

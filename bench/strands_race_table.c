@@ -60,12 +60,13 @@ static int begin_table( const strands_plan* plan, results* out )
     {
         cells_put( &row, "%d %s ms", plan->workers[w], bench_workers_word( plan->workers[w] ) );
         cells_put( &row, "p10 .. p90" );
-        cells_put( &row, "ns a vertex, substep" );
+        cells_put( &row, "%d %s ns per vertex and substep", plan->workers[w],
+                   bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "faster than plain C" );
-    cells_put( &row, "stretch max / mean %%" );
-    cells_put( &row, "error to truth %%" );
-    cells_put( &row, "laid out" );
+    cells_put( &row, "speedup over plain C" );
+    cells_put( &row, "stretch %%, max / mean" );
+    cells_put( &row, "error %%" );
+    cells_put( &row, "strand resets" );
     cells_put( &row, "hash" );
     cells_put( &row, "NvCloth 1 / 2 threads ms*" );
     cells_put( &row, "PBD rods 1 / 2 threads ms*" );
@@ -312,14 +313,15 @@ static void add_notes( const strands_plan* plan, results* out )
         out,
         "* on another machine: two virtual cores of an AVX-512 Xeon at about 3.4 GHz, gcc 12.2, each engine "
         "with its best settings for ten passes a step of 1/60 s; NvCloth's strands stretch 7.6 %% at most and 2.4 %% "
-        "in the mean. Claims against NvCloth compare with these constants and mean something there only." );
+        "in the mean. Claims against NvCloth compare with these constants and hold on that machine only." );
     results_add_note(
         out,
         "Strands: every strand points in a direction of its own, %.2f m a segment, hair of 80 um. Stretch is the "
-        "average over a look every 5 steps of up to %d steps. The truth is the same scene by the direct stretch and "
+        "average over a look every 5 steps of up to %d steps. The reference is the same scene by the direct stretch "
+        "and "
         "the same bend with %d substeps, at %d steps of 1/60 s (later the motion is chaotic): root mean square "
-        "distance of the first %d strands in %% of their length. Plain C is judged on these strands once. Its rods "
-        "do not exist, so they race with nobody.",
+        "distance of the first %d strands in %% of their length. Plain C is judged on these strands once. It has no "
+        "rods, so rods have no such speedup.",
         (double)STRANDS_SPACING, plan->scenario_steps, STRANDS_TRUTH_SUBSTEPS, STRANDS_TRUTH_STEPS,
         STRANDS_TRUTH_STRANDS );
 }
@@ -346,7 +348,7 @@ static void add_charts( const strands_plan* plan, int first_row, results* out )
                              .also_unit = "substeps",
                              .title = title,
                              .x_label = "strands",
-                             .y_label = "ms a step",
+                             .y_label = "ms per step",
                              .x = strands_of,
                              .y = rows_ms,
                              .caption = "A line that rises by a decade for a decade of strands costs the same for "

@@ -80,8 +80,10 @@ static double share_of_length( wisp_vec3 a, wisp_vec3 b )
 
 wisp_status strands_independence( const strands_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "steps a second",    "substeps",           "vertices", "tip at 0.2 s off %",
-                                          "tip at rest off %", "off the elastica %", "us a step" };
+    static const char* const header[] = {
+        "steps per second",     "substeps",   "vertices", "tip error at 0.2 s, %", "tip error at rest, %",
+        "error to elastica, %", "us per step"
+    };
     int table = results_add_table( out, "A clamped hair of 0.2 m: the same answer at any rate and number of vertices",
                                    WISP_COUNT( header ), header );
     const wisp_vec3 closed = elastica_tip();

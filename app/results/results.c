@@ -192,6 +192,15 @@ void results_add_picture( results* all, const char* path, const char* caption )
     }
 }
 
+void results_add_headline( results* all, const char* format, ... )
+{
+    WISP_ASSERT( all->headline_count < RESULTS_MAX_HEADLINES );
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( all->headlines[all->headline_count++], sizeof( all->headlines[0] ), format, arguments );
+    va_end( arguments );
+}
+
 static void add_note( results* all, const char* before, const char* format, va_list arguments )
 {
     char text[1000];

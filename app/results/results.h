@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #define RESULTS_MAX_VALUES 64
+#define RESULTS_MAX_HEADLINES 32
 
 typedef struct results_value
 {
@@ -86,6 +87,8 @@ typedef struct results_picture
 /// Zero-initialised means empty. Running out of memory is kept and reported once, by results_write().
 typedef struct results
 {
+    char headlines[RESULTS_MAX_HEADLINES][200]; ///< the result of each case in a line
+    int headline_count;
     machine_facts machine;
     results_row* rows;
     int row_count, row_capacity;
@@ -130,6 +133,8 @@ void results_add_point( results* all, int chart, int series, results_point point
 /// @param path of a PNG that is there when the results are written
 void results_add_picture( results* all, const char* path, const char* caption );
 
+/// A line above all tables. Beyond RESULTS_MAX_HEADLINES is an assert.
+void results_add_headline( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 void results_add_note( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// A note that also makes the run a failed one.
 void results_add_failure( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );

@@ -1,5 +1,6 @@
 #include "results.h"
 #include "results_json.h"
+#include "results_text.h"
 
 #include <errno.h>
 #include <math.h>
@@ -9,17 +10,6 @@
 const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "gbench" };
 
 // ---- tables for people ----
-
-static int column_width( const results_table* table, int column )
-{
-    size_t width = 0;
-    for ( int row = 0; row < table->row_count; ++row )
-    {
-        size_t length = strlen( results_cell( table, row, column ) );
-        width = length > width ? length : width;
-    }
-    return (int)width;
-}
 
 static void write_machine( const results* all, FILE* stream, const char* line_end )
 {
@@ -32,62 +22,24 @@ static void write_machine( const results* all, FILE* stream, const char* line_en
     fprintf( stream, "flags: %s%s\n", machine->flags, line_end );
 }
 
-static void write_text_row( const results_table* table, int row, FILE* stream )
-{
-    for ( int column = 0; column < table->column_count; ++column )
-    {
-        const char* text = results_cell( table, row, column );
-        int width = column_width( table, column );
-        const char* gap = column > 0 ? "  " : "";
-        if ( results_is_numeric_column( table, column ) )
-        {
-            fprintf( stream, "%s%*s", gap, width, text );
-        }
-        else
-        {
-            // No blanks at the end of a line.
-            fprintf( stream, "%s%-*s", gap, column + 1 < table->column_count ? width : 0, text );
-        }
-    }
-    fputc( '\n', stream );
-}
-
-static void write_text_table( const results_table* table, FILE* stream )
-{
-    const bool has_title = table->title[0] != '\0';
-    int width = -2;
-    for ( int column = 0; column < table->column_count; ++column )
-    {
-        width += column_width( table, column ) + 2;
-    }
-    if ( has_title )
-    {
-        fprintf( stream, "\n%s\n\n", table->title );
-    }
-    for ( int row = has_title ? 0 : 1; row < table->row_count; ++row )
-    {
-        write_text_row( table, row, stream );
-        for ( int i = 0; row == 0 && i < width; ++i )
-        {
-            fputc( i + 1 < width ? '-' : '\n', stream );
-        }
-    }
-}
-
 static void write_text( const results* all, FILE* stream )
 {
+    for ( int i = 0; i < all->headline_count; ++i )
+    {
+        results_write_text_note( all->headlines[i], stream );
+    }
     if ( !all->is_result_first )
     {
         write_machine( all, stream, "" );
     }
     for ( int t = 0; t < all->table_count; ++t )
     {
-        write_text_table( &all->tables[t], stream );
+        results_write_text_table( &all->tables[t], stream );
     }
     fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
-        fprintf( stream, "%s\n", all->notes[i] );
+        results_write_text_note( all->notes[i], stream );
     }
     if ( all->is_result_first )
     {
@@ -113,6 +65,11 @@ static void write_markdown_cell( const char* text, FILE* stream )
 
 static void write_markdown( const results* all, FILE* stream )
 {
+    for ( int i = 0; i < all->headline_count; ++i )
+    {
+        fprintf( stream, "%s  
+", all->headlines[i] );
+    }
     if ( !all->is_result_first )
     {
         write_machine( all, stream, "  " );

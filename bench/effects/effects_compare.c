@@ -118,7 +118,7 @@ static int begin_table( results* out )
     {
         cells_put( &header, "%s", NAMES[i] );
     }
-    return cells_begin_table( &header, "Effects: what nobody asks for costs nothing, one worker", out );
+    return cells_begin_table( &header, "Effects: an effect that is not requested costs nothing, one worker", out );
 }
 
 static void add_row( const contest* c, int table, results* out )
@@ -175,7 +175,7 @@ typedef struct diagonal
 static diagonal begin_chart( results* out )
 {
     diagonal d = { .chart = results_add_chart( out, "Effects with only the modules in use, and with all of them",
-                                               "only modules in use, ms a step", "every module, ms a step" ) };
+                                               "only modules in use, ms per step", "every module, ms per step" ) };
     results_chart* chart = results_chart_at( out, d.chart );
     if ( chart != NULL )
     {

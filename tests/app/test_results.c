@@ -271,7 +271,7 @@ static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state
     char* text = written_example( RESULTS_TEXT );
     assert_non_null( strstr( text, "\nwho              ms  note\n" ) );
     assert_non_null( strstr( text, "\nwisp           0.75  a|b\n" ) );
-    assert_non_null( strstr( text, "\na longer name     -  \n" ) );
+    assert_non_null( strstr( text, "\na longer name     -\n" ) );
     assert_non_null( strstr( text, "\n1 notes\n" ) );
     assert_null( strchr( text, '\033' ) );
     free( text );

@@ -6,9 +6,10 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "results.h"
+#include "results_text.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static inline const results_table* find_table( const results* all, const char* beginning )
@@ -131,4 +132,24 @@ static inline int free_results( void** state )
 {
     results_free( *state );
     return 0;
+}
+
+/// Write all results as text, which must fit a terminal: no line is wider and no table has more columns.
+static inline void assert_fits_terminal( const results* all )
+{
+    char* text = NULL;
+    size_t size = 0;
+    wisp_error error = { 0 };
+    FILE* stream = open_memstream( &text, &size );
+    assert_non_null( stream );
+    expect_ok( results_write( all, RESULTS_TEXT, stream, &error ), &error );
+    fclose( stream );
+    for ( const char* line = text; *line; line += strcspn( line, "\n" ) + 1 )
+    {
+        if ( strcspn( line, "\n" ) > RESULTS_TEXT_WIDTH )
+        {
+            fail_msg( "a line of %zu characters: %.60s", strcspn( line, "\n" ), line );
+        }
+    }
+    free( text );
 }

@@ -1,8 +1,5 @@
 // The runner: variants take turns, warm-up steps are not samples, and failures end the run.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "bench_tables.h"
 
 #include "bench.h"
 
@@ -160,6 +157,91 @@ static void quick_is_shorter_unless_the_user_says_how_long( void** state )
     assert_true( bench_seconds( &options ) == 3.0 );
 }
 
+// ---- tables on a terminal ----
+
+static char* text_of( const results_table* table )
+{
+    char* text = NULL;
+    size_t size = 0;
+    FILE* stream = open_memstream( &text, &size );
+    assert_non_null( stream );
+    results_write_text_table( table, stream );
+    fclose( stream );
+    return text;
+}
+
+static int count_parts( const char* text, const char* what )
+{
+    int count = 0;
+    for ( size_t i = 0; text[i] != '\0'; ++i )
+    {
+        count += strncmp( text + i, what, strlen( what ) ) == 0 ? 1 : 0;
+    }
+    return count;
+}
+
+static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart( void** state )
+{
+    (void)state;
+    enum
+    {
+        COLUMNS = 20,
+    };
+    results all = { 0 };
+    const char* header[COLUMNS] = { "size", "solver" };
+    const char* cells[COLUMNS] = { "10", "direct" };
+    for ( int i = 2; i < COLUMNS; ++i )
+    {
+        header[i] = "ms";
+        cells[i] = "1";
+    }
+    const int table = results_add_table( &all, "A wide table", COLUMNS, header );
+    results_add_cells( &all, table, cells );
+    cells[1] = "links";
+    results_add_cells( &all, table, cells );
+    char* text = text_of( &all.tables[table] );
+
+    // two columns tell the rows apart and leave room for six others
+    assert_int_equal( count_parts( text, "A wide table" ), 3 );
+    assert_int_equal( count_parts( text, "size  solver" ), 3 );
+    assert_int_equal( count_parts( text, "ms" ), COLUMNS - 2 );
+    free( text );
+    results_free( &all );
+}
+
+static void long_cells_go_on_in_the_next_line( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    char words[400] = "";
+    for ( int i = 0; i < 60; ++i )
+    {
+        strcat( words, "word " );
+    }
+    const int table = results_add_table( &all, words, 3, ( const char* const[] ){ "one", "two", words } );
+    results_add_cells( &all, table, ( const char* const[] ){ words, words, "3" } );
+    results_add_note( &all, "%s", words );
+    assert_fits_terminal( &all );
+    char* text = text_of( &all.tables[table] );
+    // the title is cut at 160 characters; every word of the heading and of both cells is there
+    assert_int_equal( count_parts( text, "word" ), 32 + 3 * 60 );
+    free( text );
+    results_free( &all );
+}
+
+static void hashes_and_quantiles_are_left_to_formats_for_programs( void** state )
+{
+    (void)state;
+    results all = { 0 };
+    const char* const header[] = { "size", "ms", "p10 .. p90", "hash" };
+    const int table = results_add_table( &all, "A table", WISP_COUNT( header ), header );
+    results_add_cells( &all, table, ( const char* const[] ){ "10", "1", "0 .. 2", "0123456789abcdef" } );
+    char* text = text_of( &all.tables[table] );
+    assert_non_null( strstr( text, "\nsize  ms\n--------\n  10   1\n" ) );
+    free( text );
+    results_free( &all );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -170,6 +252,9 @@ int main( void )
         cmocka_unit_test( a_step_that_fails_ends_the_run_with_its_sentence ),
         cmocka_unit_test( every_case_has_a_name_of_its_own_and_a_purpose ),
         cmocka_unit_test( quick_is_shorter_unless_the_user_says_how_long ),
+        cmocka_unit_test( a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart ),
+        cmocka_unit_test( long_cells_go_on_in_the_next_line ),
+        cmocka_unit_test( hashes_and_quantiles_are_left_to_formats_for_programs ),
     };
     return cmocka_run_group_tests_name( "bench", tests, NULL, NULL );
 }

@@ -34,6 +34,7 @@ static void no_check_of_the_case_fails( void** state )
 {
     const results* all = *state;
     expect_good( all );
+    assert_fits_terminal( all );
     assert_column( find_table( all, "B1" ), "met", "yes" );
     assert_column( find_table( all, "BND-01" ), "met", "yes" );
     assert_column( find_table( all, "B2" ), "met", "yes" );

@@ -45,6 +45,7 @@ static void no_check_of_the_case_fails( void** state )
 {
     const results* all = *state;
     expect_good( all );
+    assert_fits_terminal( all );
     assert_column( find_table( all, "Contact, queries" ), "same", "yes" );
     assert_column( find_table( all, "Contact, the price" ), "same", "yes" );
     assert_column( find_table( all, "Contact, what motion costs" ), "same", "yes" );
@@ -84,9 +85,9 @@ static void a_tree_is_refitted_and_a_grid_is_not( void** state )
 static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
 {
     const results_table* table = find_table( *state, "Contact, the price" );
-    assert_true( number( table, row_of( table, "none" ), "at most" ) > 0.0 );
+    assert_true( number( table, row_of( table, "none" ), "max intersections" ) > 0.0 );
     assert_string_equal( named_cell( table, row_of( table, "none" ), "pairs" ), "-" );
-    assert_string_equal( named_cell( table, row_of( table, "exact, margin 2" ), "at most" ), "0" );
+    assert_string_equal( named_cell( table, row_of( table, "exact, margin 2" ), "max intersections" ), "0" );
     assert_true( number( table, row_of( table, "exact, margin 2" ), "pairs" ) > 0.0 );
 }
 
@@ -116,12 +117,12 @@ static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table( void** sta
                          named_cell( price, row_of( price, "exact, margin 1" ), "hash" ) );
     assert_string_not_equal( named_cell( table, rest, "hash" ), named_cell( table, pace, "hash" ) );
     assert_string_not_equal( named_cell( table, twice, "hash" ), named_cell( table, pace, "hash" ) );
-    assert_true( number( table, rest, "m/s at most" ) == 0.0 );
-    assert_true( number( table, pace, "m/s at most" ) == 0.54 ); // 0.15 m, 3 and 2 rad/s
-    assert_true( number( table, twice, "m/s at most" ) == 1.08 );
+    assert_true( number( table, rest, "max speed, m/s" ) == 0.0 );
+    assert_true( number( table, pace, "max speed, m/s" ) == 0.54 ); // 0.15 m, 3 and 2 rad/s
+    assert_true( number( table, twice, "max speed, m/s" ) == 1.08 );
     for ( int r = pace; r < table->row_count; ++r )
     {
-        assert_string_equal( named_cell( table, r, "crossings at most" ), "0" );
+        assert_string_equal( named_cell( table, r, "max intersections" ), "0" );
         assert_true( number( table, r, "contacts" ) > 0.0 );
     }
 }
@@ -129,8 +130,8 @@ static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table( void** sta
 static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
 {
     const results_table* table = find_table( *state, "Contact, two balloons" );
-    assert_true( number( table, row_of( table, "none" ), "at most %" ) > 5.0 );
-    assert_true( number( table, row_of( table, "exact, margin 2" ), "at most %" ) < 1.0 ); // BAL-X1
+    assert_true( number( table, row_of( table, "none" ), "max overlap, %" ) > 5.0 );
+    assert_true( number( table, row_of( table, "exact, margin 2" ), "max overlap, %" ) < 1.0 ); // BAL-X1
     assert_true( number( table, row_of( table, "exact, margin 2" ), "force N" ) > 0.0 );
 }
 

@@ -296,6 +296,7 @@ static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
     wisp_error error = { 0 };
     expect_ok( strands_race( &plan, &all, &error ), &error );
     expect_good( &all );
+    assert_fits_terminal( &all );
     const results_table* table = find_table( &all, "Strands x 20 vertices" );
 
     // two of plain C a size, all six settings at 20 strands and two at 100

@@ -28,7 +28,8 @@ static triangle_plan small_plan( void )
 static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
 {
     const results* all = *state;
-    assert_false( all->failed );
+    expect_good( all );
+    assert_fits_terminal( all );
     const results_table* table = find_table( all, "Triangle cloth, Table 1" );
     assert_int_equal( table->row_count, 1 + 2 );
     assert_string_equal( cell( table, 1, 0 ), "triangles" );

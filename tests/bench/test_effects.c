@@ -357,7 +357,7 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
     assert_false( all.failed );
     int count;
     effects_all( &count );
-    const results_table* apart = find_table( &all, "Effects: what nobody asks for" );
+    const results_table* apart = find_table( &all, "Effects: an effect that is not requested" );
     assert_int_equal( apart->row_count - 1, count );
     assert_column( apart, "same plan, bits, bytes", "yes" );
     const results_table* together = find_table( &all, "Effects: a world of four" );
