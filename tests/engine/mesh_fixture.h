@@ -7,6 +7,7 @@
 
 #include "wisp/mesh_tree.h"
 
+#include <float.h>
 #include <math.h>
 
 typedef struct test_mesh
@@ -261,6 +262,66 @@ static inline wisp_mesh_hit sweep( wisp_mesh_tree* tree, wisp_vec3 from, wisp_ve
     wisp_mesh_hit hit;
     wisp_mesh_tree_sweep( tree, &( wisp_mesh_path ){ from, to }, 1, &hit, NULL );
     return hit;
+}
+
+// Its middle and half the edge of a cube around it.
+static inline wisp_vec3 middle_of( const test_mesh* m, float* size )
+{
+    wisp_vec3 low = m->points[0], high = low;
+    for ( int i = 1; i < m->point_count; ++i )
+    {
+        wisp_vec3 p = m->points[i];
+        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
+        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+    }
+    *size = 0.5f * fmaxf( fmaxf( high.x - low.x, 1e-3f ), fmaxf( high.y - low.y, high.z - low.z ) );
+    return ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+}
+
+/// Numbers that are none are counted and answered with nothing.
+static inline void assert_refuses_bad_numbers( wisp_mesh_tree* tree )
+{
+    const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, 1e18f, 2e18f, -FLT_MAX };
+    wisp_mesh_work work = { 0 };
+    uint64_t expected = 0;
+    for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
+    {
+        wisp_mesh_query query = { { 0.1f, 0.2f, 0.3f }, 1.0f };
+        wisp_mesh_path to = { query.point, query.point }, from = to;
+        ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
+        wisp_mesh_nearest nearest;
+        wisp_mesh_hit hits[2];
+        wisp_mesh_tree_closest( tree, &query, 1, &nearest, &work );
+        wisp_mesh_tree_sweep( tree, &to, 1, hits, &work );
+        wisp_mesh_tree_sweep( tree, &from, 1, hits + 1, &work );
+        assert_true( nearest.triangle == -1 && hits[0].triangle == -1 && hits[1].triangle == -1 );
+        expected += 3;
+    }
+    const float radii[] = { NAN, -1.0f, -FLT_MIN, -INFINITY };
+    for ( int i = 0; i < WISP_COUNT( radii ); ++i )
+    {
+        wisp_mesh_nearest nearest;
+        wisp_mesh_tree_closest( tree, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
+        assert_int_equal( nearest.triangle, -1 );
+        expected += 1;
+    }
+    assert_int_equal( work.refused, expected );
+    assert_int_equal( work.asked, expected );
+    assert_int_equal( work.answered, 0 );
+}
+
+/// A ball about the origin is found from the ends of the reach.
+static inline void assert_answers_the_ends_of_the_reach( wisp_mesh_tree* tree )
+{
+    const float r = WISP_MESH_TREE_REACH;
+    wisp_mesh_nearest far = closest( tree, ( wisp_vec3 ){ r, -r, r }, INFINITY );
+    assert_true( far.triangle >= 0 );
+    // the diagonal of the reach, to its rounding
+    assert_float_equal( far.distance / r, sqrtf( 3.0f ), 4e-7f );
+    assert_true( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ r, r, r } ).triangle >= 0 );
+    assert_true( sweep( tree, ( wisp_vec3 ){ -r, 0.01f, 0.02f }, ( wisp_vec3 ){ r, 0.01f, 0.02f } ).triangle >= 0 );
+    assert_int_equal( closest( tree, ( wisp_vec3 ){ FLT_MIN, 1e-45f, 0.0f }, 0.1f ).triangle, -1 );
+    assert_int_equal( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
 }
 
 /// Says so where the library was built without Embree: then there are no trees to test.

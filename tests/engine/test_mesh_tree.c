@@ -30,20 +30,6 @@ static test_mesh make_mesh( int which )
     }
 }
 
-// A cube around the mesh, its middle and half its edge.
-static wisp_vec3 middle_of( const test_mesh* m, float* size )
-{
-    wisp_vec3 low = m->points[0], high = low;
-    for ( int i = 1; i < m->point_count; ++i )
-    {
-        wisp_vec3 p = m->points[i];
-        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
-    }
-    *size = 0.5f * fmaxf( high.x - low.x, fmaxf( high.y - low.y, high.z - low.z ) );
-    return ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
-}
-
 // Points anywhere about the mesh, points close to it, and points exactly on corners and in the middle of edges.
 static wisp_vec3 query_point( const test_mesh* m, int i )
 {

@@ -9,39 +9,11 @@
 static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )
 {
     (void)state;
-    const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, 1e18f, 2e18f, -FLT_MAX };
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
         wisp_mesh_tree* tree = test_mesh_tree( &m, deforms == 1 );
-        wisp_mesh_work work = { 0 };
-        uint64_t expected = 0;
-        for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
-        {
-            wisp_mesh_query query = { { 0.1f, 0.2f, 0.3f }, 1.0f };
-            wisp_mesh_path to = { query.point, query.point }, from = to;
-            ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
-            wisp_mesh_nearest nearest;
-            wisp_mesh_hit hit;
-            wisp_mesh_tree_closest( tree, &query, 1, &nearest, &work );
-            assert_int_equal( nearest.triangle, -1 );
-            wisp_mesh_tree_sweep( tree, &to, 1, &hit, &work );
-            assert_int_equal( hit.triangle, -1 );
-            wisp_mesh_tree_sweep( tree, &from, 1, &hit, &work );
-            assert_int_equal( hit.triangle, -1 );
-            expected += 3;
-        }
-        const float radii[] = { NAN, -1.0f, -FLT_MIN, -INFINITY };
-        for ( int i = 0; i < WISP_COUNT( radii ); ++i )
-        {
-            wisp_mesh_nearest nearest;
-            wisp_mesh_tree_closest( tree, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
-            assert_int_equal( nearest.triangle, -1 );
-            expected += 1;
-        }
-        assert_int_equal( work.refused, expected );
-        assert_int_equal( work.asked, expected );
-        assert_int_equal( work.answered, 0 );
+        assert_refuses_bad_numbers( tree );
         wisp_mesh_tree_release( tree );
     }
     test_mesh_free( &m );
@@ -50,16 +22,9 @@ static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** 
 static void the_ends_of_the_reach_are_answered( void** state )
 {
     (void)state;
-    const float r = WISP_MESH_TREE_REACH;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_mesh_tree* tree = test_mesh_tree( &m, false );
-    wisp_mesh_nearest far = closest( tree, ( wisp_vec3 ){ r, -r, r }, INFINITY );
-    assert_true( far.triangle >= 0 );
-    // the diagonal of the reach, to its rounding
-    assert_float_equal( far.distance / r, sqrtf( 3.0f ), 4e-7f );
-    assert_true( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ r, r, r } ).triangle >= 0 );
-    assert_int_equal( closest( tree, ( wisp_vec3 ){ FLT_MIN, 1e-45f, 0.0f }, 0.1f ).triangle, -1 );
-    assert_int_equal( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
+    assert_answers_the_ends_of_the_reach( tree );
     wisp_mesh_tree_release( tree );
     test_mesh_free( &m );
 }

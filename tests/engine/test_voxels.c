@@ -2,7 +2,6 @@
 // bit, whatever the size of the voxels.
 #include "mesh_fixture.h"
 
-#include <float.h>
 
 enum
 {
@@ -128,20 +127,6 @@ static test_mesh make_mesh( int which )
             return test_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj" );
     }
     return ( test_mesh ){ 0 };
-}
-
-// Its middle and half the edge of a cube around it.
-static wisp_vec3 middle_of( const test_mesh* m, float* size )
-{
-    wisp_vec3 low = m->points[0], high = low;
-    for ( int i = 1; i < m->point_count; ++i )
-    {
-        wisp_vec3 p = m->points[i];
-        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
-    }
-    *size = 0.5f * fmaxf( fmaxf( high.x - low.x, 1e-3f ), fmaxf( high.y - low.y, high.z - low.z ) );
-    return ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
 }
 
 // Points on corners and edges, close to the surface, in the box of the mesh, outside it and far away.
@@ -393,34 +378,9 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
 static void numbers_that_are_none_are_refused( void** state )
 {
     (void)state;
-    const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, -FLT_MAX };
     test_mesh m = test_mesh_ball( 4, false );
     wisp_mesh_tree* voxels = make_voxels( &m, true, 0.0f );
-    wisp_mesh_work work = { 0 };
-    uint64_t expected = 0;
-    for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
-    {
-        wisp_mesh_query query = { { 0.1f, 0.2f, 0.3f }, 1.0f };
-        wisp_mesh_path to = { query.point, query.point }, from = to;
-        ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
-        wisp_mesh_nearest nearest;
-        wisp_mesh_hit hits[2];
-        wisp_mesh_tree_closest( voxels, &query, 1, &nearest, &work );
-        wisp_mesh_tree_sweep( voxels, &to, 1, hits, &work );
-        wisp_mesh_tree_sweep( voxels, &from, 1, hits + 1, &work );
-        assert_true( nearest.triangle == -1 && hits[0].triangle == -1 && hits[1].triangle == -1 );
-        expected += 3;
-    }
-    const float radii[] = { NAN, -1.0f, -FLT_MIN, -INFINITY };
-    for ( int i = 0; i < WISP_COUNT( radii ); ++i )
-    {
-        wisp_mesh_nearest nearest;
-        wisp_mesh_tree_closest( voxels, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
-        assert_int_equal( nearest.triangle, -1 );
-        expected += 1;
-    }
-    assert_int_equal( work.refused, expected );
-    assert_int_equal( work.answered, 0 );
+    assert_refuses_bad_numbers( voxels );
     wisp_mesh_tree_release( voxels );
     test_mesh_free( &m );
 }
@@ -428,15 +388,9 @@ static void numbers_that_are_none_are_refused( void** state )
 static void the_ends_of_the_reach_are_answered( void** state )
 {
     (void)state;
-    const float r = WISP_MESH_TREE_REACH;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_mesh_tree* voxels = make_voxels( &m, false, 1e-6f );
-    wisp_mesh_nearest far = closest( voxels, ( wisp_vec3 ){ r, -r, r }, INFINITY );
-    assert_true( far.triangle >= 0 );
-    assert_float_equal( far.distance / r, sqrtf( 3.0f ), 4e-7f ); // of the diagonal, to its rounding
-    assert_true( sweep( voxels, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ r, r, r } ).triangle >= 0 );
-    assert_true( sweep( voxels, ( wisp_vec3 ){ -r, 0.01f, 0.02f }, ( wisp_vec3 ){ r, 0.01f, 0.02f } ).triangle >= 0 );
-    assert_int_equal( sweep( voxels, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
+    assert_answers_the_ends_of_the_reach( voxels );
     wisp_mesh_tree_release( voxels );
     test_mesh_free( &m );
 }
