@@ -2,7 +2,6 @@
 // bit, whatever the size of the voxels.
 #include "mesh_fixture.h"
 
-
 enum
 {
     QUERIES = 600,

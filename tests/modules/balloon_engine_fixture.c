@@ -82,6 +82,8 @@ wisp_world* balloon_world_create( const balloon_scene* scene )
     {
         def.workers = scene->workers;
         def.isa = scene->isa;
+        def.parallel_for = scene->parallel_for;
+        def.parallel_for_user = scene->parallel_for_user;
         def.substeps = scene->substeps;
         def.iterations = scene->iterations;
         def.allocator = scene->allocator.allocate != NULL ? scene->allocator : def.allocator;

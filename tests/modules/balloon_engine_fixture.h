@@ -27,6 +27,8 @@ typedef struct balloon_scene
     int substeps, iterations;
     int workers;
     const char* isa;
+    wisp_parallel_for_fn* parallel_for; ///< the host's loop; null: none
+    void* parallel_for_user;
     wisp_allocator allocator;
 } balloon_scene;
 

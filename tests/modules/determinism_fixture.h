@@ -39,6 +39,7 @@ typedef struct determinism_run
 typedef struct determinism_case
 {
     const char* name;
+    int steps;
     int warm_workers;  // warm steps are counted with 1 to so many workers
     int rehearsal;     // steps of the same motion that are run once before warm steps are counted
     bool is_one_block; // so small that no worker helps with it
@@ -47,7 +48,7 @@ typedef struct determinism_case
 typedef struct determinism
 {
     const char* golden_file;
-    int case_count, steps;
+    int case_count;
     bool every_pair; // each instruction set with each number of workers; else each of both
     determinism_case ( *describe )( int number );
     determinism_run* ( *open )( int number, const place_to_run* place, int* calls );
@@ -58,7 +59,7 @@ typedef struct determinism
     void ( *close )( determinism_run* r );
 } determinism;
 
-static void determinism_place( wisp_world_def* def, const place_to_run* place, int* calls )
+static inline void determinism_place( wisp_world_def* def, const place_to_run* place, int* calls )
 {
     def->workers = place->workers;
     def->isa = place->isa;
@@ -69,7 +70,7 @@ static void determinism_place( wisp_world_def* def, const place_to_run* place, i
 static traces run_case( const determinism* d, int number, const place_to_run* place, int* calls )
 {
     determinism_run* r = d->open( number, place, calls );
-    d->run( r, d->steps );
+    d->run( r, d->describe( number ).steps );
     const traces t = d->traces_of( r );
     assert_int_equal( wisp_world_counter( r->world, WISP_COUNT_HALTED ), 0 );
     d->check( r );
@@ -154,7 +155,7 @@ static void cases_and_a_nudge_have_other_hashes( void** state )
         }
         determinism_run* r = d->open( n, &PLAIN, NULL );
         d->nudge( r );
-        d->run( r, d->steps );
+        d->run( r, d->describe( n ).steps );
         assert_true( d->traces_of( r ).motion != hashes[n] );
         d->close( r );
     }
@@ -194,7 +195,7 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
             d->run( r, 3 );
             run_there_and_back( d, r, c.rehearsal );
             const int64_t asked = atomic_load( &r->host->asked );
-            d->run( r, d->steps );
+            d->run( r, c.steps );
             if ( atomic_load( &r->host->asked ) != asked )
             {
                 fail_msg( "%s asks for memory %d times in warm steps with %d workers", c.name,
@@ -209,22 +210,22 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
 static void a_snapshot_goes_on_to_the_same_bits( void** state )
 {
     const determinism* d = *state;
-    const int half = d->steps / 2 + 1;
     for ( int n = 0; n < d->case_count; ++n )
     {
+        const int steps = d->describe( n ).steps, half = steps / 2 + 1;
         const traces straight = run_case( d, n, &PLAIN, NULL );
         determinism_run* both[2] = { d->open( n, &PLAIN, NULL ), d->open( n, &PLAIN, NULL ) };
         size_t size;
         d->run( both[0], half );
         void* bytes = determinism_save( both[0], &size );
-        d->run( both[0], d->steps );
+        d->run( both[0], steps );
         assert_true( d->traces_of( both[0] ).state != straight.state );
         d->run( both[1], 1 ); // what is requested has its columns with the plan
         for ( int k = 0; k < 2; ++k )
         {
             assert_status( both[k]->world, wisp_world_restore( both[k]->world, bytes, size ), WISP_OK );
             both[k]->steps = half;
-            d->run( both[k], d->steps - half );
+            d->run( both[k], steps - half );
             const traces t = d->traces_of( both[k] );
             if ( t.motion != straight.motion || t.state != straight.state )
             {

@@ -119,7 +119,7 @@ static void nudge( determinism_run* base )
 
 static determinism_case describe( int number )
 {
-    return ( determinism_case ){ cases[number].name, .warm_workers = 2 };
+    return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = 2 };
 }
 
 // Twenty small cloths of all kinds share waves; each is what it is in a world of its own.
@@ -162,7 +162,6 @@ int main( void )
 {
     const determinism d = { WISP_SOURCE_ROOT "/data/golden/cloth.hash",
                             WISP_COUNT( cases ),
-                            STEPS,
                             true,
                             describe,
                             open_case,

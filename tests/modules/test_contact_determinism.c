@@ -193,14 +193,13 @@ static void nudge( determinism_run* base )
 // Lists of pairs grow with what is found, so the same motion is run twice: what was enough for it once is enough again.
 static determinism_case describe( int number )
 {
-    return ( determinism_case ){ cases[number].name, .warm_workers = 1, .rehearsal = STEPS };
+    return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = 1, .rehearsal = STEPS };
 }
 
 int main( void )
 {
     const determinism d = { WISP_SOURCE_ROOT "/data/golden/contact.hash",
                             WISP_COUNT( cases ),
-                            STEPS,
                             false,
                             describe,
                             open_case,

@@ -152,14 +152,13 @@ static void nudge( determinism_run* base )
 static determinism_case describe( int number )
 {
     const golden_case* c = cases + number;
-    return ( determinism_case ){ c->name, .warm_workers = 2, .is_one_block = c->side < LARGE };
+    return ( determinism_case ){ c->name, STEPS, .warm_workers = 2, .is_one_block = c->side < LARGE };
 }
 
 int main( void )
 {
     const determinism d = { WISP_SOURCE_ROOT "/data/golden/implicit_cloth.hash",
                             WISP_COUNT( cases ),
-                            STEPS,
                             true,
                             describe,
                             open_case,

@@ -228,14 +228,14 @@ static void nudge( determinism_run* base )
 static determinism_case describe( int number )
 {
     const bool mixed = cases[number].mixed;
-    return ( determinism_case ){ cases[number].name, .warm_workers = mixed ? 1 : 2, .rehearsal = mixed ? STEPS : 0 };
+    return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = mixed ? 1 : 2,
+                                 .rehearsal = mixed ? STEPS : 0 };
 }
 
 int main( void )
 {
     const determinism d = { WISP_SOURCE_ROOT "/data/golden/strands.hash",
                             WISP_COUNT( cases ),
-                            STEPS,
                             true,
                             describe,
                             open_case,
