@@ -67,8 +67,7 @@ static void write_markdown( const results* all, FILE* stream )
 {
     for ( int i = 0; i < all->headline_count; ++i )
     {
-        fprintf( stream, "%s  
-", all->headlines[i] );
+        fprintf( stream, "%s  \n", all->headlines[i] );
     }
     if ( !all->is_result_first )
     {
