@@ -243,21 +243,21 @@ void results_write_text_table( const results_table* table, FILE* stream )
     {
         text_part part;
         fputc( '\n', stream );
-        results_write_text_note( table->title, stream );
+        results_write_text_lines( table->title, stream );
         fputs( next > 0 ? "(continued)\n\n" : "\n", stream );
         next = fill_part( table, shown, shown_count, key_count, next, count_max, &part );
         write_part( table, &part, stream );
     }
 }
 
-void results_write_text_note( const char* note, FILE* stream )
+void results_write_text_lines( const char* text, FILE* stream )
 {
-    for ( int line = 0; line == 0 || *note; ++line )
+    for ( int line = 0; line == 0 || *text; ++line )
     {
         const int indent = line > 0 ? 2 : 0;
-        const int length = line_length( note, RESULTS_TEXT_WIDTH - indent );
-        fprintf( stream, "%*s%.*s\n", indent, "", length, note );
-        note += length;
-        note += strspn( note, " " );
+        const int length = line_length( text, RESULTS_TEXT_WIDTH - indent );
+        fprintf( stream, "%*s%.*s\n", indent, "", length, text );
+        text += length;
+        text += strspn( text, " " );
     }
 }

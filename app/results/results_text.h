@@ -9,5 +9,5 @@
 /// Write one table. A wider one is split; each part repeats the columns that tell its rows apart. Hashes and
 /// quantiles are left to the formats for programs, and long cells go on in the next line.
 void results_write_text_table( const results_table* table, FILE* stream );
-/// Write a sentence, broken between words; its further lines are indented.
-void results_write_text_note( const char* note, FILE* stream );
+/// Write a text, broken between words; its further lines are indented.
+void results_write_text_lines( const char* text, FILE* stream );

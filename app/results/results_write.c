@@ -26,7 +26,7 @@ static void write_text( const results* all, FILE* stream )
 {
     for ( int i = 0; i < all->headline_count; ++i )
     {
-        results_write_text_note( all->headlines[i], stream );
+        results_write_text_lines( all->headlines[i], stream );
     }
     if ( !all->is_result_first )
     {
@@ -39,7 +39,7 @@ static void write_text( const results* all, FILE* stream )
     fputs( all->note_count > 0 ? "\n" : "", stream );
     for ( int i = 0; i < all->note_count; ++i )
     {
-        results_write_text_note( all->notes[i], stream );
+        fprintf( stream, "%s\n", all->notes[i] ); // in one line each, so that programs find words in them
     }
     if ( all->is_result_first )
     {

@@ -36,6 +36,12 @@ static void a_report_is_written_beside_the_usual_output( void** state )
     {
         ++tables;
     }
+    // a table that is too wide for a terminal has further parts there
+    for ( const char* part = strstr( result.out, "\n(continued)\n" ); part;
+          part = strstr( part + 1, "\n(continued)\n" ) )
+    {
+        --tables;
+    }
     char last[40];
     snprintf( last, sizeof( last ), " id=\"table-%d\"", tables );
     assert_true( tables > 0 );

@@ -220,7 +220,6 @@ static void long_cells_go_on_in_the_next_line( void** state )
     }
     const int table = results_add_table( &all, words, 3, ( const char* const[] ){ "one", "two", words } );
     results_add_cells( &all, table, ( const char* const[] ){ words, words, "3" } );
-    results_add_note( &all, "%s", words );
     assert_fits_terminal( &all );
     char* text = text_of( &all.tables[table] );
     // the title is cut at 160 characters; every word of the heading and of both cells is there
