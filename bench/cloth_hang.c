@@ -82,19 +82,7 @@ static void add_line( const cloth_plan* plan, int n, const scenario_figures* f, 
 {
     cells row = { .count = 0 };
     cells_put( &row, "%d", n );
-    for ( int e = 0; e < plan->worker_count; ++e )
-    {
-        if ( f->halted_at > 0 )
-        {
-            cells_put( &row, "halted at step %d", f->halted_at );
-            cells_put( &row, "-" );
-        }
-        else
-        {
-            cells_put_number( &row, f->ms[e].median, 3 );
-            cells_put( &row, "%.3f .. %.3f", f->ms[e].p10, f->ms[e].p90 );
-        }
-    }
+    scenario_put_times( f, plan->worker_count, &row );
     cells_put_pair( &row, 100.0 * f->stretch_max, 1, 100.0 * f->stretch_mean, 3 );
     cells_put_number( &row, f->kinetic, 0 );
     cells_put_number( &row, 100.0 * f->energy_lost, 2 );

@@ -71,19 +71,7 @@ static void write_line( const cloth_plan* plan, const level_table* table, const 
     const scenario_figures* f = &line->figures;
     cells row = { .count = 0 };
     cells_put( &row, "%s", line->name );
-    for ( int e = 0; e < plan->worker_count; ++e )
-    {
-        if ( f->halted_at > 0 )
-        {
-            cells_put( &row, "halted at step %d", f->halted_at );
-            cells_put( &row, "-" );
-        }
-        else
-        {
-            cells_put_number( &row, f->ms[e].median, 3 );
-            cells_put( &row, "%.3f .. %.3f", f->ms[e].p10, f->ms[e].p90 );
-        }
-    }
+    scenario_put_times( f, plan->worker_count, &row );
     cells_put_pair( &row, 100.0 * f->stretch_max, 1, 100.0 * f->stretch_mean, 3 );
     put_scientific( &row, f->kinetic );
     if ( table->has_volume )

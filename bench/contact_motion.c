@@ -50,10 +50,6 @@ static int begin_table( const contact_race* race, results* out )
     cells_put( &header, "ball" );
     cells_put( &header, "max speed, m/s" );
     cells_put( &header, "displacement / thickness" );
-    for ( int i = 0; i < race->teams->count; ++i )
-    {
-        cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
-    }
     static const char* const names[] = { "steps",
                                          "contacts",
                                          "searches",
@@ -63,11 +59,7 @@ static int begin_table( const contact_race* race, results* out )
                                          "limited displacements",
                                          "hash",
                                          "same" };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    return cells_begin_table( &header, title, out );
+    return contact_race_begin_table( race, &header, names, WISP_COUNT( names ), title, out );
 }
 
 static void write_table( const contact_race* race, const contact_run* runs, results* out )

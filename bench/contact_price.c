@@ -54,10 +54,6 @@ static int begin_table( const contact_race* race, results* out )
               race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "way" );
-    for ( int i = 0; i < race->teams->count; ++i )
-    {
-        cells_put( &header, "ms median / mean / worst, %d w", race->teams->workers[i] );
-    }
     static const char* const names[] = { "steps",
                                          "time / margin 2",
                                          "pairs",
@@ -70,11 +66,7 @@ static int begin_table( const contact_race* race, results* out )
                                          "limited displacements",
                                          "hash",
                                          "same" };
-    for ( int i = 0; i < WISP_COUNT( names ); ++i )
-    {
-        cells_put( &header, "%s", names[i] );
-    }
-    return cells_begin_table( &header, title, out );
+    return contact_race_begin_table( race, &header, names, WISP_COUNT( names ), title, out );
 }
 
 static void check( const contact_race* race, const contact_run* run, results* out )

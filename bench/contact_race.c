@@ -224,6 +224,20 @@ void contact_race_add_rows( const contact_race* race, const contact_run* run, re
     }
 }
 
+int contact_race_begin_table( const contact_race* race, cells* header, const char* const* names, int name_count,
+                              const char* title, results* out )
+{
+    for ( int i = 0; i < race->teams->count; ++i )
+    {
+        cells_put( header, "ms median / mean / worst, %d w", race->teams->workers[i] );
+    }
+    for ( int i = 0; i < name_count; ++i )
+    {
+        cells_put( header, "%s", names[i] );
+    }
+    return cells_begin_table( header, title, out );
+}
+
 void contact_race_put_times( const contact_race* race, const contact_run* run, cells* row )
 {
     for ( int i = 0; i < race->teams->count; ++i )

@@ -65,6 +65,9 @@ wisp_status contact_race_run( const contact_race* race, contact_run* runs, wisp_
 
 /// Rows for machines, one for each worker count.
 void contact_race_add_rows( const contact_race* race, const contact_run* run, results* out );
+/// Begin a table: what `header` has already, times for each worker count, then `names`.
+int contact_race_begin_table( const contact_race* race, cells* header, const char* const* names, int name_count,
+                              const char* title, results* out );
 /// Cells `median / mean / worst` for each worker count.
 void contact_race_put_times( const contact_race* race, const contact_run* run, cells* row );
 /// A failure unless all worlds of a run have one hash, and none was halted.

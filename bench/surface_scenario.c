@@ -1,5 +1,7 @@
 #include "surface_scenario.h"
 
+#include "cells.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -219,6 +221,23 @@ static void put_finite( results_values* values, const char* name, double value )
     if ( isfinite( value ) )
     {
         results_put( values, name, value );
+    }
+}
+
+void scenario_put_times( const scenario_figures* figures, int count, cells* row )
+{
+    for ( int e = 0; e < count; ++e )
+    {
+        if ( figures->halted_at > 0 )
+        {
+            cells_put( row, "halted at step %d", figures->halted_at );
+            cells_put( row, "-" );
+        }
+        else
+        {
+            cells_put_number( row, figures->ms[e].median, 3 );
+            cells_put( row, "%.3f .. %.3f", figures->ms[e].p10, figures->ms[e].p90 );
+        }
     }
 }
 

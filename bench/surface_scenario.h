@@ -50,6 +50,10 @@ wisp_status scenario_run( surface_entrant* entrants, int count, const scenario_p
 void scenario_check_hashes( const surface_entrant* entrants, int count, const uint64_t* hashes, const char* what,
                             results* out );
 
+struct cells;
+
+/// Cells of the median and the quantiles for each entrant, or the step at which the engine halted it.
+void scenario_put_times( const scenario_figures* figures, int count, struct cells* row );
 /// A row for machines for each entrant.
 void scenario_add_rows( const surface_entrant* entrants, int count, const scenario_figures* figures, const char* name,
                         const char* variant, const char* truth_name, results* out );
