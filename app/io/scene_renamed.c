@@ -9,6 +9,7 @@
 
 const scene_renamed SCENE_RENAMED_KEYS[] = {
     // scene
+    { NULL, "step_seconds", "dt" },
     { NULL, "commands", "hair_events" },
     { NULL, "script", "events" },
     // strands and surfaces
